@@ -1,0 +1,180 @@
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lodestone::common {
+
+using Json = nlohmann::ordered_json;
+
+/// Closed interval a number must lie in.
+struct Bounds {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+};
+
+/// The words a text key may hold; empty means any text.
+using Choices = std::vector<std::string>;
+
+// A configuration is an aggregate with defaults and one template that visits its keys:
+//
+//   struct DishConfig {
+//     double radius_m = 0.0425;
+//     template <class Visitor>
+//     void visit(Visitor& v) {
+//       v.field("radius_m", radius_m, "m", "inner radius of the dish", {0.005, 0.5});
+//     }
+//   };
+//
+// The same visit() reads JSON (ConfigReader), writes it (ConfigWriter) and documents it (ConfigDescriber).
+// Nested configurations are visited with v.group("dish", dish, "the dish").
+// A configuration may also have `void validate() const`, which throws ConfigError; it runs after reading.
+
+/// Reads one JSON object strictly: an unknown key, a wrong type or a value out of bounds throws ConfigError
+/// naming source, key, value and bound. Keys that are absent keep their default.
+class ConfigReader {
+ public:
+  ConfigReader(const Json& object, std::string source, std::string prefix = "");
+
+  void field(const char* key, double& value, const char* unit, const char* meaning, Bounds bounds = {});
+  void field(const char* key, std::int64_t& value, const char* unit, const char* meaning, Bounds bounds = {});
+  void field(const char* key, bool& value, const char* unit, const char* meaning);
+  void field(const char* key, std::string& value, const char* unit, const char* meaning, Choices choices = {});
+  void field(const char* key, std::vector<double>& value, const char* unit, const char* meaning,
+             Bounds bounds = {});
+  void field(const char* key, std::vector<std::int64_t>& value, const char* unit, const char* meaning,
+             Bounds bounds = {});
+
+  template <class Config>
+  void group(const char* key, Config& value, const char* /*meaning*/) {
+    known_.insert(key);
+    if (!object_.contains(key)) return;
+    ConfigReader reader(object_.at(key), source_, prefix_ + key + ".");
+    value.visit(reader);
+    reader.finish();
+  }
+
+  /// Throws ConfigError when the object holds a key that no field() or group() asked for.
+  void finish() const;
+
+ private:
+  const Json* find(const char* key);
+  [[noreturn]] void fail(const std::string& key, const Json& value, const std::string& expectation) const;
+  void check(const char* key, const Json& value, double number, const Bounds& bounds) const;
+
+  const Json& object_;
+  std::string source_;
+  std::string prefix_;
+  std::set<std::string> known_;
+};
+
+/// Writes a configuration as a JSON object, every key included.
+class ConfigWriter {
+ public:
+  template <class Value, class... Rest>
+  void field(const char* key, Value& value, const char* /*unit*/, const char* /*meaning*/, Rest&&...) {
+    json_[key] = value;
+  }
+  // Braced bounds and choices cannot be deduced by the template above.
+  template <class Value>
+  void field(const char* key, Value& value, const char*, const char*, Bounds) {
+    json_[key] = value;
+  }
+  void field(const char* key, std::string& value, const char*, const char*, Choices) { json_[key] = value; }
+
+  template <class Config>
+  void group(const char* key, Config& value, const char* /*meaning*/) {
+    ConfigWriter writer;
+    value.visit(writer);
+    json_[key] = writer.take();
+  }
+  Json take() { return std::move(json_); }
+
+ private:
+  Json json_ = Json::object();
+};
+
+/// One line of `lodestone config --print`.
+struct ConfigRow {
+  std::string key;       ///< dotted path
+  std::string value;     ///< default, as JSON
+  std::string unit;      ///< empty when the key has none
+  std::string bounds;    ///< "0.01 .. 2" or "adam | sgd", empty when free
+  std::string meaning;
+};
+
+/// Lists every key of a configuration with its present value, unit, bounds and meaning.
+class ConfigDescriber {
+ public:
+  explicit ConfigDescriber(std::string prefix = "") : prefix_(std::move(prefix)) {}
+
+  void field(const char* key, double& value, const char* unit, const char* meaning, Bounds bounds = {});
+  void field(const char* key, std::int64_t& value, const char* unit, const char* meaning, Bounds bounds = {});
+  void field(const char* key, bool& value, const char* unit, const char* meaning);
+  void field(const char* key, std::string& value, const char* unit, const char* meaning, Choices choices = {});
+  void field(const char* key, std::vector<double>& value, const char* unit, const char* meaning,
+             Bounds bounds = {});
+  void field(const char* key, std::vector<std::int64_t>& value, const char* unit, const char* meaning,
+             Bounds bounds = {});
+  template <class Config>
+  void group(const char* key, Config& value, const char* /*meaning*/) {
+    ConfigDescriber nested(prefix_ + key + ".");
+    value.visit(nested);
+    for (ConfigRow& row : nested.rows_) rows_.push_back(std::move(row));
+  }
+  const std::vector<ConfigRow>& rows() const { return rows_; }
+
+ private:
+  void add(const char* key, const Json& value, const char* unit, const char* meaning, std::string bounds);
+
+  std::string prefix_;
+  std::vector<ConfigRow> rows_;
+};
+
+/// Reads a JSON file (comments allowed). Throws ConfigError with line and column when it is missing or malformed.
+Json read_json_file(const std::string& path);
+
+/// Applies one "a.b.c=value" to `config`. The value is read as JSON, and as text when it is not JSON.
+/// Throws ConfigError when there is no '=' or a step of the path is not an object.
+void apply_override(Json& config, const std::string& assignment);
+
+/// Reads `json` over the defaults of `Config`; `source` names it in messages (a file name).
+namespace detail {
+template <class Config>
+auto validate(const Config& config, int) -> decltype(config.validate(), void()) {
+  config.validate();
+}
+template <class Config>
+void validate(const Config&, long) {}
+}  // namespace detail
+
+template <class Config>
+Config config_from_json(const Json& json, const std::string& source, Config config = Config{}) {
+  ConfigReader reader(json, source);
+  config.visit(reader);
+  reader.finish();
+  detail::validate(config, 0);
+  return config;
+}
+
+template <class Config>
+Json config_to_json(Config config) {
+  ConfigWriter writer;
+  config.visit(writer);
+  return writer.take();
+}
+
+template <class Config>
+std::vector<ConfigRow> describe_config(Config config = Config{}) {
+  ConfigDescriber describer;
+  config.visit(describer);
+  return describer.rows();
+}
+
+}  // namespace lodestone::common

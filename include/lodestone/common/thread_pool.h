@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+
+namespace lodestone::common {
+
+/// A fixed set of workers for data-parallel loops. The caller works too, so ThreadPool(1) starts no thread.
+/// Work is cut into shards by the caller; results must not depend on which worker runs a shard.
+/// Every worker sets flush-to-zero for denormal numbers.
+class ThreadPool {
+ public:
+  /// threads: 1 or more; 0 means one per processor.
+  explicit ThreadPool(std::size_t threads = 0);
+  ~ThreadPool();
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+  std::size_t size() const;
+
+  /// Calls body(shard) once for every shard in [0, shards) and returns when all are done.
+  /// The first exception thrown by a body is rethrown here. Not reentrant.
+  void for_each(std::size_t shards, const std::function<void(std::size_t)>& body);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lodestone::common

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lodestone/common/config.h"
+
+namespace lodestone::data {
+
+/// What one observation row holds.
+enum class StateLayout {
+  kPosition,  ///< x_m, y_m (a sphere: the recorded pulses)
+  kPose,      ///< x_m, y_m, heading_rad (a needle)
+};
+
+/// 2 or 3 numbers a row.
+int state_size(StateLayout layout);
+
+/// Actions are always two signed axis drives: positive means the + coil of that axis, negative the - coil.
+constexpr int kActionSize = 2;
+
+/// One stretch of pulses without a reset in between. All arrays are row-major.
+struct Episode {
+  std::vector<double> observations;        ///< [T + 1, S]
+  std::vector<double> actions;             ///< [T, 2] in the dataset's action unit (A, or percent of range)
+  std::vector<std::uint8_t> terminations;  ///< [T] 1: the episode ended by itself here
+  std::vector<std::uint8_t> truncations;   ///< [T] 1: it was cut here
+  std::vector<std::uint8_t> zero_current;  ///< [T] 1: nothing was applied (kept, but not for training)
+
+  std::int64_t length() const { return static_cast<std::int64_t>(terminations.size()); }
+};
+
+/// Where a dataset comes from and what its numbers mean; stored as attributes.
+struct DatasetInfo {
+  StateLayout layout = StateLayout::kPose;
+  std::string action_unit = "A";     ///< "A" or "percent"
+  double action_scale = 15.0;        ///< action that [-1, 1] maps to: the largest current or drive
+  double workspace_radius_m = 0.0425;  ///< reach of the state: the dish radius, or the radius the data covers
+  bool one_axis_at_a_time = false;   ///< true when no row ever drives both axes (the recorded sphere)
+  double control_period_s = 0.3;
+  std::int64_t seed = 0;
+  std::string source;                ///< "virtual rig", or the imported file's name
+  common::Json rig = common::Json::object();  ///< parameters of the rig as configured
+};
+
+struct Dataset {
+  DatasetInfo info;
+  std::vector<Episode> episodes;
+
+  std::int64_t transitions() const;
+};
+
+/// Flat rows of every transition: what training and baselines use.
+struct TransitionTable {
+  int state_size = 0;
+  std::vector<double> state;       ///< [N, S]
+  std::vector<double> action;      ///< [N, 2]
+  std::vector<double> next_state;  ///< [N, S]
+  std::vector<std::int64_t> episode;  ///< [N] index of the episode a row comes from
+
+  std::int64_t size() const { return static_cast<std::int64_t>(episode.size()); }
+};
+
+/// All rows, or only those with current (`with_zero_current` = false).
+TransitionTable flatten(const Dataset& dataset, bool with_zero_current = false);
+
+struct Split {
+  Dataset train;
+  Dataset validation;
+  Dataset test;
+};
+
+/// Splits by whole episodes, drawn by `seed`; fractions of the episodes. Throws DataError when a part is empty.
+Split split_by_episode(const Dataset& dataset, double validation_fraction, double test_fraction,
+                       std::uint64_t seed);
+
+/// Throws DataError naming episode, row and column when any number is NaN or infinite, sizes disagree, or the
+/// dataset holds no transition.
+void check_dataset(const Dataset& dataset, const std::string& source);
+
+}  // namespace lodestone::data

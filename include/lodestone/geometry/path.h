@@ -1,0 +1,44 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lodestone/geometry/pose2.h"
+
+namespace lodestone::geometry {
+
+/// A polyline in the dish frame, open or closed, parametrised by arc length.
+class Path {
+ public:
+  struct Nearest {
+    Vector2 point_m;
+    double arc_m;       ///< arc length of the point from the start of the path
+    double distance_m;  ///< cross-track error
+  };
+
+  /// At least two points, not all equal; throws common::DataError otherwise.
+  Path(std::vector<Vector2> points_m, bool closed);
+
+  /// Square centred at the origin, sides along the axes, counter-clockwise from (+side/2, -side/2).
+  static Path square(double side_m);
+  /// Circle centred at the origin as a polygon of `segments`, counter-clockwise from +x.
+  static Path circle(double radius_m, int segments = 180);
+  /// CSV with header `x_m,y_m`. The path is closed when its last point equals its first.
+  /// Throws common::DataError with file, line and column.
+  static Path from_csv(const std::string& file);
+
+  double length_m() const { return arc_m_.back(); }
+  bool closed() const { return closed_; }
+  const std::vector<Vector2>& points_m() const { return points_m_; }
+
+  /// Point at an arc length; closed paths wrap, open ones stop at their ends.
+  Vector2 at(double arc_m) const;
+  Nearest nearest(const Vector2& position_m) const;
+
+ private:
+  std::vector<Vector2> points_m_;  // closed paths repeat the first point at the end
+  std::vector<double> arc_m_;
+  bool closed_;
+};
+
+}  // namespace lodestone::geometry

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "lodestone/imaging/frame.h"
+
+namespace lodestone::rig {
+
+/// A source of pictures of the dish.
+class Camera {
+ public:
+  virtual ~Camera() = default;
+  /// The next picture. Throws common::HardwareError when none comes within `timeout_s`.
+  virtual imaging::Frame grab(double timeout_s) = 0;
+};
+
+}  // namespace lodestone::rig

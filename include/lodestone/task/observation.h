@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "lodestone/geometry/pose2.h"
+
+namespace lodestone::task {
+
+/// What a controller knows when it decides, in SI units in the dish frame.
+struct Observation {
+  geometry::Pose2 pose;  ///< as sensed
+  geometry::Vector2 target_m = geometry::Vector2::Zero();
+  geometry::Vector2 last_action = geometry::Vector2::Zero();          ///< in [-1, 1]^2; zero after a reset
+  geometry::Vector2 last_displacement_m = geometry::Vector2::Zero();  ///< sensed motion since the last action
+};
+
+/// How observations become the numbers a policy network sees. Used by training and by deployment alike.
+struct EncoderConfig {
+  std::string heading = "angle";  ///< "angle" (paper: theta in rad), "sine_cosine", or "none" (sphere)
+  bool target = true;             ///< append the target: the random-target policy
+  bool relative_target = false;   ///< append target - position as well
+  bool memory = false;            ///< append last action and last displacement: remembers a stall
+  double length_scale_m = 0.0425;  ///< lengths are divided by it (dish radius)
+  double displacement_scale_m = 0.005;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("heading", heading, "", "how the heading is given", {"angle", "sine_cosine", "none"});
+    v.field("target", target, "", "append the target position");
+    v.field("relative_target", relative_target, "", "append the vector from needle to target");
+    v.field("memory", memory, "", "append last action and last displacement");
+    v.field("length_scale_m", length_scale_m, "m", "lengths are divided by this", {1e-4, 1.0});
+    v.field("displacement_scale_m", displacement_scale_m, "m", "displacements are divided by this", {1e-5, 1.0});
+  }
+};
+
+class ObservationEncoder {
+ public:
+  explicit ObservationEncoder(const EncoderConfig& config) : config_(config) {}
+
+  /// Numbers per observation: 2 + heading (0, 1, 2) + target 2 + relative target 2 + memory 4.
+  int size() const;
+  /// Writes size() numbers in the order position, heading, target, relative target, last action, displacement.
+  void encode(const Observation& observation, float* out) const;
+
+ private:
+  EncoderConfig config_;
+};
+
+}  // namespace lodestone::task
