@@ -2,7 +2,8 @@
 
 namespace lodestone::common {
 
-/// Time as the control loop sees it. Real rigs use SteadyClock; the virtual rig's own clock advances its physics.
+/// Time as the control loop sees it. Real rigs use SteadyClock; the virtual rig's own clock advances its
+/// physics.
 class Clock {
  public:
   virtual ~Clock() = default;

@@ -45,7 +45,8 @@ class ConfigReader {
   void field(const char* key, double& value, const char* unit, const char* meaning, Bounds bounds = {});
   void field(const char* key, std::int64_t& value, const char* unit, const char* meaning, Bounds bounds = {});
   void field(const char* key, bool& value, const char* unit, const char* meaning);
-  void field(const char* key, std::string& value, const char* unit, const char* meaning, Choices choices = {});
+  void field(const char* key, std::string& value, const char* unit, const char* meaning,
+             Choices choices = {});
   void field(const char* key, std::vector<double>& value, const char* unit, const char* meaning,
              Bounds bounds = {});
   void field(const char* key, std::vector<std::int64_t>& value, const char* unit, const char* meaning,
@@ -102,10 +103,10 @@ class ConfigWriter {
 
 /// One line of `lodestone config --print`.
 struct ConfigRow {
-  std::string key;       ///< dotted path
-  std::string value;     ///< default, as JSON
-  std::string unit;      ///< empty when the key has none
-  std::string bounds;    ///< "0.01 .. 2" or "adam | sgd", empty when free
+  std::string key;     ///< dotted path
+  std::string value;   ///< default, as JSON
+  std::string unit;    ///< empty when the key has none
+  std::string bounds;  ///< "0.01 .. 2" or "adam | sgd", empty when free
   std::string meaning;
 };
 
@@ -117,7 +118,8 @@ class ConfigDescriber {
   void field(const char* key, double& value, const char* unit, const char* meaning, Bounds bounds = {});
   void field(const char* key, std::int64_t& value, const char* unit, const char* meaning, Bounds bounds = {});
   void field(const char* key, bool& value, const char* unit, const char* meaning);
-  void field(const char* key, std::string& value, const char* unit, const char* meaning, Choices choices = {});
+  void field(const char* key, std::string& value, const char* unit, const char* meaning,
+             Choices choices = {});
   void field(const char* key, std::vector<double>& value, const char* unit, const char* meaning,
              Bounds bounds = {});
   void field(const char* key, std::vector<std::int64_t>& value, const char* unit, const char* meaning,
@@ -137,7 +139,8 @@ class ConfigDescriber {
   std::vector<ConfigRow> rows_;
 };
 
-/// Reads a JSON file (comments allowed). Throws ConfigError with line and column when it is missing or malformed.
+/// Reads a JSON file (comments allowed). Throws ConfigError with line and column when it is missing or
+/// malformed.
 Json read_json_file(const std::string& path);
 
 /// Applies one "a.b.c=value" to `config`. The value is read as JSON, and as text when it is not JSON.

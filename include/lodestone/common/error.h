@@ -65,8 +65,7 @@ class LogicFault : public std::logic_error {
 }  // namespace lodestone::common
 
 /// Throws LogicFault unless `condition` holds; `message` says what was expected, with the value.
-#define LODESTONE_CHECK(condition, message)                                                      \
-  do {                                                                                           \
-    if (!(condition))                                                                            \
-      ::lodestone::common::throw_check_failure(#condition, __FILE__, __LINE__, (message));       \
+#define LODESTONE_CHECK(condition, message)                                                                \
+  do {                                                                                                     \
+    if (!(condition)) ::lodestone::common::throw_check_failure(#condition, __FILE__, __LINE__, (message)); \
   } while (false)

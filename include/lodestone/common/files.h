@@ -8,12 +8,13 @@ namespace lodestone::common {
 /// Whole file as bytes. Throws IoError naming the path.
 std::string read_file(const std::string& path);
 
-/// Writes to a temporary name beside `path`, fsyncs and renames, so that `path` holds either the old or the new
-/// content, never a part. Throws IoError (disk full, no permission) and leaves `path` as it was.
+/// Writes to a temporary name beside `path`, fsyncs and renames, so that `path` holds either the old or the
+/// new content, never a part. Throws IoError (disk full, no permission) and leaves `path` as it was.
 void write_file_atomically(const std::string& path, std::string_view content);
 
-/// Replaces folder `path` by folder `staged` in one step (renames; exchanges the two names when `path` exists and
-/// then removes the old content). Both must be on one file system. Throws IoError; `path` is then unchanged.
+/// Replaces folder `path` by folder `staged` in one step (renames; exchanges the two names when `path` exists
+/// and then removes the old content). Both must be on one file system. Throws IoError; `path` is then
+/// unchanged.
 void replace_folder(const std::string& staged, const std::string& path);
 
 /// fsync of a file or folder. Throws IoError.

@@ -4,7 +4,8 @@
 
 namespace lodestone::common {
 
-/// Messages to the person at the terminal (standard error, through spdlog). Results go to standard output instead.
+/// Messages to the person at the terminal (standard error, through spdlog). Results go to standard output
+/// instead.
 void log_info(const std::string& message);
 void log_warning(const std::string& message);
 void log_error(const std::string& message);

@@ -12,8 +12,8 @@ namespace lodestone::common {
 /// Named numbers at one step.
 using Scalars = std::vector<std::pair<std::string, double>>;
 
-/// Where a run's curves go: `metrics.jsonl` (one object a line, flushed) and TensorBoard events, both in one folder.
-/// Opening appends, so a resumed run goes on in the same file.
+/// Where a run's curves go: `metrics.jsonl` (one object a line, flushed) and TensorBoard events, both in one
+/// folder. Opening appends, so a resumed run goes on in the same file.
 class MetricsLog {
  public:
   /// Throws IoError when the files cannot be opened.

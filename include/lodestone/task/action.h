@@ -6,8 +6,8 @@
 
 namespace lodestone::task {
 
-/// Section IV-B3: a 2-D action in [-1, 1]^2; the sign picks the coil of each axis, the magnitude times `scale` is
-/// its drive. Opposite coils are never on together.
+/// Section IV-B3: a 2-D action in [-1, 1]^2; the sign picks the coil of each axis, the magnitude times
+/// `scale` is its drive. Opposite coils are never on together.
 struct ActionConfig {
   double scale = 15.0;              ///< drive that 1 maps to, in the dataset's unit (A)
   double dead_band = 0.0;           ///< magnitudes below this become zero

@@ -17,10 +17,10 @@ struct Observation {
 
 /// How observations become the numbers a policy network sees. Used by training and by deployment alike.
 struct EncoderConfig {
-  std::string heading = "angle";  ///< "angle" (paper: theta in rad), "sine_cosine", or "none" (sphere)
-  bool target = true;             ///< append the target: the random-target policy
-  bool relative_target = false;   ///< append target - position as well
-  bool memory = false;            ///< append last action and last displacement: remembers a stall
+  std::string heading = "angle";   ///< "angle" (paper: theta in rad), "sine_cosine", or "none" (sphere)
+  bool target = true;              ///< append the target: the random-target policy
+  bool relative_target = false;    ///< append target - position as well
+  bool memory = false;             ///< append last action and last displacement: remembers a stall
   double length_scale_m = 0.0425;  ///< lengths are divided by it (dish radius)
   double displacement_scale_m = 0.005;
 
@@ -31,7 +31,8 @@ struct EncoderConfig {
     v.field("relative_target", relative_target, "", "append the vector from needle to target");
     v.field("memory", memory, "", "append last action and last displacement");
     v.field("length_scale_m", length_scale_m, "m", "lengths are divided by this", {1e-4, 1.0});
-    v.field("displacement_scale_m", displacement_scale_m, "m", "displacements are divided by this", {1e-5, 1.0});
+    v.field("displacement_scale_m", displacement_scale_m, "m", "displacements are divided by this",
+            {1e-5, 1.0});
   }
 };
 
@@ -41,7 +42,8 @@ class ObservationEncoder {
 
   /// Numbers per observation: 2 + heading (0, 1, 2) + target 2 + relative target 2 + memory 4.
   int size() const;
-  /// Writes size() numbers in the order position, heading, target, relative target, last action, displacement.
+  /// Writes size() numbers in the order position, heading, target, relative target, last action,
+  /// displacement.
   void encode(const Observation& observation, float* out) const;
 
  private:

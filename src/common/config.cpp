@@ -1,0 +1,227 @@
+#include "lodestone/common/config.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numeric>
+#include <sstream>
+
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+
+namespace lodestone::common {
+namespace {
+
+std::string number_text(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+std::string bounds_text(const Bounds& bounds) {
+  if (std::isinf(bounds.min) && std::isinf(bounds.max)) return "";
+  if (std::isinf(bounds.max)) return ">= " + number_text(bounds.min);
+  if (std::isinf(bounds.min)) return "<= " + number_text(bounds.max);
+  return number_text(bounds.min) + " .. " + number_text(bounds.max);
+}
+
+std::string joined(const Choices& words, const char* separator) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
+  return text;
+}
+
+/// Levenshtein distance, to suggest the key that was meant.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      diagonal = above;
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace
+
+ConfigReader::ConfigReader(const Json& object, std::string source, std::string prefix)
+    : object_(object), source_(std::move(source)), prefix_(std::move(prefix)) {
+  if (!object_.is_object()) {
+    const std::string name = prefix_.empty() ? "the configuration" : prefix_.substr(0, prefix_.size() - 1);
+    throw ConfigError(source_ + ": " + name + " = " + object_.dump() + " must be a JSON object {...}");
+  }
+}
+
+const Json* ConfigReader::find(const char* key) {
+  known_.insert(key);
+  const auto found = object_.find(key);
+  return found == object_.end() ? nullptr : &*found;
+}
+
+void ConfigReader::fail(const std::string& key, const Json& value, const std::string& expectation) const {
+  throw ConfigError(source_ + ": " + prefix_ + key + " = " + value.dump() + " must be " + expectation);
+}
+
+void ConfigReader::check(const char* key, const Json& value, double number, const Bounds& bounds) const {
+  if (!std::isfinite(number)) fail(key, value, "a finite number");
+  if (number < bounds.min || number > bounds.max) fail(key, value, "within " + bounds_text(bounds));
+}
+
+void ConfigReader::field(const char* key, double& value, const char* unit, const char*, Bounds bounds) {
+  const Json* json = find(key);
+  if (json == nullptr) return;
+  if (!json->is_number()) fail(key, *json, *unit == '\0' ? "a number" : std::string("a number in ") + unit);
+  check(key, *json, json->get<double>(), bounds);
+  value = json->get<double>();
+}
+
+void ConfigReader::field(const char* key, std::int64_t& value, const char*, const char*, Bounds bounds) {
+  const Json* json = find(key);
+  if (json == nullptr) return;
+  const bool whole =
+      json->is_number_integer() || (json->is_number_float() && std::abs(json->get<double>()) < 9e15 &&
+                                    std::floor(json->get<double>()) == json->get<double>());
+  if (!whole) fail(key, *json, "a whole number");
+  check(key, *json, json->get<double>(), bounds);
+  value =
+      json->is_number_integer() ? json->get<std::int64_t>() : static_cast<std::int64_t>(json->get<double>());
+}
+
+void ConfigReader::field(const char* key, bool& value, const char*, const char*) {
+  const Json* json = find(key);
+  if (json == nullptr) return;
+  if (!json->is_boolean()) fail(key, *json, "true or false");
+  value = json->get<bool>();
+}
+
+void ConfigReader::field(const char* key, std::string& value, const char*, const char*, Choices choices) {
+  const Json* json = find(key);
+  if (json == nullptr) return;
+  if (!json->is_string()) fail(key, *json, "text");
+  const std::string text = json->get<std::string>();
+  if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end())
+    fail(key, *json, "one of " + joined(choices, ", "));
+  value = text;
+}
+
+void ConfigReader::field(const char* key, std::vector<double>& value, const char*, const char*,
+                         Bounds bounds) {
+  const Json* json = find(key);
+  if (json == nullptr) return;
+  if (!json->is_array()) fail(key, *json, "a list of numbers");
+  std::vector<double> numbers;
+  for (const Json& item : *json) {
+    if (!item.is_number()) fail(key, *json, "a list of numbers");
+    check(key, *json, item.get<double>(), bounds);
+    numbers.push_back(item.get<double>());
+  }
+  value = std::move(numbers);
+}
+
+void ConfigReader::field(const char* key, std::vector<std::int64_t>& value, const char*, const char*,
+                         Bounds bounds) {
+  const Json* json = find(key);
+  if (json == nullptr) return;
+  if (!json->is_array()) fail(key, *json, "a list of whole numbers");
+  std::vector<std::int64_t> numbers;
+  for (const Json& item : *json) {
+    if (!item.is_number_integer()) fail(key, *json, "a list of whole numbers");
+    check(key, *json, item.get<double>(), bounds);
+    numbers.push_back(item.get<std::int64_t>());
+  }
+  value = std::move(numbers);
+}
+
+void ConfigReader::finish() const {
+  for (const auto& [key, value] : object_.items()) {
+    if (known_.count(key) != 0) continue;
+    std::string nearest;
+    std::size_t least = std::max<std::size_t>(3, key.size() / 2);
+    for (const std::string& candidate : known_) {
+      const std::size_t distance = edit_distance(key, candidate);
+      if (distance < least) {
+        least = distance;
+        nearest = candidate;
+      }
+    }
+    const std::string hint = nearest.empty()
+                                 ? "known keys are " + joined({known_.begin(), known_.end()}, ", ")
+                                 : "did you mean " + prefix_ + nearest + "?";
+    throw ConfigError(source_ + ": unknown key " + prefix_ + key + " = " + value.dump() + "; " + hint);
+  }
+}
+
+void ConfigDescriber::add(const char* key, const Json& value, const char* unit, const char* meaning,
+                          std::string bounds) {
+  rows_.push_back({prefix_ + key, value.dump(), unit, std::move(bounds), meaning});
+}
+
+void ConfigDescriber::field(const char* key, double& value, const char* unit, const char* meaning,
+                            Bounds bounds) {
+  add(key, value, unit, meaning, bounds_text(bounds));
+}
+void ConfigDescriber::field(const char* key, std::int64_t& value, const char* unit, const char* meaning,
+                            Bounds bounds) {
+  add(key, value, unit, meaning, bounds_text(bounds));
+}
+void ConfigDescriber::field(const char* key, bool& value, const char* unit, const char* meaning) {
+  add(key, value, unit, meaning, "true | false");
+}
+void ConfigDescriber::field(const char* key, std::string& value, const char* unit, const char* meaning,
+                            Choices choices) {
+  add(key, value, unit, meaning, joined(choices, " | "));
+}
+void ConfigDescriber::field(const char* key, std::vector<double>& value, const char* unit,
+                            const char* meaning, Bounds bounds) {
+  add(key, value, unit, meaning, bounds_text(bounds));
+}
+void ConfigDescriber::field(const char* key, std::vector<std::int64_t>& value, const char* unit,
+                            const char* meaning, Bounds bounds) {
+  add(key, value, unit, meaning, bounds_text(bounds));
+}
+
+Json read_json_file(const std::string& path) {
+  if (!std::filesystem::is_regular_file(path))
+    throw ConfigError("configuration file " + path +
+                      " does not exist: check the path, or list presets under configs/");
+  const std::string text = read_file(path);
+  try {
+    return Json::parse(text, nullptr, true, true);
+  } catch (const Json::parse_error& error) {
+    const auto end = text.begin() +
+                     static_cast<std::ptrdiff_t>(std::min(error.byte > 0 ? error.byte - 1 : 0, text.size()));
+    const auto line = 1 + std::count(text.begin(), end, '\n');
+    const auto last_break = std::find(std::make_reverse_iterator(end), text.rend(), '\n');
+    const auto column = 1 + std::distance(last_break.base(), end);
+    std::string what = error.what();
+    const std::size_t colon = what.rfind("; ");
+    throw ConfigError(path + ":" + std::to_string(line) + ":" + std::to_string(column) +
+                      ": not JSON: " + (colon == std::string::npos ? what : what.substr(colon + 2)));
+  }
+}
+
+void apply_override(Json& config, const std::string& assignment) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw ConfigError("--set " + assignment + " must have the form key.subkey=value");
+  const std::string path = assignment.substr(0, equals);
+  const std::string text = assignment.substr(equals + 1);
+  Json value = Json::parse(text, nullptr, false);
+  if (value.is_discarded()) value = text;
+  Json* node = &config;
+  std::istringstream steps(path);
+  for (std::string step; std::getline(steps, step, '.');) {
+    if (step.empty()) throw ConfigError("--set " + assignment + " has an empty step in its key");
+    if (node->is_null()) *node = Json::object();
+    if (!node->is_object())
+      throw ConfigError("--set " + assignment + ": " + step + " lies below a key that is no object");
+    node = &(*node)[step];
+  }
+  *node = value;
+}
+
+}  // namespace lodestone::common

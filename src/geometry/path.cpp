@@ -1,0 +1,95 @@
+#include "lodestone/geometry/path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "lodestone/common/error.h"
+
+namespace lodestone::geometry {
+
+using common::DataError;
+
+Path::Path(std::vector<Vector2> points_m, bool closed) : points_m_(std::move(points_m)), closed_(closed) {
+  if (points_m_.size() < 2)
+    throw DataError("a path needs at least two points, got " + std::to_string(points_m_.size()));
+  if (closed_ && points_m_.front() != points_m_.back()) points_m_.push_back(points_m_.front());
+  arc_m_.push_back(0.0);
+  for (std::size_t i = 1; i < points_m_.size(); ++i)
+    arc_m_.push_back(arc_m_.back() + (points_m_[i] - points_m_[i - 1]).norm());
+  if (!(arc_m_.back() > 0.0)) throw DataError("a path needs two different points: its length is zero");
+}
+
+Path Path::square(double side_m) {
+  const double h = side_m / 2.0;
+  return Path({{h, -h}, {h, h}, {-h, h}, {-h, -h}}, true);
+}
+
+Path Path::circle(double radius_m, int segments) {
+  std::vector<Vector2> points;
+  for (int i = 0; i < segments; ++i) {
+    const double angle = 2.0 * M_PI * i / segments;
+    points.emplace_back(radius_m * std::cos(angle), radius_m * std::sin(angle));
+  }
+  return Path(std::move(points), true);
+}
+
+Path Path::from_csv(const std::string& file) {
+  std::ifstream stream(file);
+  if (!stream) throw DataError("cannot read path file " + file);
+  std::string line;
+  std::getline(stream, line);
+  if (!line.empty() && line.back() == '\r') line.pop_back();
+  if (line != "x_m,y_m") throw DataError(file + ":1:1: the header must be x_m,y_m, found \"" + line + "\"");
+  std::vector<Vector2> points;
+  for (int number = 2; std::getline(stream, line); ++number) {
+    if (line.empty() || line == "\r") continue;
+    Vector2 point;
+    std::istringstream cells(line);
+    for (int column = 0; column < 2; ++column) {
+      std::string cell;
+      std::getline(cells, cell, ',');
+      char* end = nullptr;
+      point[column] = std::strtod(cell.c_str(), &end);
+      while (end != nullptr && (*end == '\r' || *end == ' ')) ++end;
+      if (cell.empty() || *end != '\0' || !std::isfinite(point[column]))
+        throw DataError(file + ":" + std::to_string(number) + ": column " + std::to_string(column + 1) +
+                        " (" + (column == 0 ? "x_m" : "y_m") + ") = \"" + cell + "\" is not a finite number");
+    }
+    points.push_back(point);
+  }
+  const bool closed = points.size() > 2 && points.front() == points.back();
+  return Path(std::move(points), closed);
+}
+
+Vector2 Path::at(double arc_m) const {
+  const double length = length_m();
+  if (closed_) {
+    arc_m = std::fmod(arc_m, length);
+    if (arc_m < 0.0) arc_m += length;
+  }
+  arc_m = std::clamp(arc_m, 0.0, length);
+  const auto upper = std::upper_bound(arc_m_.begin() + 1, arc_m_.end() - 1, arc_m);
+  const auto i = static_cast<std::size_t>(upper - arc_m_.begin());
+  const double step = arc_m_[i] - arc_m_[i - 1];
+  const double t = step > 0.0 ? (arc_m - arc_m_[i - 1]) / step : 0.0;
+  return points_m_[i - 1] + t * (points_m_[i] - points_m_[i - 1]);
+}
+
+Path::Nearest Path::nearest(const Vector2& position_m) const {
+  Nearest best{points_m_.front(), 0.0, std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 1; i < points_m_.size(); ++i) {
+    const Vector2 along = points_m_[i] - points_m_[i - 1];
+    const double square = along.squaredNorm();
+    const double t =
+        square > 0.0 ? std::clamp((position_m - points_m_[i - 1]).dot(along) / square, 0.0, 1.0) : 0.0;
+    const Vector2 point = points_m_[i - 1] + t * along;
+    const double distance = (position_m - point).norm();
+    if (distance < best.distance_m) best = {point, arc_m_[i - 1] + t * std::sqrt(square), distance};
+  }
+  return best;
+}
+
+}  // namespace lodestone::geometry
