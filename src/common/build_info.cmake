@@ -1,4 +1,5 @@
 # Writes lodestone_build_info.h when the version, the commit or the build type changed.
+cmake_policy(VERSION 3.22)
 execute_process(COMMAND git -C ${SOURCE} rev-parse --short=12 HEAD OUTPUT_VARIABLE commit ERROR_QUIET
                 OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE failed)
 if(failed)

@@ -1,0 +1,110 @@
+#include "lodestone/common/config.h"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "lodestone/common/error.h"
+#include "temporary_folder.h"
+
+namespace {
+
+using namespace lodestone::common;
+
+struct DishConfig {
+  double radius_m = 0.0425;
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("radius_m", radius_m, "m", "inner radius", {0.005, 0.5});
+  }
+};
+
+struct ExampleConfig {
+  std::int64_t steps = 10;
+  bool fast = false;
+  std::string optimiser = "adam";
+  std::vector<std::int64_t> hidden = {256, 128};
+  DishConfig dish;
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("steps", steps, "", "number of steps", {1, 1000});
+    v.field("fast", fast, "", "whether to hurry");
+    v.field("optimiser", optimiser, "", "which optimiser", {"adam", "sgd"});
+    v.field("hidden", hidden, "", "layer widths", {1, 4096});
+    v.group("dish", dish, "the dish");
+  }
+  void validate() const {
+    if (fast && steps > 100) throw ConfigError("fast = true allows at most 100 steps");
+  }
+};
+
+std::string message_of(const char* text) {
+  try {
+    config_from_json<ExampleConfig>(Json::parse(text), "a.json");
+  } catch (const ConfigError& error) {
+    CHECK(error.exit_code() == 2);
+    return error.what();
+  }
+  return "accepted";
+}
+
+}  // namespace
+
+TEST_CASE("a configuration reads over its defaults and writes back what it read") {
+  const auto config =
+      config_from_json<ExampleConfig>(Json::parse(R"({"steps": 20, "dish": {"radius_m": 0.05}})"), "a.json");
+  CHECK(config.steps == 20);
+  CHECK(config.dish.radius_m == 0.05);
+  CHECK(config.optimiser == "adam");
+  const Json json = config_to_json(config);
+  CHECK(json["dish"]["radius_m"] == 0.05);
+  CHECK(config_to_json(config_from_json<ExampleConfig>(json, "again")) == json);
+}
+
+TEST_CASE("a bad key or value is one line naming source, key, value and bound") {
+  CHECK(message_of(R"({"stesp": 3})") == "a.json: unknown key stesp = 3; did you mean steps?");
+  CHECK(message_of(R"({"dish": {"radius_mm": 3}})") ==
+        "a.json: unknown key dish.radius_mm = 3; did you mean dish.radius_m?");
+  CHECK(message_of(R"({"dish": {"radius_m": 3}})") ==
+        "a.json: dish.radius_m = 3 must be within 0.005 .. 0.5");
+  CHECK(message_of(R"({"dish": {"radius_m": "wide"}})") ==
+        "a.json: dish.radius_m = \"wide\" must be a number in m");
+  CHECK(message_of(R"({"dish": 4})") == "a.json: dish = 4 must be a JSON object {...}");
+  CHECK(message_of(R"({"steps": 2.5})") == "a.json: steps = 2.5 must be a whole number");
+  CHECK(message_of(R"({"fast": 1})") == "a.json: fast = 1 must be true or false");
+  CHECK(message_of(R"({"optimiser": "lion"})") == "a.json: optimiser = \"lion\" must be one of adam, sgd");
+  CHECK(message_of(R"({"hidden": [8, 0]})") == "a.json: hidden = [8,0] must be within 1 .. 4096");
+  CHECK(message_of(R"({"fast": true, "steps": 200})") == "fast = true allows at most 100 steps");
+  CHECK(message_of(R"({"zzzzzzzzzzzz": 1})").find("known keys are dish, fast") != std::string::npos);
+}
+
+TEST_CASE("overrides reach nested keys and are read as JSON, else as text") {
+  Json json = Json::object();
+  apply_override(json, "dish.radius_m=0.06");
+  apply_override(json, "optimiser=sgd");
+  apply_override(json, "hidden=[4, 4]");
+  const auto config = config_from_json<ExampleConfig>(json, "command line");
+  CHECK(config.dish.radius_m == 0.06);
+  CHECK(config.optimiser == "sgd");
+  CHECK(config.hidden == std::vector<std::int64_t>{4, 4});
+  CHECK_THROWS_AS(apply_override(json, "optimiser"), ConfigError);
+  CHECK_THROWS_AS(apply_override(json, "optimiser.name=3"), ConfigError);
+}
+
+TEST_CASE("a missing or malformed file is reported with its place") {
+  const lodestone::tests::TemporaryFolder folder;
+  CHECK_THROWS_WITH(read_json_file(folder / "none.json"), Catch::Contains("none.json does not exist"));
+  std::ofstream(folder / "bad.json") << "{\n  \"a\": 1,\n  \"b\": oops\n}";
+  CHECK_THROWS_WITH(read_json_file(folder / "bad.json"), Catch::Contains("bad.json:3:"));
+  std::ofstream(folder / "good.json") << "{ // a comment\n \"a\": 1}";
+  CHECK(read_json_file(folder / "good.json")["a"] == 1);
+}
+
+TEST_CASE("every key is described with default, unit and bounds") {
+  const auto rows = describe_config<ExampleConfig>();
+  REQUIRE(rows.size() == 5);
+  CHECK(rows[2].bounds == "adam | sgd");
+  CHECK(rows[4].key == "dish.radius_m");
+  CHECK(rows[4].value == "0.0425");
+  CHECK(rows[4].unit == "m");
+  CHECK(rows[4].bounds == "0.005 .. 0.5");
+}

@@ -1,0 +1,35 @@
+#include "lodestone/common/thread_pool.h"
+
+#include <catch2/catch.hpp>
+#include <stdexcept>
+#include <vector>
+
+using lodestone::common::ThreadPool;
+
+TEST_CASE("every shard runs exactly once, at any number of threads") {
+  for (const std::size_t threads : {1, 2, 4}) {
+    ThreadPool pool(threads);
+    CHECK(pool.size() == threads);
+    for (const std::size_t shards : {0, 1, 3, 100}) {
+      std::vector<int> runs(shards, 0);
+      for (int repeat = 0; repeat < 50; ++repeat)
+        pool.for_each(shards, [&runs](std::size_t shard) { ++runs[shard]; });
+      CHECK(runs == std::vector<int>(shards, 50));
+    }
+  }
+}
+
+TEST_CASE("an exception in a shard reaches the caller and the pool goes on") {
+  ThreadPool pool(2);
+  CHECK_THROWS_AS(pool.for_each(8,
+                                [](std::size_t shard) {
+                                  if (shard == 5) throw std::runtime_error("five");
+                                }),
+                  std::runtime_error);
+  int sum = 0;
+  ThreadPool(1).for_each(4, [&sum](std::size_t shard) { sum += static_cast<int>(shard); });
+  CHECK(sum == 6);
+  std::vector<int> runs(8, 0);
+  pool.for_each(8, [&runs](std::size_t shard) { runs[shard] = 1; });
+  CHECK(runs == std::vector<int>(8, 1));
+}

@@ -1,0 +1,58 @@
+#include "lodestone/geometry/path.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
+
+#include "lodestone/common/error.h"
+#include "temporary_folder.h"
+
+using namespace lodestone::geometry;
+
+TEST_CASE("angles wrap into (-pi, pi]") {
+  CHECK(wrap_angle(0.0) == 0.0);
+  CHECK(wrap_angle(3.0 * M_PI) == Approx(M_PI));
+  CHECK(wrap_angle(-M_PI) == Approx(M_PI));
+  CHECK(wrap_angle(-3.5 * M_PI) == Approx(0.5 * M_PI));
+}
+
+TEST_CASE("a square has its length, corners and cross-track distances") {
+  const Path square = Path::square(0.02);
+  CHECK(square.closed());
+  CHECK(square.length_m() == Approx(0.08));
+  CHECK((square.at(0.01) - Vector2(0.01, 0.0)).norm() < 1e-12);
+  CHECK((square.at(0.08 + 0.02) - Vector2(0.01, 0.01)).norm() < 1e-12);
+  CHECK((square.at(-0.02) - Vector2(-0.01, -0.01)).norm() < 1e-12);
+  const Path::Nearest nearest = square.nearest({0.013, 0.004});
+  CHECK(nearest.distance_m == Approx(0.003));
+  CHECK(nearest.arc_m == Approx(0.014));
+}
+
+TEST_CASE("a circle stays within its polygon's error of the true circle") {
+  const Path circle = Path::circle(0.015);
+  for (int i = 0; i < 50; ++i) {
+    const double radius = circle.at(circle.length_m() * i / 50.0).norm();
+    CHECK(std::abs(radius - 0.015) < 0.015 * (1.0 - std::cos(M_PI / 180.0)) + 1e-12);
+  }
+  CHECK(circle.nearest({0.0, 0.0}).distance_m == Approx(0.015).epsilon(1e-3));
+}
+
+TEST_CASE("an open path stops at its ends") {
+  const Path path({{0.0, 0.0}, {0.01, 0.0}}, false);
+  CHECK((path.at(1.0) - Vector2(0.01, 0.0)).norm() < 1e-12);
+  CHECK((path.at(-1.0) - Vector2(0.0, 0.0)).norm() < 1e-12);
+  CHECK_THROWS_AS(Path({{0.0, 0.0}}, false), lodestone::common::DataError);
+  CHECK_THROWS_AS(Path({{1.0, 0.0}, {1.0, 0.0}}, false), lodestone::common::DataError);
+}
+
+TEST_CASE("paths are read from CSV, and a bad cell is named by line and column") {
+  const lodestone::tests::TemporaryFolder folder;
+  std::ofstream(folder / "good.csv") << "x_m,y_m\r\n0,0\r\n0.01,0\r\n0.01,0.01\r\n0,0\r\n";
+  const Path path = Path::from_csv(folder / "good.csv");
+  CHECK(path.closed());
+  CHECK(path.length_m() == Approx(0.02 + std::sqrt(2.0) * 0.01));
+  std::ofstream(folder / "bad.csv") << "x_m,y_m\n0,0\n0.01,oops\n";
+  CHECK_THROWS_WITH(Path::from_csv(folder / "bad.csv"), Catch::Contains("bad.csv:3: column 2 (y_m)"));
+  std::ofstream(folder / "header.csv") << "x,y\n0,0\n";
+  CHECK_THROWS_WITH(Path::from_csv(folder / "header.csv"), Catch::Contains("x_m,y_m"));
+}
