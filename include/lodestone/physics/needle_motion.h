@@ -1,0 +1,76 @@
+#pragma once
+
+#include "lodestone/geometry/pose2.h"
+#include "lodestone/physics/coil_array.h"
+#include "lodestone/physics/friction_map.h"
+#include "lodestone/physics/needle.h"
+
+namespace lodestone::physics {
+
+/// The dish.
+struct DishConfig {
+  double radius_m = 0.0425;     // Q: inner diameter 85 mm
+  double wall_friction = 0.20;  // D: as the floor's kinetic coefficient
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("radius_m", radius_m, "m", "inner radius of the dish", {5e-3, 0.5});
+    v.field("wall_friction", wall_friction, "", "friction coefficient of needle ends on the wall",
+            {0.0, 5.0});
+  }
+};
+
+/// Where the needle is and how it moves.
+struct NeedleState {
+  geometry::Pose2 pose;
+  double velocity_x_m_s = 0.0;
+  double velocity_y_m_s = 0.0;
+  double spin_rad_s = 0.0;
+  bool stuck = true;  ///< held by static friction, velocities exactly zero
+};
+
+/// The needle's equations of motion (eqs. 8 and 9) with the real rig's friction.
+///
+/// Drag and friction are implicit and the magnetic load is taken at mid-step (a drift-kick-drift scheme), so
+/// steps of 0.5 ms are stable and rest is exact. Floor friction acts on six equal cells along the rod, each
+/// with its own place on the friction map and its own sliding direction: translation and rotation are
+/// therefore coupled as for a real rod. A needle at rest stays until its load leaves the static limit surface
+/// of the rod, |torque|^2 = (1 - f^2)(1 - f_across^2) in units of the greatest torque and force; this is
+/// exact for a pure force, a pure torque and a torque with a force across, and within 3 % otherwise.
+class NeedleMotion {
+ public:
+  NeedleMotion(const NeedleConfig& needle, const FluidConfig& fluid, const FrictionConfig& friction,
+               const DishConfig& dish);
+
+  /// Advances by `step_s` under constant currents. `friction_scale` multiplies the map (scatter between
+  /// pulses).
+  void step(NeedleState& state, const CoilArray& coils, const Currents& current_A, const FrictionMap& map,
+            double friction_scale, double step_s) const;
+
+  /// Whether both ends of the needle are inside the wall.
+  bool fits(const geometry::Pose2& pose) const;
+  /// Whether static friction holds a resting needle against a load.
+  bool holds(const geometry::Pose2& pose, const Wrench& load, const FrictionMap& map,
+             double friction_scale) const;
+
+ private:
+  static constexpr int kCells = 6;
+  struct BodyVelocity;
+
+  void cell_factors(const geometry::Pose2& pose, const FrictionMap& map, double scale, double* factors) const;
+  bool holds(const geometry::Pose2& pose, const Wrench& load, const double* factors) const;
+  bool kick(BodyVelocity& velocity, const BodyVelocity& load, const double* factors, bool held,
+            double step_s) const;
+  void wall_impulses(NeedleState& state, double step_s) const;
+  void keep_inside(geometry::Pose2& pose) const;
+
+  NeedleConfig needle_;
+  FluidConfig fluid_;
+  FrictionConfig friction_;
+  DishConfig dish_;
+  RodDrag drag_;
+  double cell_position_m_[kCells];
+  double cell_load_N_;
+};
+
+}  // namespace lodestone::physics

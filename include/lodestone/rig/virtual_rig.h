@@ -1,0 +1,101 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "lodestone/common/clock.h"
+#include "lodestone/common/config.h"
+#include "lodestone/common/random.h"
+#include "lodestone/geometry/pose2.h"
+#include "lodestone/physics/coil_circuit.h"
+#include "lodestone/physics/coil_geometry.h"
+#include "lodestone/physics/field_table.h"
+#include "lodestone/physics/friction_map.h"
+#include "lodestone/physics/needle.h"
+#include "lodestone/physics/needle_motion.h"
+#include "lodestone/rig/coils.h"
+
+namespace lodestone::rig {
+
+/// Every figure of the virtual rig.
+struct VirtualRigConfig {
+  physics::CoilGeometry coil;
+  physics::CircuitConfig circuit;
+  physics::NeedleConfig needle;
+  physics::FluidConfig fluid;
+  physics::FrictionConfig friction;
+  physics::DishConfig dish;
+  double max_current_A = 15.0;       // Q: the paper's rig
+  double max_pulse_s = 10.0;         // D: the driver refuses to hold longer
+  double max_temperature_C = 120.0;  // D: reported as a fault above
+  double step_s = 0.5e-3;            // D: longest integration step; see the convergence test
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.group("coil", coil, "winding of the four coils");
+    v.group("circuit", circuit, "electrical and thermal side of a coil");
+    v.group("needle", needle, "the needle");
+    v.group("fluid", fluid, "the fluid");
+    v.group("friction", friction, "friction on the dish");
+    v.group("dish", dish, "the dish");
+    v.field("max_current_A", max_current_A, "A", "largest current the drivers accept", {0.0, 1000.0});
+    v.field("max_pulse_s", max_pulse_s, "s", "longest pulse the drivers accept", {1e-3, 3600.0});
+    v.field("max_temperature_C", max_temperature_C, "C",
+            "coil temperature above which status() reports a fault", {0.0, 300.0});
+    v.field("step_s", step_s, "s", "longest integration step", {1e-6, 5e-3});
+  }
+  /// Throws ConfigError when parts do not fit together.
+  void validate() const;
+};
+
+/// Stands in for the real rig: four coils, a needle in a dish, and a clock that advances the physics when
+/// slept on. The friction map is drawn from the seed; the scatter from pulse to pulse follows it. Use from
+/// one thread at a time.
+class VirtualRig {
+ public:
+  /// `table`: shared with other rigs of the same coil geometry and dish; made here when null. The needle lies
+  /// at the centre along +x. Throws ConfigError; LogicFault when the table is of another geometry or too
+  /// small.
+  VirtualRig(const VirtualRigConfig& config, std::uint64_t seed,
+             std::shared_ptr<const physics::FieldTable> table = nullptr);
+  ~VirtualRig();
+  VirtualRig(const VirtualRig&) = delete;
+  VirtualRig& operator=(const VirtualRig&) = delete;
+
+  Coils& coils();
+  /// Simulated time: sleep_until() advances the physics and returns at once.
+  common::Clock& clock();
+
+  /// The operator lays the needle down, at rest. Throws DataError when an end would lie outside the wall.
+  void place(const geometry::Pose2& pose);
+  /// Whether the needle lies wholly inside the wall at this pose.
+  bool fits(const geometry::Pose2& pose) const;
+
+  /// Where the needle really is. For scoring and for the simulated pose sensor only: controllers and training
+  /// never see it.
+  geometry::Pose2 true_pose() const;
+  /// Whether the needle is at rest, held by friction. For scoring and tests, as true_pose().
+  bool at_rest() const;
+
+  const VirtualRigConfig& config() const;
+  /// To be shared with further rigs.
+  std::shared_ptr<const physics::FieldTable> field_table() const;
+
+  /// Everything that changes (needle, currents, temperatures, time, random stream), and back, bitwise; the
+  /// friction map comes from the seed. restore() throws DataError when the state is malformed or of another
+  /// seed.
+  common::Json save() const;
+  void restore(const common::Json& state);
+
+ private:
+  class VirtualCoils;
+  class VirtualClock;
+  struct State;
+
+  void advance_to(double time_s);
+  void run(double duration_s);
+
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lodestone::rig

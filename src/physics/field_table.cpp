@@ -1,0 +1,109 @@
+#include "lodestone/physics/field_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "lodestone/common/error.h"
+#include "lodestone/physics/finite_coil.h"
+
+namespace lodestone::physics {
+namespace {
+
+// Nodes beyond the reach: the spline's end condition fades by 0.27 per node.
+constexpr int kPadding = 6;
+
+/// Turns samples into cubic B-spline coefficients along one line, in place: solves
+/// c[i-1] + 4 c[i] + c[i+1] = 6 f[i] with the natural end c = f.
+void to_spline(double* line, int count, int stride, std::vector<double>& scratch) {
+  scratch.resize(count);
+  const auto value = [&](int i) -> double& { return line[static_cast<std::ptrdiff_t>(i) * stride]; };
+  scratch[0] = 0.0;
+  for (int i = 1; i < count - 1; ++i) {
+    const double pivot = 4.0 - scratch[i - 1];
+    scratch[i] = 1.0 / pivot;
+    value(i) = (6.0 * value(i) - value(i - 1)) / pivot;
+  }
+  for (int i = count - 2; i >= 1; --i) value(i) -= scratch[i] * value(i + 1);
+}
+
+struct SplineWeights {
+  double w[4];
+};
+
+SplineWeights spline_weights(double t) {
+  const double s = 1.0 - t;
+  const double t2 = t * t;
+  const double t3 = t2 * t;
+  return {{s * s * s / 6.0, (3.0 * t3 - 6.0 * t2 + 4.0) / 6.0, (-3.0 * t3 + 3.0 * t2 + 3.0 * t + 1.0) / 6.0,
+           t3 / 6.0}};
+}
+
+}  // namespace
+
+FieldTable::FieldTable(const CoilGeometry& geometry, double reach_m, double spacing_m)
+    : geometry_(geometry), reach_m_(reach_m), spacing_m_(spacing_m) {
+  LODESTONE_CHECK(reach_m > 0.0 && spacing_m > 0.0, "reach and spacing must be positive");
+  geometry.validate();
+  const int half = static_cast<int>(std::ceil(reach_m / spacing_m - 1e-9)) + kPadding;
+  const double face_m = geometry.centre_distance_m - geometry.length_m / 2.0;
+  if (half * spacing_m >= face_m) {
+    throw common::ConfigError("coil: its face at " + std::to_string(face_m) +
+                              " m from the dish centre must lie beyond " + std::to_string(half * spacing_m) +
+                              " m, the reach of the field table");
+  }
+  const int side = 2 * half + 1;
+  const FiniteCoil coil(geometry);
+  std::vector<double> full(static_cast<std::size_t>(side) * side * 2);
+  const auto at = [&](int i, int j) { return &full[(static_cast<std::size_t>(i) * side + j) * 2]; };
+  for (int i = 0; i < side; ++i) {
+    for (int j = half; j < side; ++j) {
+      const geometry::Vector2 field = coil.in_dish_plane({(i - half) * spacing_m, (j - half) * spacing_m});
+      at(i, j)[0] = at(i, side - 1 - j)[0] = field.x();
+      at(i, side - 1 - j)[1] = -field.y();
+      at(i, j)[1] = field.y();
+    }
+  }
+  std::vector<double> scratch;
+  for (int component = 0; component < 2; ++component) {
+    for (int i = 0; i < side; ++i) to_spline(at(i, 0) + component, side, 2, scratch);
+    for (int j = 0; j < side; ++j) to_spline(at(0, j) + component, side, 2 * side, scratch);
+  }
+  rows_ = side;
+  columns_ = side - (half - 1);  // one column below y = 0 for the stencil
+  origin_x_m_ = -half * spacing_m;
+  origin_y_m_ = -spacing_m;
+  coefficients_.reserve(static_cast<std::size_t>(rows_) * columns_ * 2);
+  for (int i = 0; i < rows_; ++i) {
+    coefficients_.insert(coefficients_.end(), at(i, half - 1), at(i, half - 1) + 2 * columns_);
+  }
+}
+
+geometry::Vector2 FieldTable::per_ampere(const geometry::Vector2& point_m) const {
+  const double side = std::abs(point_m.y());
+  LODESTONE_CHECK(std::abs(point_m.x()) <= reach_m_ && side <= reach_m_,
+                  "point (" + std::to_string(point_m.x()) + ", " + std::to_string(point_m.y()) +
+                      ") m outside the field table");
+  const double u = (point_m.x() - origin_x_m_) / spacing_m_;
+  const double v = (side - origin_y_m_) / spacing_m_;
+  const int i = static_cast<int>(u);
+  const int j = static_cast<int>(v);
+  const SplineWeights wu = spline_weights(u - i);
+  const SplineWeights wv = spline_weights(v - j);
+  double bx = 0.0;
+  double by = 0.0;
+  for (int p = 0; p < 4; ++p) {
+    const double* row = &coefficients_[(static_cast<std::size_t>(i - 1 + p) * columns_ + (j - 1)) * 2];
+    const double x = wv.w[0] * row[0] + wv.w[1] * row[2] + wv.w[2] * row[4] + wv.w[3] * row[6];
+    const double y = wv.w[0] * row[1] + wv.w[1] * row[3] + wv.w[2] * row[5] + wv.w[3] * row[7];
+    bx += wu.w[p] * x;
+    by += wu.w[p] * y;
+  }
+  return {bx, point_m.y() < 0.0 ? -by : by};
+}
+
+std::shared_ptr<const FieldTable> make_field_table(const CoilGeometry& geometry, double dish_radius_m) {
+  return std::make_shared<const FieldTable>(geometry, dish_radius_m + 0.5e-3);
+}
+
+}  // namespace lodestone::physics

@@ -1,0 +1,51 @@
+#include "lodestone/physics/needle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "lodestone/common/error.h"
+
+namespace lodestone::physics {
+
+void NeedleConfig::validate() const {
+  if (chain_m > length_m) {
+    throw common::ConfigError("needle: chain_m = " + std::to_string(chain_m) +
+                              " must not exceed length_m = " + std::to_string(length_m) +
+                              ", for the magnets lie inside the needle");
+  }
+}
+
+Wrench magnetic_wrench(const NeedleConfig& needle, const geometry::Pose2& pose, const CoilArray& coils,
+                       const Currents& current_A) {
+  const double half = needle.chain_m / 2.0;
+  const geometry::Vector2 axis(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
+  const geometry::Vector2 middle = pose.position_m();
+  const geometry::Vector2 head = coils.field_T(current_A, middle + half * axis);
+  const geometry::Vector2 tail = coils.field_T(current_A, middle - half * axis);
+  const double pole_A_m = needle.moment_A_m2 / needle.chain_m;
+  const geometry::Vector2 force = pole_A_m * (head - tail);
+  const geometry::Vector2 sum = head + tail;
+  return {force.x(), force.y(), pole_A_m * half * (axis.x() * sum.y() - axis.y() * sum.x())};
+}
+
+RodDrag rod_drag(const NeedleConfig& needle, const FluidConfig& fluid) {
+  constexpr double kPi = 3.14159265358979323846;
+  const double length = needle.length_m;
+  const double radius = needle.diameter_m / 2.0;
+  const double mu = fluid.viscosity_Pa_s;
+  const double wall_per_m = 2.0 * kPi * mu / std::acosh(1.0 + fluid.wall_gap_m / radius);
+  const double p = length / needle.diameter_m;
+  const double log_p = std::log(p);
+  const double free_along = 2.0 * kPi * mu * length / (log_p - 0.207 + 0.980 / p - 0.133 / (p * p));
+  const double free_across = 4.0 * kPi * mu * length / (log_p + 0.839 + 0.185 / p + 0.233 / (p * p));
+  const double free_rotation =
+      kPi * mu * length * length * length / 3.0 / (log_p - 0.662 + 0.917 / p - 0.050 / (p * p));
+  RodDrag drag;
+  drag.along_N_s_m = std::max(wall_per_m * length, free_along);
+  drag.across_N_s_m = std::max(2.0 * wall_per_m * length, free_across);
+  drag.rotation_N_m_s = std::max(2.0 * wall_per_m * length * length * length / 12.0, free_rotation);
+  return drag;
+}
+
+}  // namespace lodestone::physics

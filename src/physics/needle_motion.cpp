@@ -1,0 +1,282 @@
+#include "lodestone/physics/needle_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lodestone/common/error.h"
+
+namespace lodestone::physics {
+
+/// Velocity, or a load, along the needle, across it (to the left of the heading), and about its middle.
+struct NeedleMotion::BodyVelocity {
+  double along = 0.0;
+  double across = 0.0;
+  double spin = 0.0;
+};
+
+namespace {
+
+// Below this a cell counts as creeping; it bounds how far a held mode drifts while another slides (1 um in
+// 0.1 s).
+constexpr double kCreep_m_s = 1e-5;
+
+// The needle in its own axes: the equations of motion couple only sideways motion and rotation.
+struct Axes {
+  double c;
+  double s;
+};
+
+Axes axes_of(const geometry::Pose2& pose) { return {std::cos(pose.heading_rad), std::sin(pose.heading_rad)}; }
+
+void drift(NeedleState& state, double time_s) {
+  state.pose.x_m += state.velocity_x_m_s * time_s;
+  state.pose.y_m += state.velocity_y_m_s * time_s;
+  state.pose.heading_rad += state.spin_rad_s * time_s;
+}
+
+}  // namespace
+
+NeedleMotion::NeedleMotion(const NeedleConfig& needle, const FluidConfig& fluid,
+                           const FrictionConfig& friction, const DishConfig& dish)
+    : needle_(needle), fluid_(fluid), friction_(friction), dish_(dish), drag_(rod_drag(needle, fluid)) {
+  needle.validate();
+  friction.validate();
+  for (int i = 0; i < kCells; ++i) {
+    cell_position_m_[i] = needle.length_m * ((i + 0.5) / kCells - 0.5);
+  }
+  cell_load_N_ = needle.net_weight_N / kCells;
+}
+
+void NeedleMotion::cell_factors(const geometry::Pose2& pose, const FrictionMap& map, double scale,
+                                double* factors) const {
+  const Axes axes = axes_of(pose);
+  for (int i = 0; i < kCells; ++i) {
+    factors[i] =
+        scale * map.factor(pose.x_m + cell_position_m_[i] * axes.c, pose.y_m + cell_position_m_[i] * axes.s);
+  }
+}
+
+bool NeedleMotion::holds(const geometry::Pose2& pose, const Wrench& load, const FrictionMap& map,
+                         double friction_scale) const {
+  double factors[kCells];
+  cell_factors(pose, map, friction_scale, factors);
+  return holds(pose, load, factors);
+}
+
+bool NeedleMotion::holds(const geometry::Pose2& pose, const Wrench& load, const double* factors) const {
+  double total = 0.0;
+  double first_moment = 0.0;
+  for (int i = 0; i < kCells; ++i) {
+    total += factors[i];
+    first_moment += factors[i] * cell_position_m_[i];
+  }
+  const double per_factor_N = friction_.static_coefficient * cell_load_N_;
+  const double greatest_force = per_factor_N * total;
+  if (greatest_force <= 0.0) return false;
+  const double centre = first_moment / total;  // of friction, along the needle
+  double arm_sum = 0.0;
+  for (int i = 0; i < kCells; ++i) arm_sum += factors[i] * std::abs(cell_position_m_[i] - centre);
+  const Axes axes = axes_of(pose);
+  const double along = (axes.c * load.force_x_N + axes.s * load.force_y_N) / greatest_force;
+  const double across = (-axes.s * load.force_x_N + axes.c * load.force_y_N) / greatest_force;
+  const double torque = (load.torque_N_m - centre * across * greatest_force) / (per_factor_N * arm_sum);
+  const double room = 1.0 - along * along - across * across;
+  return room > 0.0 && torque * torque < room * (1.0 - across * across);
+}
+
+/// One implicit step of the velocity: minimises 1/2 (v - v*)^T A (v - v*) + step * sum of friction_i |v_i|,
+/// where A holds inertia and drag and v* is the step without friction. Iteratively reweighted least squares;
+/// the first guess, v* scaled back by the friction's power, is already exact for pure sliding and pure
+/// turning. Returns false when the needle comes to rest.
+bool NeedleMotion::kick(BodyVelocity& velocity, const BodyVelocity& load, const double* factors, bool held,
+                        double step_s) const {
+  double friction_N[kCells];
+  double cross[kCells];
+  // Cross-flow drag of a cylinder, C_D = 1 + 10 Re^(-2/3) (White, Viscous Fluid Flow), times speed.
+  const double cell_length = needle_.length_m / kCells;
+  const double inertial =
+      0.5 * fluid_.density_kg_m3 * needle_.diameter_m * cell_length * fluid_.cross_flow_factor;
+  const double kinematic = fluid_.viscosity_Pa_s / (fluid_.density_kg_m3 * needle_.diameter_m);
+  const double viscous = 10.0 * std::cbrt(kinematic * kinematic);
+  double cross_0 = 0.0, cross_1 = 0.0, cross_2 = 0.0;
+  for (int i = 0; i < kCells; ++i) {
+    const double s = cell_position_m_[i];
+    const double across = velocity.across + velocity.spin * s;
+    const double speed = std::abs(across);
+    const double slide = std::sqrt(velocity.along * velocity.along + across * across);
+    friction_N[i] =
+        cell_load_N_ * factors[i] *
+        (friction_.kinetic_coefficient + (friction_.static_coefficient - friction_.kinetic_coefficient) *
+                                             std::exp(-slide / friction_.stribeck_speed_m_s));
+    cross[i] = inertial > 0.0 && speed > 0.0 ? inertial * (speed + viscous * std::cbrt(speed)) : 0.0;
+    cross_0 += cross[i];
+    cross_1 += cross[i] * s;
+    cross_2 += cross[i] * s * s;
+  }
+  const double a_along = needle_.mass_kg + step_s * drag_.along_N_s_m;
+  const double a_across = needle_.mass_kg + step_s * (drag_.across_N_s_m + cross_0);
+  const double a_mixed = step_s * cross_1;
+  const double a_spin = needle_.inertia_kg_m2 + step_s * (drag_.rotation_N_m_s + cross_2);
+  const double b_along = needle_.mass_kg * velocity.along + step_s * load.along;
+  const double b_across = needle_.mass_kg * velocity.across + step_s * load.across;
+  const double b_spin = needle_.inertia_kg_m2 * velocity.spin + step_s * load.spin;
+
+  const auto solve = [&](double k_0, double k_1, double k_2) {
+    const double nn = a_across + k_0;
+    const double nw = a_mixed + k_1;
+    const double ww = a_spin + k_2;
+    const double determinant = nn * ww - nw * nw;
+    return BodyVelocity{b_along / (a_along + k_0), (b_across * ww - b_spin * nw) / determinant,
+                        (b_spin * nn - b_across * nw) / determinant};
+  };
+  BodyVelocity guess = solve(0.0, 0.0, 0.0);
+  double power = 0.0;
+  for (int i = 0; i < kCells; ++i) {
+    const double across = guess.across + guess.spin * cell_position_m_[i];
+    power += friction_N[i] * std::sqrt(guess.along * guess.along + across * across);
+  }
+  if (power == 0.0) {
+    velocity = guess;
+    return true;
+  }
+  const double energy = b_along * guess.along + b_across * guess.across + b_spin * guess.spin;
+  double scale = 1.0 - step_s * power / energy;
+  if (scale <= 0.0 && held) {
+    velocity = BodyVelocity{};
+    return false;
+  }
+  // Friction stops the motion as a whole but not every part of it: start near rest and iterate longer.
+  const int iterations = scale > 0.2 ? 3 : 8;
+  scale = std::max(scale, 0.02);
+  guess = {scale * guess.along, scale * guess.across, scale * guess.spin};
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    double k_0 = 0.0, k_1 = 0.0, k_2 = 0.0;
+    for (int i = 0; i < kCells; ++i) {
+      const double s = cell_position_m_[i];
+      const double across = guess.across + guess.spin * s;
+      const double slide = std::sqrt(guess.along * guess.along + across * across);
+      const double k = step_s * friction_N[i] / std::max(slide, kCreep_m_s);
+      k_0 += k;
+      k_1 += k * s;
+      k_2 += k * s * s;
+    }
+    guess = solve(k_0, k_1, k_2);
+  }
+  velocity = guess;
+  return true;
+}
+
+void NeedleMotion::step(NeedleState& state, const CoilArray& coils, const Currents& current_A,
+                        const FrictionMap& map, double friction_scale, double step_s) const {
+  if (!state.stuck) drift(state, step_s / 2.0);
+  keep_inside(state.pose);
+  const Wrench load = magnetic_wrench(needle_, state.pose, coils, current_A);
+  double factors[kCells];
+  cell_factors(state.pose, map, friction_scale, factors);
+  const bool held = holds(state.pose, load, factors);
+  if (state.stuck && held) return;
+  state.stuck = false;
+
+  const Axes axes = axes_of(state.pose);
+  BodyVelocity velocity{axes.c * state.velocity_x_m_s + axes.s * state.velocity_y_m_s,
+                        -axes.s * state.velocity_x_m_s + axes.c * state.velocity_y_m_s, state.spin_rad_s};
+  const BodyVelocity body_load{axes.c * load.force_x_N + axes.s * load.force_y_N,
+                               -axes.s * load.force_x_N + axes.c * load.force_y_N, load.torque_N_m};
+  state.stuck = !kick(velocity, body_load, factors, held, step_s);
+  state.velocity_x_m_s = axes.c * velocity.along - axes.s * velocity.across;
+  state.velocity_y_m_s = axes.s * velocity.along + axes.c * velocity.across;
+  state.spin_rad_s = velocity.spin;
+  if (state.stuck) {
+    state.pose.heading_rad = geometry::wrap_angle(state.pose.heading_rad);
+    return;
+  }
+  wall_impulses(state, step_s);
+  drift(state, step_s / 2.0);
+  keep_inside(state.pose);
+}
+
+bool NeedleMotion::fits(const geometry::Pose2& pose) const {
+  const Axes axes = axes_of(pose);
+  for (const double side : {0.5, -0.5}) {
+    const double arm = side * needle_.length_m;
+    const double radius = std::hypot(pose.x_m + arm * axes.c, pose.y_m + arm * axes.s);
+    if (!(radius <= dish_.radius_m)) return false;  // NaN does not fit either
+  }
+  return true;
+}
+
+/// Inelastic contact with friction: no end may pass the wall within the step. Sequential impulses over the
+/// two ends. Impulses only take outward motion away, so that the wall cannot add energy.
+void NeedleMotion::wall_impulses(NeedleState& state, double step_s) const {
+  struct Contact {
+    double arm_x, arm_y, normal_x, normal_y, allowed_m_s, normal_impulse, tangent_impulse;
+  };
+  Contact contacts[2];
+  int count = 0;
+  const Axes axes = axes_of(state.pose);
+  for (const double side : {0.5, -0.5}) {
+    const double arm_x = side * needle_.length_m * axes.c;
+    const double arm_y = side * needle_.length_m * axes.s;
+    const double x = state.pose.x_m + arm_x;
+    const double y = state.pose.y_m + arm_y;
+    const double radius = std::hypot(x, y);
+    const double speed = std::hypot(state.velocity_x_m_s - state.spin_rad_s * arm_y,
+                                    state.velocity_y_m_s + state.spin_rad_s * arm_x);
+    const double gap = std::max(0.0, dish_.radius_m - radius);
+    if (speed * step_s < gap) continue;
+    contacts[count++] = {arm_x, arm_y, x / radius, y / radius, gap / step_s, 0.0, 0.0};
+  }
+  if (count == 0) return;
+  const auto push = [&](const Contact& c, double x, double y) {
+    state.velocity_x_m_s += x / needle_.mass_kg;
+    state.velocity_y_m_s += y / needle_.mass_kg;
+    state.spin_rad_s += (c.arm_x * y - c.arm_y * x) / needle_.inertia_kg_m2;
+  };
+  const auto mass = [&](const Contact& c, double x, double y) {
+    const double lever = c.arm_x * y - c.arm_y * x;
+    return 1.0 / (1.0 / needle_.mass_kg + lever * lever / needle_.inertia_kg_m2);
+  };
+  constexpr int kIterations = 10;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    for (int i = 0; i < count; ++i) {
+      Contact& c = contacts[i];
+      const double tx = -c.normal_y;
+      const double ty = c.normal_x;
+      double vx = state.velocity_x_m_s - state.spin_rad_s * c.arm_y;
+      double vy = state.velocity_y_m_s + state.spin_rad_s * c.arm_x;
+      const double outward = vx * c.normal_x + vy * c.normal_y;
+      const double normal =
+          std::max(0.0, c.normal_impulse + (outward - c.allowed_m_s) * mass(c, c.normal_x, c.normal_y));
+      push(c, -(normal - c.normal_impulse) * c.normal_x, -(normal - c.normal_impulse) * c.normal_y);
+      c.normal_impulse = normal;
+      vx = state.velocity_x_m_s - state.spin_rad_s * c.arm_y;
+      vy = state.velocity_y_m_s + state.spin_rad_s * c.arm_x;
+      const double limit = dish_.wall_friction * c.normal_impulse;
+      const double tangent =
+          std::clamp(c.tangent_impulse - (vx * tx + vy * ty) * mass(c, tx, ty), -limit, limit);
+      push(c, (tangent - c.tangent_impulse) * tx, (tangent - c.tangent_impulse) * ty);
+      c.tangent_impulse = tangent;
+    }
+  }
+}
+
+/// Takes back the little that the wall's curvature lets an end through in one step.
+void NeedleMotion::keep_inside(geometry::Pose2& pose) const {
+  const Axes axes = axes_of(pose);
+  for (int pass = 0; pass < 3; ++pass) {
+    bool moved = false;
+    for (const double side : {0.5, -0.5}) {
+      const double x = pose.x_m + side * needle_.length_m * axes.c;
+      const double y = pose.y_m + side * needle_.length_m * axes.s;
+      const double radius = std::hypot(x, y);
+      if (radius <= dish_.radius_m) continue;
+      const double back = dish_.radius_m * (1.0 - 1e-12) / radius - 1.0;
+      pose.x_m += back * x;
+      pose.y_m += back * y;
+      moved = true;
+    }
+    if (!moved) return;
+  }
+}
+
+}  // namespace lodestone::physics

@@ -1,0 +1,269 @@
+#include "lodestone/rig/virtual_rig.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "lodestone/common/error.h"
+#include "lodestone/physics/coil_array.h"
+
+namespace lodestone::rig {
+namespace {
+
+using physics::kCoils;
+
+// With less than this in every coil nothing that rests can start to move: it is a hundredth of the break-away
+// current at the centre, and an eighth of that at the mouth of a coil.
+constexpr double kQuiet_A = 0.02;
+
+const char* const kCoilNames[kCoils] = {"+x", "-x", "+y", "-y"};
+
+std::string text(double value) { return common::Json(value).dump(); }
+
+}  // namespace
+
+void VirtualRigConfig::validate() const {
+  coil.validate();
+  needle.validate();
+  friction.validate();
+  if (needle.length_m >= 2.0 * dish.radius_m) {
+    throw common::ConfigError("needle.length_m = " + text(needle.length_m) +
+                              " must be below the dish diameter, " + text(2.0 * dish.radius_m));
+  }
+}
+
+struct VirtualRig::State {
+  State(const VirtualRigConfig& rig_config, std::uint64_t rig_seed,
+        std::shared_ptr<const physics::FieldTable> shared)
+      : config(rig_config),
+        seed(rig_seed),
+        table(std::move(shared)),
+        field(table),
+        map(config.friction, config.dish.radius_m, seed),
+        motion(config.needle, config.fluid, config.friction, config.dish),
+        scatter(seed, "pulse_friction"),
+        circuits{physics::CoilCircuit(config.circuit), physics::CoilCircuit(config.circuit),
+                 physics::CoilCircuit(config.circuit), physics::CoilCircuit(config.circuit)} {}
+
+  VirtualRigConfig config;
+  std::uint64_t seed;
+  std::shared_ptr<const physics::FieldTable> table;
+  physics::CoilArray field;
+  physics::FrictionMap map;
+  physics::NeedleMotion motion;
+
+  common::RandomStream scatter;
+  std::array<physics::CoilCircuit, kCoils> circuits;
+  physics::NeedleState needle;
+  double friction_scale = 1.0;
+  double now_s = 0.0;
+  double pulse_end_s = 0.0;
+  bool pulsing = false;
+
+  std::unique_ptr<VirtualCoils> coils;
+  std::unique_ptr<VirtualClock> clock;
+};
+
+class VirtualRig::VirtualCoils final : public Coils {
+ public:
+  explicit VirtualCoils(State& state) : state_(state) {}
+
+  void apply(const CoilPulse& pulse) override {
+    for (int i = 0; i < kCoils; ++i) {
+      const double current = pulse.current_A[i];
+      if (!(std::abs(current) <= state_.config.max_current_A)) {
+        throw common::HardwareError(std::string("virtual coils: current of coil ") + kCoilNames[i] + " = " +
+                                    std::to_string(current) + " A is refused; it must be within +-" +
+                                    text(state_.config.max_current_A) + " A");
+      }
+    }
+    if (!(pulse.duration_s >= 0.0 && pulse.duration_s <= state_.config.max_pulse_s)) {
+      throw common::HardwareError("virtual coils: duration = " + std::to_string(pulse.duration_s) +
+                                  " s is refused; it must be within 0 and " +
+                                  text(state_.config.max_pulse_s) + " s");
+    }
+    // A little of the friction is drawn anew for every pulse (how the needle happens to lie).
+    const double sigma = state_.config.friction.pulse_sigma;
+    state_.friction_scale = std::exp(sigma * state_.scatter.normal() - 0.5 * sigma * sigma);
+    state_.pulsing = pulse.duration_s > 0.0;
+    state_.pulse_end_s = state_.now_s + pulse.duration_s;
+    for (int i = 0; i < kCoils; ++i) {
+      if (state_.pulsing) {
+        state_.circuits[i].demand(pulse.current_A[i]);
+      } else {
+        state_.circuits[i].off();
+      }
+    }
+  }
+
+  void stop() noexcept override {
+    state_.pulsing = false;
+    for (physics::CoilCircuit& circuit : state_.circuits) circuit.off();
+  }
+
+  CoilStatus status() override {
+    CoilStatus status;
+    for (int i = 0; i < kCoils; ++i) {
+      status.current_A[i] = state_.circuits[i].state().current_A;
+      status.temperature_C[i] = state_.circuits[i].state().temperature_C;
+      if (status.temperature_C[i] > state_.config.max_temperature_C) {
+        status.faults.push_back(std::string("coil ") + kCoilNames[i] + " is at " +
+                                text(status.temperature_C[i]) + " C, above " +
+                                text(state_.config.max_temperature_C) + " C");
+      }
+    }
+    return status;
+  }
+
+ private:
+  State& state_;
+};
+
+class VirtualRig::VirtualClock final : public common::Clock {
+ public:
+  explicit VirtualClock(VirtualRig& rig) : rig_(rig) {}
+  double now_s() const override { return rig_.state_->now_s; }
+  void sleep_until(double time_s) override { rig_.advance_to(time_s); }
+
+ private:
+  VirtualRig& rig_;
+};
+
+VirtualRig::VirtualRig(const VirtualRigConfig& config, std::uint64_t seed,
+                       std::shared_ptr<const physics::FieldTable> table) {
+  config.validate();
+  if (!table) table = physics::make_field_table(config.coil, config.dish.radius_m);
+  LODESTONE_CHECK(table->geometry() == config.coil, "the field table is of another coil geometry");
+  LODESTONE_CHECK(table->reach_m() >= config.dish.radius_m, "the field table does not cover the dish");
+  state_ = std::make_unique<State>(config, seed, std::move(table));
+  state_->coils = std::make_unique<VirtualCoils>(*state_);
+  state_->clock = std::make_unique<VirtualClock>(*this);
+}
+
+VirtualRig::~VirtualRig() = default;
+
+Coils& VirtualRig::coils() { return *state_->coils; }
+common::Clock& VirtualRig::clock() { return *state_->clock; }
+geometry::Pose2 VirtualRig::true_pose() const {
+  geometry::Pose2 pose = state_->needle.pose;
+  pose.heading_rad = geometry::wrap_angle(pose.heading_rad);
+  return pose;
+}
+bool VirtualRig::at_rest() const { return state_->needle.stuck; }
+const VirtualRigConfig& VirtualRig::config() const { return state_->config; }
+std::shared_ptr<const physics::FieldTable> VirtualRig::field_table() const { return state_->table; }
+
+bool VirtualRig::fits(const geometry::Pose2& pose) const { return state_->motion.fits(pose); }
+
+void VirtualRig::place(const geometry::Pose2& pose) {
+  if (!fits(pose)) {  // also when a number is NaN, as for restore()
+    throw common::DataError("virtual rig: the needle does not fit at (" + std::to_string(pose.x_m) + ", " +
+                            std::to_string(pose.y_m) + ") m, heading " + std::to_string(pose.heading_rad) +
+                            " rad: both ends must lie within " + text(state_->config.dish.radius_m) +
+                            " m of the centre");
+  }
+  state_->needle = physics::NeedleState{};
+  state_->needle.pose = pose;
+  state_->needle.pose.heading_rad = geometry::wrap_angle(pose.heading_rad);
+}
+
+void VirtualRig::advance_to(double time_s) {
+  LODESTONE_CHECK(std::isfinite(time_s), "a simulated clock cannot sleep until " + std::to_string(time_s));
+  State& state = *state_;
+  while (state.now_s < time_s) {
+    const double end_s = state.pulsing ? std::min(time_s, state.pulse_end_s) : time_s;
+    run(end_s - state.now_s);
+    state.now_s = std::max(state.now_s, end_s);
+    if (state.pulsing && state.now_s >= state.pulse_end_s) state.coils->stop();
+  }
+}
+
+/// One stretch of constant duty.
+void VirtualRig::run(double duration_s) {
+  if (duration_s <= 0.0) return;
+  State& state = *state_;
+  const int steps = std::max(1, static_cast<int>(std::ceil(duration_s / state.config.step_s - 1e-6)));
+  const double step_s = duration_s / steps;
+  std::array<double, kCoils> settled{};
+  std::array<double, kCoils> decay{};
+  physics::Currents excess{};  // at the middle of the step; current = settled + excess
+  for (std::size_t i = 0; i < kCoils; ++i) {
+    settled[i] = state.circuits[i].settled_current_A();
+    const double tau = state.circuits[i].time_constant_s();
+    decay[i] = std::exp(-step_s / tau);
+    excess[i] = (state.circuits[i].state().current_A - settled[i]) * std::exp(-0.5 * step_s / tau);
+  }
+  for (int step = 0; step < steps; ++step) {
+    physics::Currents current{};
+    bool quiet = true;
+    for (std::size_t i = 0; i < kCoils; ++i) {
+      current[i] = settled[i] + excess[i];
+      excess[i] *= decay[i];
+      quiet = quiet && settled[i] == 0.0 && std::abs(current[i]) < kQuiet_A;
+    }
+    if (quiet && state.needle.stuck) break;
+    state.motion.step(state.needle, state.field, current, state.map, state.friction_scale, step_s);
+  }
+  for (physics::CoilCircuit& circuit : state.circuits) circuit.advance(duration_s);
+}
+
+common::Json VirtualRig::save() const {
+  const State& state = *state_;
+  common::Json json;
+  json["seed"] = state.seed;
+  json["time_s"] = state.now_s;
+  json["pose"] = {state.needle.pose.x_m, state.needle.pose.y_m, state.needle.pose.heading_rad};
+  json["velocity"] = {state.needle.velocity_x_m_s, state.needle.velocity_y_m_s, state.needle.spin_rad_s};
+  json["stuck"] = state.needle.stuck;
+  json["friction_scale"] = state.friction_scale;
+  json["pulsing"] = state.pulsing;
+  json["pulse_end_s"] = state.pulse_end_s;
+  json["coils"] = common::Json::array();
+  for (const physics::CoilCircuit& circuit : state.circuits) {
+    json["coils"].push_back({circuit.state().current_A, circuit.state().temperature_C, circuit.state().duty});
+  }
+  json["scatter"] = state.scatter.save();
+  return json;
+}
+
+void VirtualRig::restore(const common::Json& json) {
+  State& state = *state_;
+  try {
+    if (json.at("seed").get<std::uint64_t>() != state.seed) {
+      throw common::DataError("virtual rig state: seed " + json.at("seed").dump() +
+                              " is not this rig's seed " + std::to_string(state.seed) +
+                              "; its friction map would differ");
+    }
+    physics::NeedleState needle;
+    const auto pose = json.at("pose").get<std::array<double, 3>>();
+    const auto velocity = json.at("velocity").get<std::array<double, 3>>();
+    needle.pose = {pose[0], pose[1], pose[2]};
+    needle.velocity_x_m_s = velocity[0];
+    needle.velocity_y_m_s = velocity[1];
+    needle.spin_rad_s = velocity[2];
+    needle.stuck = json.at("stuck").get<bool>();
+    if (!fits(needle.pose)) throw common::DataError("virtual rig state: the needle lies outside the dish");
+    const auto coils = json.at("coils").get<std::array<std::array<double, 3>, kCoils>>();
+    const double friction_scale = json.at("friction_scale").get<double>();
+    const double now_s = json.at("time_s").get<double>();
+    const double pulse_end_s = json.at("pulse_end_s").get<double>();
+    const bool pulsing = json.at("pulsing").get<bool>();
+    common::RandomStream scatter = state.scatter;
+    scatter.restore(json.at("scatter").get<std::string>());
+    state.needle = needle;
+    state.friction_scale = friction_scale;
+    state.now_s = now_s;
+    state.pulse_end_s = pulse_end_s;
+    state.pulsing = pulsing;
+    state.scatter = scatter;
+    for (std::size_t i = 0; i < kCoils; ++i) {
+      state.circuits[i].set_state({coils[i][0], coils[i][1], coils[i][2]});
+    }
+  } catch (const common::Json::exception& error) {
+    throw common::DataError(std::string("virtual rig state: malformed: ") + error.what());
+  }
+}
+
+}  // namespace lodestone::rig
