@@ -1,0 +1,117 @@
+#include "lodestone/rl/replay_buffer.h"
+
+#include <algorithm>
+#include <string>
+
+#include "lodestone/common/error.h"
+
+namespace lodestone::rl {
+namespace {
+
+void check_rows(const torch::Tensor& tensor, torch::IntArrayRef shape, torch::ScalarType type,
+                const char* name) {
+  LODESTONE_CHECK(tensor.sizes() == shape && tensor.scalar_type() == type,
+                  std::string("replay buffer: ") + name + " is " +
+                      c10::str(tensor.sizes(), " ", tensor.dtype()) + ", expected " +
+                      c10::str(shape, " ", type));
+}
+
+}  // namespace
+
+Batch::Batch(std::int64_t size, std::int64_t observation_size, std::int64_t action_size,
+             torch::ScalarType type)
+    : observation(torch::zeros({size, observation_size}, type)),
+      action(torch::zeros({size, action_size}, type)),
+      reward(torch::zeros({size}, type)),
+      next_observation(torch::zeros({size, observation_size}, type)),
+      not_done(torch::zeros({size}, type)) {}
+
+ReplayBuffer::ReplayBuffer(std::int64_t capacity, std::int64_t observation_size, std::int64_t action_size)
+    : capacity_(capacity), observation_size_(observation_size), action_size_(action_size) {
+  LODESTONE_CHECK(capacity > 0 && observation_size > 0 && action_size > 0,
+                  "replay buffer sizes must be positive, capacity is " + std::to_string(capacity));
+  rows_ = torch::zeros({capacity, row_size()}, torch::kFloat32);
+}
+
+void ReplayBuffer::add(const torch::Tensor& observation, const torch::Tensor& action,
+                       const env::StepResult& result) {
+  const std::int64_t count = observation.size(0);
+  check_rows(observation, {count, observation_size_}, torch::kFloat32, "observation");
+  check_rows(action, {count, action_size_}, torch::kFloat32, "action");
+  check_rows(result.final_observation, {count, observation_size_}, torch::kFloat32, "final observation");
+  check_rows(result.reward, {count}, torch::kFloat32, "reward");
+  check_rows(result.terminated, {count}, torch::kUInt8, "terminated");
+  check_rows(result.truncated, {count}, torch::kUInt8, "truncated");
+  const torch::Tensor before = observation.contiguous();
+  const torch::Tensor act = action.contiguous();
+  const torch::Tensor after = result.final_observation.contiguous();
+  const torch::Tensor reward = result.reward.contiguous();
+  const torch::Tensor terminated = result.terminated.contiguous();
+  const torch::Tensor truncated = result.truncated.contiguous();
+  for (std::int64_t i = 0; i < count; ++i) {
+    float* row = rows_.data_ptr<float>() + next_ * row_size();
+    row = std::copy_n(before.data_ptr<float>() + i * observation_size_, observation_size_, row);
+    row = std::copy_n(act.data_ptr<float>() + i * action_size_, action_size_, row);
+    row = std::copy_n(after.data_ptr<float>() + i * observation_size_, observation_size_, row);
+    row[0] = reward.data_ptr<float>()[i];
+    row[1] = terminated.data_ptr<std::uint8_t>()[i] != 0 ? 1.0F : 0.0F;
+    row[2] = truncated.data_ptr<std::uint8_t>()[i] != 0 ? 1.0F : 0.0F;
+    next_ = (next_ + 1) % capacity_;
+    size_ = std::min(size_ + 1, capacity_);
+  }
+}
+
+void ReplayBuffer::sample(common::RandomStream& random, Batch& batch) const {
+  LODESTONE_CHECK(size_ > 0, "replay buffer is empty: collect before sampling");
+  const std::int64_t count = batch.reward.size(0);
+  check_rows(batch.observation, {count, observation_size_}, torch::kFloat32, "batch observation");
+  check_rows(batch.action, {count, action_size_}, torch::kFloat32, "batch action");
+  float* observation = batch.observation.data_ptr<float>();
+  float* action = batch.action.data_ptr<float>();
+  float* next = batch.next_observation.data_ptr<float>();
+  float* reward = batch.reward.data_ptr<float>();
+  float* not_done = batch.not_done.data_ptr<float>();
+  for (std::int64_t i = 0; i < count; ++i) {
+    const auto drawn = static_cast<std::int64_t>(random.below(static_cast<std::uint64_t>(size_)));
+    const float* row = rows_.data_ptr<float>() + drawn * row_size();
+    observation = std::copy_n(row, observation_size_, observation);
+    row += observation_size_;
+    action = std::copy_n(row, action_size_, action);
+    row += action_size_;
+    next = std::copy_n(row, observation_size_, next);
+    row += observation_size_;
+    reward[i] = row[0];
+    not_done[i] = 1.0F - row[1];
+  }
+}
+
+nets::NamedTensors ReplayBuffer::save() const {
+  return {{"rows", rows_.narrow(0, 0, size_).clone()}, {"next", torch::tensor({next_}, torch::kInt64)}};
+}
+
+void ReplayBuffer::load(const nets::NamedTensors& tensors) {
+  const auto rows = tensors.find("rows");
+  const auto next = tensors.find("next");
+  if (rows == tensors.end() || next == tensors.end()) {
+    throw common::CheckpointError(
+        "replay buffer: tensor \"rows\" or \"next\" is missing from the checkpoint");
+  }
+  const torch::Tensor& stored = rows->second;
+  if (stored.dim() != 2 || stored.size(1) != row_size() || stored.size(0) > capacity_ ||
+      stored.scalar_type() != torch::kFloat32 || next->second.numel() != 1) {
+    throw common::CheckpointError("replay buffer: checkpoint rows are " + c10::str(stored.sizes()) +
+                                  ", expected at most " + std::to_string(capacity_) + " rows of " +
+                                  std::to_string(row_size()) +
+                                  " float32: resume with the configuration it was made with");
+  }
+  const std::int64_t position = next->second.item<std::int64_t>();
+  if (position < 0 || position >= capacity_) {
+    throw common::CheckpointError("replay buffer: write position " + std::to_string(position) +
+                                  " is outside 0.." + std::to_string(capacity_ - 1));
+  }
+  size_ = stored.size(0);
+  next_ = position;
+  rows_.narrow(0, 0, size_).copy_(stored);
+}
+
+}  // namespace lodestone::rl
