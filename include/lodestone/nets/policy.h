@@ -16,7 +16,8 @@ namespace lodestone::nets {
 /// Actor of section IV-B2: D -> hidden (ReLU) -> 2, tanh.
 class ActorImpl : public torch::nn::Module {
  public:
-  ActorImpl(std::int64_t observation_size, const std::vector<std::int64_t>& hidden, std::int64_t action_size = 2);
+  ActorImpl(std::int64_t observation_size, const std::vector<std::int64_t>& hidden,
+            std::int64_t action_size = 2);
   /// [N, D] -> [N, 2] in [-1, 1].
   torch::Tensor forward(const torch::Tensor& observation);
 
@@ -28,9 +29,11 @@ TORCH_MODULE(Actor);
 /// Twin critic: first critic l1..l3, second critic l4..l6, each (D + 2) -> hidden (ReLU) -> 1.
 class TwinCriticImpl : public torch::nn::Module {
  public:
-  TwinCriticImpl(std::int64_t observation_size, const std::vector<std::int64_t>& hidden, std::int64_t action_size = 2);
+  TwinCriticImpl(std::int64_t observation_size, const std::vector<std::int64_t>& hidden,
+                 std::int64_t action_size = 2);
   /// [N, D], [N, 2] -> two [N, 1].
-  std::pair<torch::Tensor, torch::Tensor> forward(const torch::Tensor& observation, const torch::Tensor& action);
+  std::pair<torch::Tensor, torch::Tensor> forward(const torch::Tensor& observation,
+                                                  const torch::Tensor& action);
   /// First critic alone, [N, 1].
   torch::Tensor first(const torch::Tensor& observation, const torch::Tensor& action);
 
