@@ -14,19 +14,21 @@ struct NeedleMotion::BodyVelocity {
   double spin = 0.0;
 };
 
+/// Cosine and sine of the heading.
+struct NeedleMotion::Axes {
+  double c;
+  double s;
+
+  BodyVelocity to_body(double x, double y, double spin) const {
+    return {c * x + s * y, -s * x + c * y, spin};
+  }
+};
+
 namespace {
 
 // Below this a cell counts as creeping; it bounds how far a held mode drifts while another slides (1 um in
 // 0.1 s).
 constexpr double kCreep_m_s = 1e-5;
-
-// The needle in its own axes: the equations of motion couple only sideways motion and rotation.
-struct Axes {
-  double c;
-  double s;
-};
-
-Axes axes_of(const geometry::Pose2& pose) { return {std::cos(pose.heading_rad), std::sin(pose.heading_rad)}; }
 
 void drift(NeedleState& state, double time_s) {
   state.pose.x_m += state.velocity_x_m_s * time_s;
@@ -47,23 +49,27 @@ NeedleMotion::NeedleMotion(const NeedleConfig& needle, const FluidConfig& fluid,
   cell_load_N_ = needle.net_weight_N / kCells;
 }
 
-void NeedleMotion::cell_factors(const geometry::Pose2& pose, const FrictionMap& map, double scale,
-                                double* factors) const {
-  const Axes axes = axes_of(pose);
+NeedleMotion::Axes NeedleMotion::axes_of(const geometry::Pose2& pose) {
+  return {std::cos(pose.heading_rad), std::sin(pose.heading_rad)};
+}
+
+void NeedleMotion::cell_factors(const geometry::Pose2& pose, const Axes& axes, const FrictionMap& map,
+                                double scale, double* factors) const {
   for (int i = 0; i < kCells; ++i) {
-    factors[i] =
-        scale * map.factor(pose.x_m + cell_position_m_[i] * axes.c, pose.y_m + cell_position_m_[i] * axes.s);
+    const double s = cell_position_m_[i];
+    factors[i] = scale * map.factor(pose.x_m + s * axes.c, pose.y_m + s * axes.s);
   }
 }
 
 bool NeedleMotion::holds(const geometry::Pose2& pose, const Wrench& load, const FrictionMap& map,
                          double friction_scale) const {
   double factors[kCells];
-  cell_factors(pose, map, friction_scale, factors);
-  return holds(pose, load, factors);
+  const Axes axes = axes_of(pose);
+  cell_factors(pose, axes, map, friction_scale, factors);
+  return holds(axes.to_body(load.force_x_N, load.force_y_N, load.torque_N_m), factors);
 }
 
-bool NeedleMotion::holds(const geometry::Pose2& pose, const Wrench& load, const double* factors) const {
+bool NeedleMotion::holds(const BodyVelocity& load, const double* factors) const {
   double total = 0.0;
   double first_moment = 0.0;
   for (int i = 0; i < kCells; ++i) {
@@ -76,10 +82,9 @@ bool NeedleMotion::holds(const geometry::Pose2& pose, const Wrench& load, const 
   const double centre = first_moment / total;  // of friction, along the needle
   double arm_sum = 0.0;
   for (int i = 0; i < kCells; ++i) arm_sum += factors[i] * std::abs(cell_position_m_[i] - centre);
-  const Axes axes = axes_of(pose);
-  const double along = (axes.c * load.force_x_N + axes.s * load.force_y_N) / greatest_force;
-  const double across = (-axes.s * load.force_x_N + axes.c * load.force_y_N) / greatest_force;
-  const double torque = (load.torque_N_m - centre * across * greatest_force) / (per_factor_N * arm_sum);
+  const double along = load.along / greatest_force;
+  const double across = load.across / greatest_force;
+  const double torque = (load.spin - centre * load.across) / (per_factor_N * arm_sum);
   const double room = 1.0 - along * along - across * across;
   return room > 0.0 && torque * torque < room * (1.0 - across * across);
 }
@@ -168,21 +173,20 @@ bool NeedleMotion::kick(BodyVelocity& velocity, const BodyVelocity& load, const 
 
 void NeedleMotion::step(NeedleState& state, const CoilArray& coils, const Currents& current_A,
                         const FrictionMap& map, double friction_scale, double step_s) const {
-  if (!state.stuck) drift(state, step_s / 2.0);
-  keep_inside(state.pose);
-  const Wrench load = magnetic_wrench(needle_, state.pose, coils, current_A);
-  double factors[kCells];
-  cell_factors(state.pose, map, friction_scale, factors);
-  const bool held = holds(state.pose, load, factors);
-  if (state.stuck && held) return;
-  state.stuck = false;
-
+  if (!state.stuck) {
+    drift(state, step_s / 2.0);
+    keep_inside(state.pose);
+  }
   const Axes axes = axes_of(state.pose);
-  BodyVelocity velocity{axes.c * state.velocity_x_m_s + axes.s * state.velocity_y_m_s,
-                        -axes.s * state.velocity_x_m_s + axes.c * state.velocity_y_m_s, state.spin_rad_s};
-  const BodyVelocity body_load{axes.c * load.force_x_N + axes.s * load.force_y_N,
-                               -axes.s * load.force_x_N + axes.c * load.force_y_N, load.torque_N_m};
-  state.stuck = !kick(velocity, body_load, factors, held, step_s);
+  const Wrench pull = magnetic_wrench(needle_, state.pose.position_m(), {axes.c, axes.s}, coils, current_A);
+  const BodyVelocity load = axes.to_body(pull.force_x_N, pull.force_y_N, pull.torque_N_m);
+  double factors[kCells];
+  cell_factors(state.pose, axes, map, friction_scale, factors);
+  const bool held = holds(load, factors);
+  if (state.stuck && held) return;
+
+  BodyVelocity velocity = axes.to_body(state.velocity_x_m_s, state.velocity_y_m_s, state.spin_rad_s);
+  state.stuck = !kick(velocity, load, factors, held, step_s);
   state.velocity_x_m_s = axes.c * velocity.along - axes.s * velocity.across;
   state.velocity_y_m_s = axes.s * velocity.along + axes.c * velocity.across;
   state.spin_rad_s = velocity.spin;
@@ -190,9 +194,14 @@ void NeedleMotion::step(NeedleState& state, const CoilArray& coils, const Curren
     state.pose.heading_rad = geometry::wrap_angle(state.pose.heading_rad);
     return;
   }
-  wall_impulses(state, step_s);
+  wall_impulses(state, axes, step_s);
   drift(state, step_s / 2.0);
   keep_inside(state.pose);
+}
+
+bool NeedleMotion::near_wall(const geometry::Pose2& pose) const {
+  const double free = dish_.radius_m - needle_.length_m / 2.0;
+  return pose.x_m * pose.x_m + pose.y_m * pose.y_m > free * free;
 }
 
 bool NeedleMotion::fits(const geometry::Pose2& pose) const {
@@ -207,21 +216,25 @@ bool NeedleMotion::fits(const geometry::Pose2& pose) const {
 
 /// Inelastic contact with friction: no end may pass the wall within the step. Sequential impulses over the
 /// two ends. Impulses only take outward motion away, so that the wall cannot add energy.
-void NeedleMotion::wall_impulses(NeedleState& state, double step_s) const {
+void NeedleMotion::wall_impulses(NeedleState& state, const Axes& axes, double step_s) const {
   struct Contact {
     double arm_x, arm_y, normal_x, normal_y, allowed_m_s, normal_impulse, tangent_impulse;
   };
   Contact contacts[2];
+  const auto length = [](double x, double y) { return std::sqrt(x * x + y * y); };
+  const double reach =
+      needle_.length_m / 2.0 + step_s * (length(state.velocity_x_m_s, state.velocity_y_m_s) +
+                                         std::abs(state.spin_rad_s) * needle_.length_m / 2.0);
+  if (length(state.pose.x_m, state.pose.y_m) + reach < dish_.radius_m) return;
   int count = 0;
-  const Axes axes = axes_of(state.pose);
   for (const double side : {0.5, -0.5}) {
     const double arm_x = side * needle_.length_m * axes.c;
     const double arm_y = side * needle_.length_m * axes.s;
     const double x = state.pose.x_m + arm_x;
     const double y = state.pose.y_m + arm_y;
-    const double radius = std::hypot(x, y);
-    const double speed = std::hypot(state.velocity_x_m_s - state.spin_rad_s * arm_y,
-                                    state.velocity_y_m_s + state.spin_rad_s * arm_x);
+    const double radius = length(x, y);
+    const double speed = length(state.velocity_x_m_s - state.spin_rad_s * arm_y,
+                                state.velocity_y_m_s + state.spin_rad_s * arm_x);
     const double gap = std::max(0.0, dish_.radius_m - radius);
     if (speed * step_s < gap) continue;
     contacts[count++] = {arm_x, arm_y, x / radius, y / radius, gap / step_s, 0.0, 0.0};
@@ -236,8 +249,10 @@ void NeedleMotion::wall_impulses(NeedleState& state, double step_s) const {
     const double lever = c.arm_x * y - c.arm_y * x;
     return 1.0 / (1.0 / needle_.mass_kg + lever * lever / needle_.inertia_kg_m2);
   };
-  constexpr int kIterations = 10;
+  constexpr int kIterations = 20;
+  constexpr double kSettled_m_s = 1e-9;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
+    double change = 0.0;
     for (int i = 0; i < count; ++i) {
       Contact& c = contacts[i];
       const double tx = -c.normal_y;
@@ -248,6 +263,7 @@ void NeedleMotion::wall_impulses(NeedleState& state, double step_s) const {
       const double normal =
           std::max(0.0, c.normal_impulse + (outward - c.allowed_m_s) * mass(c, c.normal_x, c.normal_y));
       push(c, -(normal - c.normal_impulse) * c.normal_x, -(normal - c.normal_impulse) * c.normal_y);
+      change += std::abs(normal - c.normal_impulse);
       c.normal_impulse = normal;
       vx = state.velocity_x_m_s - state.spin_rad_s * c.arm_y;
       vy = state.velocity_y_m_s + state.spin_rad_s * c.arm_x;
@@ -255,20 +271,23 @@ void NeedleMotion::wall_impulses(NeedleState& state, double step_s) const {
       const double tangent =
           std::clamp(c.tangent_impulse - (vx * tx + vy * ty) * mass(c, tx, ty), -limit, limit);
       push(c, (tangent - c.tangent_impulse) * tx, (tangent - c.tangent_impulse) * ty);
+      change += std::abs(tangent - c.tangent_impulse);
       c.tangent_impulse = tangent;
     }
+    if (change < kSettled_m_s * needle_.mass_kg) break;
   }
 }
 
 /// Takes back the little that the wall's curvature lets an end through in one step.
 void NeedleMotion::keep_inside(geometry::Pose2& pose) const {
+  if (!near_wall(pose)) return;
   const Axes axes = axes_of(pose);
   for (int pass = 0; pass < 3; ++pass) {
     bool moved = false;
     for (const double side : {0.5, -0.5}) {
       const double x = pose.x_m + side * needle_.length_m * axes.c;
       const double y = pose.y_m + side * needle_.length_m * axes.s;
-      const double radius = std::hypot(x, y);
+      const double radius = std::sqrt(x * x + y * y);
       if (radius <= dish_.radius_m) continue;
       const double back = dish_.radius_m * (1.0 - 1e-12) / radius - 1.0;
       pose.x_m += back * x;

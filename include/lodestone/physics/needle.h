@@ -57,6 +57,9 @@ struct Wrench {
 /// end.
 Wrench magnetic_wrench(const NeedleConfig& needle, const geometry::Pose2& pose, const CoilArray& coils,
                        const Currents& current_A);
+/// The same for a middle and a unit vector along the heading.
+Wrench magnetic_wrench(const NeedleConfig& needle, const geometry::Vector2& middle_m,
+                       const geometry::Vector2& axis, const CoilArray& coils, const Currents& current_A);
 
 /// Viscous coefficients of the rod, linear in speed.
 struct RodDrag {

@@ -56,12 +56,16 @@ class NeedleMotion {
  private:
   static constexpr int kCells = 6;
   struct BodyVelocity;
+  struct Axes;
 
-  void cell_factors(const geometry::Pose2& pose, const FrictionMap& map, double scale, double* factors) const;
-  bool holds(const geometry::Pose2& pose, const Wrench& load, const double* factors) const;
+  static Axes axes_of(const geometry::Pose2& pose);
+  void cell_factors(const geometry::Pose2& pose, const Axes& axes, const FrictionMap& map, double scale,
+                    double* factors) const;
+  bool holds(const BodyVelocity& load, const double* factors) const;
   bool kick(BodyVelocity& velocity, const BodyVelocity& load, const double* factors, bool held,
             double step_s) const;
-  void wall_impulses(NeedleState& state, double step_s) const;
+  bool near_wall(const geometry::Pose2& pose) const;
+  void wall_impulses(NeedleState& state, const Axes& axes, double step_s) const;
   void keep_inside(geometry::Pose2& pose) const;
 
   NeedleConfig needle_;
