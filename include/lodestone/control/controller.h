@@ -4,7 +4,8 @@
 
 namespace lodestone::control {
 
-/// Decides one pulse. A TD3 policy, a planner and a classical controller are the same thing to the control loop.
+/// Decides one pulse. A TD3 policy, a planner and a classical controller are the same thing to the control
+/// loop.
 class Controller {
  public:
   virtual ~Controller() = default;

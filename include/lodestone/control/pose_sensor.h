@@ -7,15 +7,16 @@
 namespace lodestone::control {
 
 struct PoseEstimate {
-  bool valid = false;         ///< false: no pose, and `reason` says why; never a guess
+  bool valid = false;  ///< false: no pose, and `reason` says why; never a guess
   std::string reason;
   geometry::Pose2 pose;
   double position_sigma_m = 0.0;
   double heading_sigma_rad = 0.0;
-  double stamp_s = 0.0;       ///< on the rig's clock
+  double stamp_s = 0.0;  ///< on the rig's clock
 };
 
-/// Where the needle is. Implementations: simulated (true pose plus the localiser's measured error); camera-based.
+/// Where the needle is. Implementations: simulated (true pose plus the localiser's measured error);
+/// camera-based.
 class PoseSensor {
  public:
   virtual ~PoseSensor() = default;

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "lodestone/common/clock.h"
+#include "lodestone/control/controller.h"
+#include "lodestone/control/pose_sensor.h"
+#include "lodestone/control/reference.h"
+#include "lodestone/control/safety_supervisor.h"
+#include "lodestone/rig/coils.h"
+#include "lodestone/task/action.h"
+
+namespace lodestone::control {
+
+/// Section IV-B3: a pulse of 100 ms, a rest of 200 ms, about 3 Hz.
+struct ControlLoopConfig {
+  double pulse_s = 0.1;
+  double rest_s = 0.2;
+  std::int64_t max_invalid_poses = 10;
+
+  double period_s() const { return pulse_s + rest_s; }
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("pulse_s", pulse_s, "s", "length of a current pulse", {0.001, 10.0});
+    v.field("rest_s", rest_s, "s", "rest after it, until the needle lies still", {0.0, 10.0});
+    v.field("max_invalid_poses", max_invalid_poses, "",
+            "observations in a row without a pose that stop the run", {1, 100000});
+  }
+};
+
+/// One step: what was seen, what was wanted and what was done.
+struct StepRecord {
+  double time_s = 0.0;  ///< since the start of the run
+  PoseEstimate estimate;
+  geometry::Vector2 target_m = geometry::Vector2::Zero();
+  geometry::Vector2 action = geometry::Vector2::Zero();  ///< as given, clipped to [-1, 1]
+  std::array<double, rig::kCoilCount> current_A{};       ///< as asked of the coils
+  bool last = false;                                     ///< the closing observation: no pulse followed
+};
+
+struct LoopOutcome {
+  std::vector<StepRecord> steps;  ///< one per pulse, and one closing observation
+  bool completed = false;         ///< the reference was followed to its end
+  std::string stop_reason;        ///< why the run ended early; empty when completed
+};
+
+/// Runs one controller on one rig. Observe, decide, check, pulse, rest, until the reference is finished.
+class ControlLoop {
+ public:
+  /// Called at every observation, before the pulse: scoring looks at the true pose here.
+  using Observer = std::function<void(const StepRecord&)>;
+
+  /// Everything must outlive the loop. `action` must map to amperes.
+  ControlLoop(const ControlLoopConfig& config, const task::ActionConfig& action, SafetySupervisor& coils,
+              PoseSensor& sensor, common::Clock& clock);
+
+  /// Never throws for what sensor, controller or coils do: any fault stops the coils and is the outcome's
+  /// stop_reason, and so is the user's interrupt. Without a valid pose no pulse is given.
+  LoopOutcome run(Controller& controller, Reference& reference, const Observer& observer = {});
+
+ private:
+  void follow(Controller& controller, Reference& reference, const Observer& observer, LoopOutcome& outcome);
+
+  ControlLoopConfig config_;
+  task::ActionConfig action_;
+  SafetySupervisor& coils_;
+  PoseSensor& sensor_;
+  common::Clock& clock_;
+};
+
+}  // namespace lodestone::control

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <memory>
+
+#include "lodestone/control/controller.h"
+
+namespace lodestone::control {
+
+/// What is put around a controller. The defaults change nothing: that is the paper's controller.
+struct DecoratorConfig {
+  double stall_gain = 1.0;
+  double stall_gain_max = 8.0;
+  double stall_threshold_m = 0.0015;
+  double stall_threshold_deg = 6.0;
+  double hold_radius_m = 0.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("stall_gain", stall_gain, "", "factor on the command per step without motion; 1 is off",
+            {1.0, 4.0});
+    v.field("stall_gain_max", stall_gain_max, "", "largest factor that may build up", {1.0, 1000.0});
+    v.field("stall_threshold_m", stall_threshold_m, "m",
+            "a sensed step shorter than this is no motion (about 2.5 times the RMS noise of a position)",
+            {0.0, 0.1});
+    v.field("stall_threshold_deg", stall_threshold_deg, "deg", "nor is a turn smaller than this",
+            {0.0, 180.0});
+    v.field("hold_radius_m", hold_radius_m, "m",
+            "no current while sensed within this of the target; 0 is off", {0.0, 0.1});
+  }
+};
+
+/// Multiplies the command by a factor that grows with every step without motion and returns to 1 after
+/// motion: a memoryless policy below the break-away current would repeat itself for ever (rig-physics.md).
+class AdaptiveGain final : public Controller {
+ public:
+  AdaptiveGain(std::unique_ptr<Controller> inner, const DecoratorConfig& config);
+  void reset() override;
+  geometry::Vector2 act(const task::Observation& observation) override;
+  double gain() const { return gain_; }
+
+ private:
+  std::unique_ptr<Controller> inner_;
+  DecoratorConfig config_;
+  double gain_ = 1.0;
+  bool acted_ = false;  // the last step gave a command, so a lack of motion means a stall
+  geometry::Pose2 last_pose_;
+};
+
+/// Gives no current while the needle is sensed within the hold radius.
+class Hold final : public Controller {
+ public:
+  Hold(std::unique_ptr<Controller> inner, double radius_m) : inner_(std::move(inner)), radius_m_(radius_m) {}
+  void reset() override { inner_->reset(); }
+  geometry::Vector2 act(const task::Observation& observation) override;
+
+ private:
+  std::unique_ptr<Controller> inner_;
+  double radius_m_;
+};
+
+/// Hold around adaptive gain around `controller`, each only where the configuration turns it on.
+std::unique_ptr<Controller> decorate(std::unique_ptr<Controller> controller, const DecoratorConfig& config);
+
+}  // namespace lodestone::control

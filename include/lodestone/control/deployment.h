@@ -1,0 +1,123 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lodestone/common/thread_pool.h"
+#include "lodestone/control/control_loop.h"
+#include "lodestone/control/decorators.h"
+#include "lodestone/control/dipole_pull.h"
+#include "lodestone/control/reference.h"
+#include "lodestone/control/score.h"
+#include "lodestone/control/simulated_pose_sensor.h"
+#include "lodestone/control/trial.h"
+#include "lodestone/rig/virtual_rig.h"
+
+namespace lodestone::control {
+
+/// Which trials are run. Starts and targets are drawn from the run's seed, the same for every controller and
+/// rig.
+struct TrialsConfig {
+  std::int64_t count = 50;
+  double start_radius_m = 0.035;
+  double goal_radius_m = 0.030;
+  double point_seconds = 20.0;
+  double square_side_m = 0.030;
+  double circle_radius_m = 0.015;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("count", count, "", "trials per task", {1, 100000});
+    v.field("start_radius_m", start_radius_m, "m", "starts are drawn over a disc of this radius", {0.0, 1.0});
+    v.field("goal_radius_m", goal_radius_m, "m", "targets of `point` are drawn over a disc of this radius",
+            {0.0, 1.0});
+    v.field("point_seconds", point_seconds, "s", "length of a trial of `centre` or `point`", {0.1, 3600.0});
+    v.field("square_side_m", square_side_m, "m", "side of the square", {1e-3, 1.0});
+    v.field("circle_radius_m", circle_radius_m, "m", "radius of the circle", {1e-3, 1.0});
+  }
+};
+
+/// Everything a deployment on virtual rigs depends on, besides the policy.
+struct DeploymentConfig {
+  std::int64_t seed = 1;
+  std::int64_t rig_seed = 1;
+  std::int64_t sensor_seed = 1;
+  TrialsConfig trials;
+  ScoreConfig score;
+  PathReferenceConfig reference;
+  ControlLoopConfig loop;
+  SafetyConfig safety;
+  DecoratorConfig decorators;
+  DipolePullConfig baseline;
+  rig::VirtualRigConfig rig;
+  SensorErrorConfig sensor;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("seed", seed, "", "seed of starts, targets, sensor noise and unseen rigs", {0, 9e15});
+    v.field("rig_seed", rig_seed, "", "seed of the explored rig's friction map, as in collect", {0, 9e15});
+    v.field("sensor_seed", sensor_seed, "", "seed of the explored rig's calibration error, as in collect",
+            {0, 9e15});
+    v.group("trials", trials, "the trials");
+    v.group("score", score, "rules of scoring");
+    v.group("reference", reference, "how a path is fed to the controller");
+    v.group("loop", loop, "timing of the control loop");
+    v.group("safety", safety, "limits of the supervisor");
+    v.group("decorators", decorators, "what is put around every controller");
+    v.group("baseline", baseline, "the proportional baseline");
+    v.group("rig", rig, "the virtual rig");
+    v.group("sensor", sensor, "errors of the simulated localiser");
+  }
+};
+
+/// A rig that was explored (friction map and calibration error of collect), or one never seen before (own
+/// friction map and calibration error in every trial).
+enum class RigKind { kExplored, kUnseen };
+const char* to_string(RigKind kind);
+
+/// Start, target or path of trial `index` of a task ("centre", "point", "square", "circle", or "path" with
+/// `path`). `target_m`, when given, replaces the drawn target of `point`. `fits` says whether a start lies
+/// inside the dish.
+TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, std::int64_t index,
+                     const std::optional<geometry::Vector2>& target_m,
+                     const std::optional<geometry::Path>& path,
+                     const std::function<bool(const geometry::Pose2&)>& fits);
+
+/// A controller and the scale of its actions. `make` is called once per trial and must be safe to call from
+/// several threads.
+struct ControllerSource {
+  std::string name;  ///< "policy" or "baseline"
+  task::ActionConfig action;
+  std::function<std::unique_ptr<Controller>()> make;
+};
+
+/// The baseline at the rig's largest current.
+ControllerSource baseline_source(const DeploymentConfig& config);
+
+/// Runs trials, each on a rig of its own with its own random streams, so that results depend neither on
+/// threads nor on which other trials are run.
+class Deployment {
+ public:
+  explicit Deployment(const DeploymentConfig& config);
+
+  /// Results in the order of `plans`. With `realtime`, every trial takes as long as it says.
+  std::vector<TrialResult> run(const std::vector<TrialPlan>& plans, RigKind kind,
+                               const ControllerSource& source, common::ThreadPool& pool,
+                               bool realtime = false) const;
+
+  /// Whether the needle lies inside the wall at a pose.
+  bool fits(const geometry::Pose2& pose) const { return sample_rig_->fits(pose); }
+
+ private:
+  TrialResult run_one(const TrialPlan& plan, RigKind kind, const ControllerSource& source,
+                      bool realtime) const;
+
+  DeploymentConfig config_;
+  std::unique_ptr<rig::VirtualRig> sample_rig_;  // lends its field table to the rigs of the trials
+};
+
+}  // namespace lodestone::control

@@ -1,0 +1,72 @@
+#pragma once
+
+#include "lodestone/geometry/path.h"
+
+namespace lodestone::control {
+
+/// Where the needle should be now: the target handed to the controller at every step.
+class Reference {
+ public:
+  virtual ~Reference() = default;
+  /// Starts over.
+  virtual void reset() = 0;
+  /// Target at `time_s` since the start of the run, for a needle sensed at `position_m`.
+  virtual geometry::Vector2 target(double time_s, const geometry::Vector2& position_m) = 0;
+  /// True once there is nothing left to follow.
+  virtual bool finished(double time_s) const = 0;
+};
+
+/// A point that stays where it is, for a given time.
+class PointReference final : public Reference {
+ public:
+  PointReference(const geometry::Vector2& point_m, double duration_s)
+      : point_m_(point_m), duration_s_(duration_s) {}
+  void reset() override {}
+  geometry::Vector2 target(double, const geometry::Vector2&) override { return point_m_; }
+  bool finished(double time_s) const override { return time_s >= duration_s_; }
+
+ private:
+  geometry::Vector2 point_m_;
+  double duration_s_;
+};
+
+/// How a path is fed to the controller.
+struct PathReferenceConfig {
+  double speed_m_s = 0.002;
+  double approach_radius_m = 0.003;
+  double approach_limit_s = 20.0;
+  std::int64_t laps = 1;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("speed_m_s", speed_m_s, "m/s", "speed of the reference along the path", {1e-6, 1.0});
+    v.field("approach_radius_m", approach_radius_m, "m",
+            "the reference leaves the start of the path once the needle is sensed this close", {0.0, 1.0});
+    v.field("approach_limit_s", approach_limit_s, "s", "or after this time at the latest", {0.0, 3600.0});
+    v.field("laps", laps, "", "times around a closed path", {1, 1000});
+  }
+};
+
+/// A point that waits at the start of the path until the needle has come there, then moves along at constant
+/// speed: section V-D feeds the policy "each point along that path one by one, until the path is done".
+class PathReference final : public Reference {
+ public:
+  PathReference(geometry::Path path, const PathReferenceConfig& config)
+      : path_(std::move(path)), config_(config) {}
+  void reset() override { started_s_ = -1.0; }
+  geometry::Vector2 target(double time_s, const geometry::Vector2& position_m) override;
+  bool finished(double time_s) const override;
+
+  /// True while the needle still approaches the start of the path.
+  bool approaching() const { return started_s_ < 0.0; }
+  const geometry::Path& path() const { return path_; }
+  /// Time one run takes after the approach.
+  double duration_s() const;
+
+ private:
+  geometry::Path path_;
+  PathReferenceConfig config_;
+  double started_s_ = -1.0;
+};
+
+}  // namespace lodestone::control

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "lodestone/common/clock.h"
+#include "lodestone/common/random.h"
+#include "lodestone/control/pose_sensor.h"
+
+namespace lodestone::control {
+
+/// How wrong the simulated localiser is. Defaults: RMS error of the paper's localiser (section V) and the
+/// accuracy of a manual calibration as its authors describe it (rig-physics.md, Camera).
+struct SensorErrorConfig {
+  double position_rms_m = 0.00061;
+  double heading_rms_deg = 0.81;
+  double calibration_offset_m = 0.001;
+  double calibration_scale = 0.01;
+  double calibration_rotation_deg = 1.0;
+  double dropout = 0.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("position_rms_m", position_rms_m, "m",
+            "RMS of the distance between sensed and true position, white", {0.0, 0.1});
+    v.field("heading_rms_deg", heading_rms_deg, "deg", "RMS of the heading error, white", {0.0, 180.0});
+    v.field("calibration_offset_m", calibration_offset_m, "m",
+            "RMS offset of the whole picture, fixed per run", {0.0, 0.1});
+    v.field("calibration_scale", calibration_scale, "",
+            "standard deviation of the scale error, fixed per run", {0.0, 0.5});
+    v.field("calibration_rotation_deg", calibration_rotation_deg, "deg",
+            "standard deviation of the picture's rotation, fixed per run", {0.0, 90.0});
+    v.field("dropout", dropout, "", "share of observations without a pose", {0.0, 1.0});
+  }
+};
+
+/// A calibration that is wrong by an offset, a scale and a rotation about the dish centre.
+struct CalibrationError {
+  geometry::Vector2 offset_m = geometry::Vector2::Zero();
+  double scale = 1.0;
+  double rotation_rad = 0.0;
+
+  geometry::Pose2 apply(const geometry::Pose2& pose) const;
+};
+
+/// Normal errors with the spreads of `config`; the same seed always gives the same error.
+CalibrationError draw_calibration_error(const SensorErrorConfig& config, std::uint64_t seed);
+
+/// True pose of a virtual rig as a localiser would report it: calibration error, then white noise.
+class SimulatedPoseSensor final : public PoseSensor {
+ public:
+  /// `true_pose` and `clock` must outlive the sensor.
+  SimulatedPoseSensor(std::function<geometry::Pose2()> true_pose, const common::Clock& clock,
+                      const SensorErrorConfig& config, const CalibrationError& calibration,
+                      common::RandomStream noise);
+  PoseEstimate observe() override;
+
+  /// State of the noise stream, for bitwise resumption.
+  std::string save() const { return noise_.save(); }
+  void restore(const std::string& state) { noise_.restore(state); }
+
+ private:
+  std::function<geometry::Pose2()> true_pose_;
+  const common::Clock& clock_;
+  SensorErrorConfig config_;
+  CalibrationError calibration_;
+  common::RandomStream noise_;
+};
+
+}  // namespace lodestone::control

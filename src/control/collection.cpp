@@ -1,0 +1,110 @@
+#include "lodestone/control/collection.h"
+
+#include <algorithm>
+
+#include "lodestone/common/error.h"
+#include "lodestone/common/interrupt.h"
+
+namespace lodestone::control {
+
+namespace {
+
+/// No target, only an end: after some steps, or when the operator has to help.
+class UntilStuck final : public Reference {
+ public:
+  UntilStuck(const Explorer& explorer, double duration_s) : explorer_(explorer), duration_s_(duration_s) {}
+  void reset() override {}
+  geometry::Vector2 target(double, const geometry::Vector2&) override { return geometry::Vector2::Zero(); }
+  bool finished(double time_s) const override { return explorer_.stuck() || time_s >= duration_s_; }
+
+ private:
+  const Explorer& explorer_;
+  double duration_s_;
+};
+
+task::ActionConfig action_config(const CollectionConfig& config) {
+  task::ActionConfig action;
+  action.scale = config.rig.max_current_A;
+  return action;
+}
+
+/// A missing pose ends an episode at once: a gap in a recording is no transition.
+ControlLoopConfig loop_config(const CollectionConfig& config) {
+  ControlLoopConfig loop = config.loop;
+  loop.max_invalid_poses = 1;
+  return loop;
+}
+
+}  // namespace
+
+data::DatasetInfo dataset_info(const CollectionConfig& config) {
+  data::DatasetInfo info;
+  info.layout = data::StateLayout::kPose;
+  info.action_unit = "A";
+  info.action_scale = config.rig.max_current_A;
+  info.workspace_radius_m = config.explorer.dish_radius_m;
+  info.control_period_s = config.loop.period_s();
+  info.seed = config.seed;
+  info.source = "virtual rig";
+  info.rig = common::config_to_json(config);
+  return info;
+}
+
+Collection::Collection(const CollectionConfig& config)
+    : config_(config),
+      rig_(config.rig, static_cast<std::uint64_t>(config.rig_seed)),
+      sensor_([this] { return rig_.true_pose(); }, rig_.clock(), config.sensor,
+              draw_calibration_error(config.sensor, static_cast<std::uint64_t>(config.sensor_seed)),
+              common::RandomStream(static_cast<std::uint64_t>(config.seed), "collect/sensor noise")),
+      coils_(rig_.coils(), config.safety),
+      explorer_(config.explorer,
+                common::RandomStream(static_cast<std::uint64_t>(config.seed), "collect/explorer")) {}
+
+data::Episode Collection::next_episode(std::int64_t max_steps) {
+  max_steps = std::min(max_steps, config_.episode_steps);
+  LODESTONE_CHECK(max_steps >= 1, "at least one step in an episode");
+  for (int attempts = 0; attempts < 1000; ++attempts) {
+    rig_.place(explorer_.next_start([this](const geometry::Pose2& pose) { return rig_.fits(pose); }));
+    // Half a period less, as the loop counts time in sums of periods.
+    UntilStuck reference(explorer_, (static_cast<double>(max_steps) - 0.5) * config_.loop.period_s());
+    const task::ActionConfig action = action_config(config_);
+    ControlLoop loop(loop_config(config_), action, coils_, sensor_, rig_.clock());
+    const LoopOutcome outcome = loop.run(explorer_, reference);
+    if (common::interrupted()) throw common::Interrupted("collection stopped by the user");
+    const bool lost = !outcome.steps.empty() && !outcome.steps.back().estimate.valid;
+    if (!outcome.completed && !lost)
+      throw common::HardwareError("collection stopped: " + outcome.stop_reason);
+    const std::size_t observations = outcome.steps.size() - (lost ? 1 : 0);
+    if (observations < 2) continue;
+    data::Episode episode;
+    for (std::size_t i = 0; i < observations; ++i) {
+      const StepRecord& step = outcome.steps[i];
+      const geometry::Pose2& pose = step.estimate.pose;
+      episode.observations.insert(episode.observations.end(), {pose.x_m, pose.y_m, pose.heading_rad});
+      if (i + 1 == observations) break;
+      const geometry::Vector2 drive_A = task::axis_drive(step.action, action);
+      episode.actions.insert(episode.actions.end(), {drive_A.x(), drive_A.y()});
+      episode.terminations.push_back(0);
+      episode.truncations.push_back(i + 2 == observations ? 1 : 0);
+      episode.zero_current.push_back(drive_A.isZero(0.0) ? 1 : 0);
+    }
+    return episode;
+  }
+  throw common::HardwareError("collection stopped: the sensor gave no two poses in a row in 1000 attempts");
+}
+
+common::Json Collection::save() const {
+  return {{"rig", rig_.save()}, {"sensor", sensor_.save()}, {"explorer", explorer_.save()}};
+}
+
+void Collection::restore(const common::Json& state) {
+  try {
+    rig_.restore(state.at("rig"));
+    sensor_.restore(state.at("sensor").get<std::string>());
+    explorer_.restore(state.at("explorer"));
+  } catch (const common::Json::exception& error) {
+    throw common::DataError(std::string("collection state is malformed: ") + error.what());
+  }
+}
+
+}  // namespace lodestone::control

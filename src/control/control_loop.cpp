@@ -1,0 +1,106 @@
+#include "lodestone/control/control_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+
+#include "lodestone/common/error.h"
+#include "lodestone/common/interrupt.h"
+
+namespace lodestone::control {
+
+namespace {
+
+bool finite(const geometry::Pose2& pose) {
+  return std::isfinite(pose.x_m) && std::isfinite(pose.y_m) && std::isfinite(pose.heading_rad);
+}
+
+/// Sensed poses and what was done between them.
+struct Memory {
+  bool has_pose = false;
+  geometry::Vector2 position_m = geometry::Vector2::Zero();
+  geometry::Vector2 action = geometry::Vector2::Zero();
+
+  task::Observation observe(const geometry::Pose2& pose, const geometry::Vector2& target_m) const {
+    task::Observation observation;
+    observation.pose = pose;
+    observation.target_m = target_m;
+    observation.last_action = action;
+    if (has_pose) observation.last_displacement_m = pose.position_m() - position_m;
+    return observation;
+  }
+};
+
+geometry::Vector2 decide(Controller& controller, const task::Observation& observation) {
+  geometry::Vector2 action = controller.act(observation);
+  if (!action.allFinite())
+    throw common::HardwareError("the controller asked for a drive that is not a number");
+  return action.cwiseMax(-1.0).cwiseMin(1.0);
+}
+
+}  // namespace
+
+ControlLoop::ControlLoop(const ControlLoopConfig& config, const task::ActionConfig& action,
+                         SafetySupervisor& coils, PoseSensor& sensor, common::Clock& clock)
+    : config_(config), action_(action), coils_(coils), sensor_(sensor), clock_(clock) {}
+
+LoopOutcome ControlLoop::run(Controller& controller, Reference& reference, const Observer& observer) {
+  LoopOutcome outcome;
+  try {
+    follow(controller, reference, observer, outcome);
+  } catch (const std::exception& error) {
+    outcome.stop_reason = error.what();
+  } catch (...) {
+    outcome.stop_reason = "unknown fault";
+  }
+  coils_.stop();
+  outcome.completed = outcome.stop_reason.empty();
+  return outcome;
+}
+
+void ControlLoop::follow(Controller& controller, Reference& reference, const Observer& observer,
+                         LoopOutcome& outcome) {
+  controller.reset();
+  reference.reset();
+  Memory memory;
+  std::int64_t invalid_in_a_row = 0;
+  const double start_s = clock_.now_s();
+  for (std::int64_t step = 0;; ++step) {
+    if (common::interrupted()) throw common::Interrupted("stopped by the user");
+    // Counted from the start, so that rounding does not add up.
+    const double due_s = static_cast<double>(step) * config_.period_s();
+    StepRecord record;
+    record.time_s = due_s;
+    record.estimate = sensor_.observe();
+    record.estimate.valid = record.estimate.valid && finite(record.estimate.pose);
+    const geometry::Vector2 seen_m =
+        record.estimate.valid ? record.estimate.pose.position_m() : memory.position_m;
+    record.target_m = reference.target(due_s, seen_m);
+    record.last = reference.finished(due_s);
+    if (record.estimate.valid) {
+      invalid_in_a_row = 0;
+      if (!record.last) {
+        const task::Observation observation = memory.observe(record.estimate.pose, record.target_m);
+        record.action = decide(controller, observation);
+        record.current_A = task::coil_currents(task::axis_drive(record.action, action_));
+      }
+      memory.has_pose = true;
+      memory.position_m = seen_m;
+    } else {
+      ++invalid_in_a_row;
+      if (record.estimate.reason.empty())
+        record.estimate.reason = "the sensor gave a pose that is not a number";
+    }
+    memory.action = record.action;
+    outcome.steps.push_back(record);
+    if (observer) observer(record);
+    if (record.last) return;
+    if (invalid_in_a_row >= config_.max_invalid_poses)
+      throw common::HardwareError("no pose for " + std::to_string(invalid_in_a_row) +
+                                  " observations in a row: " + record.estimate.reason);
+    if (record.estimate.valid) coils_.apply({record.current_A, config_.pulse_s});
+    clock_.sleep_until(start_s + static_cast<double>(step + 1) * config_.period_s());
+  }
+}
+
+}  // namespace lodestone::control

@@ -1,0 +1,114 @@
+#include "lodestone/control/deployment.h"
+
+#include <cmath>
+
+#include "lodestone/common/error.h"
+#include "lodestone/task/task.h"
+
+namespace lodestone::control {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Streams of a trial are told apart by its task and index, not by the order in which trials run.
+std::uint64_t trial_seed(const DeploymentConfig& config, const TrialPlan& plan) {
+  return common::derive_seed(static_cast<std::uint64_t>(config.seed), "deploy/" + plan.task,
+                             static_cast<std::uint64_t>(plan.index));
+}
+
+}  // namespace
+
+const char* to_string(RigKind kind) { return kind == RigKind::kExplored ? "explored" : "unseen"; }
+
+TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, std::int64_t index,
+                     const std::optional<geometry::Vector2>& target_m,
+                     const std::optional<geometry::Path>& path,
+                     const std::function<bool(const geometry::Pose2&)>& fits) {
+  TrialPlan plan;
+  plan.task = task;
+  plan.index = index;
+  plan.duration_s = config.trials.point_seconds;
+  plan.reference = config.reference;
+  common::RandomStream random(trial_seed(config, plan), "start and target");
+  constexpr int kMaxDraws = 100000;
+  int draws = 0;
+  do {
+    if (++draws > kMaxDraws)
+      throw common::ConfigError("trials.start_radius_m = " + std::to_string(config.trials.start_radius_m) +
+                                ": no start inside the dish was found; use a smaller radius");
+    const geometry::Vector2 start_m = task::draw_in_disc(config.trials.start_radius_m, random);
+    plan.start = {start_m.x(), start_m.y(), random.uniform(-kPi, kPi)};
+  } while (!fits(plan.start));
+  const geometry::Vector2 drawn_m = task::draw_in_disc(config.trials.goal_radius_m, random);
+  if (task == "point")
+    plan.target_m = target_m.value_or(drawn_m);
+  else if (task == "square")
+    plan.path = geometry::Path::square(config.trials.square_side_m);
+  else if (task == "circle")
+    plan.path = geometry::Path::circle(config.trials.circle_radius_m);
+  else if (task == "path")
+    plan.path = path;
+  else
+    LODESTONE_CHECK(task == "centre", "a task: centre, point, square, circle or path, not " + task);
+  return plan;
+}
+
+ControllerSource baseline_source(const DeploymentConfig& config) {
+  ControllerSource source;
+  source.name = "baseline";
+  source.action.scale = config.rig.max_current_A;
+  source.make = [config] {
+    return decorate(std::make_unique<DipolePullController>(config.baseline, config.rig.max_current_A),
+                    config.decorators);
+  };
+  return source;
+}
+
+Deployment::Deployment(const DeploymentConfig& config)
+    : config_(config),
+      sample_rig_(
+          std::make_unique<rig::VirtualRig>(config.rig, static_cast<std::uint64_t>(config.rig_seed))) {}
+
+std::vector<TrialResult> Deployment::run(const std::vector<TrialPlan>& plans, RigKind kind,
+                                         const ControllerSource& source, common::ThreadPool& pool,
+                                         bool realtime) const {
+  std::vector<TrialResult> results(plans.size());
+  pool.for_each(plans.size(),
+                [&](std::size_t trial) { results[trial] = run_one(plans[trial], kind, source, realtime); });
+  return results;
+}
+
+TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const ControllerSource& source,
+                                bool realtime) const {
+  const std::uint64_t seed = trial_seed(config_, plan);
+  const bool explored = kind == RigKind::kExplored;
+  const std::uint64_t rig_seed =
+      explored ? static_cast<std::uint64_t>(config_.rig_seed) : common::derive_seed(seed, "unseen rig");
+  const std::uint64_t sensor_seed =
+      explored ? static_cast<std::uint64_t>(config_.sensor_seed) : common::derive_seed(seed, "unseen sensor");
+  rig::VirtualRig rig(config_.rig, rig_seed, sample_rig_->field_table());
+  // The scatter from pulse to pulse belongs to the trial, or trials on the explored rig would all see the
+  // same.
+  common::Json state = rig.save();
+  LODESTONE_CHECK(state.contains("scatter"), "the rig's state to hold the stream of its scatter");
+  state["scatter"] = common::RandomStream(seed, "pulse scatter").save();
+  rig.restore(state);
+  rig.place(plan.start);
+  SimulatedPoseSensor sensor([&rig] { return rig.true_pose(); }, rig.clock(), config_.sensor,
+                             draw_calibration_error(config_.sensor, sensor_seed),
+                             common::RandomStream(seed, "sensor noise"));
+  SafetySupervisor coils(rig.coils(), config_.safety);
+  std::optional<common::PacedClock> paced;
+  if (realtime) paced.emplace(rig.clock());
+  common::Clock& clock = paced ? static_cast<common::Clock&>(*paced) : rig.clock();
+  ControlLoop loop(config_.loop, source.action, coils, sensor, clock);
+  const std::unique_ptr<Controller> controller = source.make();
+  TrialResult result = run_trial(
+      plan, loop, *controller, [&rig] { return rig.true_pose(); }, config_.score);
+  result.rig = to_string(kind);
+  result.controller = source.name;
+  return result;
+}
+
+}  // namespace lodestone::control

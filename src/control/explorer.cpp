@@ -1,0 +1,164 @@
+#include "lodestone/control/explorer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "lodestone/common/error.h"
+
+namespace lodestone::control {
+
+namespace {
+constexpr double kPi = 3.14159265358979323846;
+}
+
+Explorer::Explorer(const ExplorerConfig& config, common::RandomStream random)
+    : config_(config), random_(std::move(random)) {
+  side_ = static_cast<std::int64_t>(std::ceil(2.0 * config_.dish_radius_m / config_.cell_m));
+  levels_ = 2 * config_.level_bins + 1;
+  const auto cells = static_cast<std::size_t>(side_ * side_);
+  const auto headings = static_cast<std::size_t>(config_.heading_bins);
+  const auto levels = static_cast<std::size_t>(levels_ * levels_);
+  at_position_.assign(cells, 0);
+  at_pose_.assign(cells * headings, 0);
+  level_at_position_.assign(cells * levels, 0);
+  level_at_heading_.assign(headings * levels, 0);
+}
+
+void Explorer::reset() {
+  still_steps_ = 0;
+  acted_ = false;
+}
+
+std::int64_t Explorer::cell_of(const geometry::Vector2& position_m) const {
+  const auto index = [&](double value_m) {
+    const double cell = std::floor((value_m + config_.dish_radius_m) / config_.cell_m);
+    return std::clamp(static_cast<std::int64_t>(cell), std::int64_t{0}, side_ - 1);
+  };
+  return index(position_m.y()) * side_ + index(position_m.x());
+}
+
+std::int64_t Explorer::heading_of(double heading_rad) const {
+  const double turns = (geometry::wrap_angle(heading_rad) + kPi) / (2.0 * kPi);
+  const auto bin = static_cast<std::int64_t>(turns * static_cast<double>(config_.heading_bins));
+  return std::clamp(bin, std::int64_t{0}, config_.heading_bins - 1);
+}
+
+std::int64_t Explorer::level_of(const geometry::Vector2& action) const {
+  const auto bin = [&](double drive) {
+    if (drive == 0.0) return config_.level_bins;
+    const auto level =
+        std::min(static_cast<std::int64_t>(std::abs(drive) * static_cast<double>(config_.level_bins)),
+                 config_.level_bins - 1);
+    return drive > 0.0 ? config_.level_bins + 1 + level : config_.level_bins - 1 - level;
+  };
+  return bin(action.y()) * levels_ + bin(action.x());
+}
+
+geometry::Vector2 Explorer::draw_action() {
+  const auto drive = [&] {
+    const double magnitude = random_.uniform(config_.min_drive, 1.0);
+    return random_.uniform() < 0.5 ? -magnitude : magnitude;
+  };
+  geometry::Vector2 action(drive(), drive());
+  if (random_.uniform() < config_.single_axis_share) action[static_cast<int>(random_.below(2))] = 0.0;
+  return action;
+}
+
+double Explorer::cost(const geometry::Pose2& pose, const geometry::Vector2& action) const {
+  const auto cell = cell_of(pose.position_m());
+  const auto heading = heading_of(pose.heading_rad);
+  const auto level = level_of(action);
+  const auto count = [](const std::vector<std::int64_t>& counts, std::int64_t index) {
+    return std::log1p(static_cast<double>(counts[static_cast<std::size_t>(index)]));
+  };
+  double cost = count(level_at_position_, cell * levels_ * levels_ + level) +
+                count(level_at_heading_, heading * levels_ * levels_ + level);
+  if (config_.steering > 0.0) {
+    // The needle is pulled roughly towards the driven coils; how far is what the data shall tell, so one
+    // cell's width.
+    const geometry::Vector2 ahead_m = pose.position_m() + action.normalized() * config_.cell_m;
+    const double here = count(at_position_, cell);
+    const double there =
+        ahead_m.norm() < config_.dish_radius_m ? count(at_position_, cell_of(ahead_m)) : here + 1.0;
+    cost += config_.steering * (there - here);
+  }
+  return cost;
+}
+
+geometry::Vector2 Explorer::act(const task::Observation& observation) {
+  const geometry::Vector2 position_m = observation.pose.position_m();
+  if (acted_) {
+    const bool moved = (position_m - last_position_m_).norm() >= config_.stuck_threshold_m;
+    still_steps_ = moved ? 0 : still_steps_ + 1;
+  }
+  acted_ = true;
+  last_position_m_ = position_m;
+  geometry::Vector2 action = geometry::Vector2::Zero();
+  if (random_.uniform() >= config_.zero_share) {
+    double lowest = std::numeric_limits<double>::infinity();
+    for (std::int64_t i = 0; i < config_.candidates; ++i) {
+      const geometry::Vector2 candidate = draw_action();
+      const double candidate_cost = cost(observation.pose, candidate);
+      if (candidate_cost < lowest) {
+        lowest = candidate_cost;
+        action = candidate;
+      }
+    }
+  }
+  const auto cell = cell_of(position_m);
+  const auto heading = heading_of(observation.pose.heading_rad);
+  const auto level = level_of(action);
+  ++at_position_[static_cast<std::size_t>(cell)];
+  ++at_pose_[static_cast<std::size_t>(cell * config_.heading_bins + heading)];
+  ++level_at_position_[static_cast<std::size_t>(cell * levels_ * levels_ + level)];
+  ++level_at_heading_[static_cast<std::size_t>(heading * levels_ * levels_ + level)];
+  return action;
+}
+
+geometry::Pose2 Explorer::next_start(const std::function<bool(const geometry::Pose2&)>& fits) {
+  geometry::Pose2 best;
+  std::int64_t lowest = std::numeric_limits<std::int64_t>::max();
+  for (std::int64_t i = 0; i < config_.candidates; ++i) {
+    const double radius_m = config_.start_radius_m * std::sqrt(random_.uniform());
+    const double angle = random_.uniform(-kPi, kPi);
+    const geometry::Pose2 pose{radius_m * std::cos(angle), radius_m * std::sin(angle),
+                               random_.uniform(-kPi, kPi)};
+    if (!fits(pose)) continue;
+    const auto index = cell_of(pose.position_m()) * config_.heading_bins + heading_of(pose.heading_rad);
+    const std::int64_t visits = at_pose_[static_cast<std::size_t>(index)];
+    if (visits < lowest) {
+      lowest = visits;
+      best = pose;
+    }
+  }
+  return best;
+}
+
+common::Json Explorer::save() const {
+  return {{"random", random_.save()},
+          {"at_position", at_position_},
+          {"at_pose", at_pose_},
+          {"level_at_position", level_at_position_},
+          {"level_at_heading", level_at_heading_}};
+}
+
+void Explorer::restore(const common::Json& state) {
+  const auto take = [&](const char* key, std::vector<std::int64_t>& counts) {
+    auto stored = state.at(key).get<std::vector<std::int64_t>>();
+    if (stored.size() != counts.size())
+      throw common::DataError(std::string("explorer state: ") + key + " holds " +
+                              std::to_string(stored.size()) + " counts, this configuration needs " +
+                              std::to_string(counts.size()));
+    counts = std::move(stored);
+  };
+  take("at_position", at_position_);
+  take("at_pose", at_pose_);
+  take("level_at_position", level_at_position_);
+  take("level_at_heading", level_at_heading_);
+  random_.restore(state.at("random").get<std::string>());
+  reset();
+}
+
+}  // namespace lodestone::control

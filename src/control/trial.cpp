@@ -1,0 +1,55 @@
+#include "lodestone/control/trial.h"
+
+#include "lodestone/common/error.h"
+
+namespace lodestone::control {
+
+namespace {
+
+std::vector<ScoredSample> scored(const std::vector<TrialSample>& samples, bool truth) {
+  std::vector<ScoredSample> out;
+  for (const TrialSample& sample : samples) {
+    if (!truth && !sample.step.estimate.valid) continue;
+    out.push_back({sample.step.time_s,
+                   truth ? sample.true_pose.position_m() : sample.step.estimate.pose.position_m(),
+                   sample.step.target_m, sample.approach});
+  }
+  // A run without any pose was never seen to move: it is scored where it started.
+  if (out.empty())
+    out.push_back({0.0, samples.front().true_pose.position_m(), samples.front().step.target_m, true});
+  return out;
+}
+
+}  // namespace
+
+TrialResult run_trial(const TrialPlan& plan, ControlLoop& loop, Controller& controller,
+                      const std::function<geometry::Pose2()>& true_pose, const ScoreConfig& score) {
+  TrialResult result;
+  result.plan = plan;
+  PointReference point(plan.target_m, plan.duration_s);
+  std::optional<PathReference> path;
+  if (plan.path) path.emplace(*plan.path, plan.reference);
+  Reference& reference = path ? static_cast<Reference&>(*path) : point;
+  const LoopOutcome outcome = loop.run(controller, reference, [&](const StepRecord& step) {
+    result.samples.push_back({step, true_pose(), path && path->approaching()});
+  });
+  result.completed = outcome.completed;
+  result.stop_reason = outcome.stop_reason;
+  // A fault before the first observation leaves nothing to score but where the needle lies.
+  if (result.samples.empty()) {
+    StepRecord step;
+    step.target_m = plan.path ? plan.path->at(0.0) : plan.target_m;
+    result.samples.push_back({step, true_pose(), plan.path.has_value()});
+  }
+  const auto judge = [&](bool truth) {
+    const std::vector<ScoredSample> samples = scored(result.samples, truth);
+    TrialScore out = plan.path ? score_path(samples, *plan.path, score) : score_point(samples, score);
+    out.success = out.success && result.completed;
+    return out;
+  };
+  result.truth = judge(true);
+  result.sensed = judge(false);
+  return result;
+}
+
+}  // namespace lodestone::control
