@@ -34,13 +34,13 @@ struct Episode {
 /// Where a dataset comes from and what its numbers mean; stored as attributes.
 struct DatasetInfo {
   StateLayout layout = StateLayout::kPose;
-  std::string action_unit = "A";     ///< "A" or "percent"
-  double action_scale = 15.0;        ///< action that [-1, 1] maps to: the largest current or drive
+  std::string action_unit = "A";       ///< "A" or "percent"
+  double action_scale = 15.0;          ///< action that [-1, 1] maps to: the largest current or drive
   double workspace_radius_m = 0.0425;  ///< reach of the state: the dish radius, or the radius the data covers
-  bool one_axis_at_a_time = false;   ///< true when no row ever drives both axes (the recorded sphere)
+  bool one_axis_at_a_time = false;     ///< true when no row ever drives both axes (the recorded sphere)
   double control_period_s = 0.3;
   std::int64_t seed = 0;
-  std::string source;                ///< "virtual rig", or the imported file's name
+  std::string source;                         ///< "virtual rig", or the imported file's name
   common::Json rig = common::Json::object();  ///< parameters of the rig as configured
 };
 
@@ -54,9 +54,9 @@ struct Dataset {
 /// Flat rows of every transition: what training and baselines use.
 struct TransitionTable {
   int state_size = 0;
-  std::vector<double> state;       ///< [N, S]
-  std::vector<double> action;      ///< [N, 2]
-  std::vector<double> next_state;  ///< [N, S]
+  std::vector<double> state;          ///< [N, S]
+  std::vector<double> action;         ///< [N, 2]
+  std::vector<double> next_state;     ///< [N, S]
   std::vector<std::int64_t> episode;  ///< [N] index of the episode a row comes from
 
   std::int64_t size() const { return static_cast<std::int64_t>(episode.size()); }
@@ -71,7 +71,8 @@ struct Split {
   Dataset test;
 };
 
-/// Splits by whole episodes, drawn by `seed`; fractions of the episodes. Throws DataError when a part is empty.
+/// Splits by whole episodes, drawn by `seed`; fractions of the episodes. Throws DataError when a part is
+/// empty whose fraction is not 0.
 Split split_by_episode(const Dataset& dataset, double validation_fraction, double test_fraction,
                        std::uint64_t seed);
 

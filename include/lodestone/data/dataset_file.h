@@ -7,9 +7,10 @@
 
 namespace lodestone::data {
 
-/// HDF5 in Minari's layout: groups `episode_0`, `episode_1`, ... with datasets `observations` [T+1, S], `actions`
-/// [T, 2], `rewards` [T] (zero: rewards are computed at training), `terminations` [T], `truncations` [T] and
-/// `infos/zero_current` [T]; attributes on the root name layout, units, scales, seed and rig parameters (JSON).
+/// HDF5 in Minari's layout: groups `episode_0`, `episode_1`, ... with datasets `observations` [T+1, S],
+/// `actions` [T, 2], `rewards` [T] (zero: rewards are computed at training), `terminations` [T],
+/// `truncations` [T] and `infos/zero_current` [T]; attributes on the root name layout, units, scales, seed
+/// and rig parameters (JSON).
 
 /// Reads `.h5` whole; throws DataError (not HDF5, missing group, wrong shape, NaN: says where).
 Dataset read_dataset(const std::string& path);

@@ -1,0 +1,119 @@
+#include "lodestone/data/coverage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "lodestone/common/error.h"
+#include "lodestone/geometry/pose2.h"
+
+namespace lodestone::data {
+namespace {
+
+/// Cell of `t` in [0, 1] among `cells`.
+std::size_t cell_of(double t, std::int64_t cells) {
+  const auto index = static_cast<std::int64_t>(std::floor(t * static_cast<double>(cells)));
+  return static_cast<std::size_t>(std::clamp<std::int64_t>(index, 0, cells - 1));
+}
+
+bool in_dish(std::int64_t column, std::int64_t row, std::int64_t cells) {
+  const auto centre = [cells](std::int64_t i) {
+    return (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(cells) - 1.0;
+  };
+  return std::hypot(centre(column), centre(row)) <= 1.0;
+}
+
+}  // namespace
+
+Coverage measure_coverage(const Dataset& dataset, const CoverageConfig& config) {
+  const TransitionTable table = flatten(dataset);
+  const bool pose = dataset.info.layout == StateLayout::kPose;
+  const std::int64_t p = config.position_cells;
+  const std::int64_t h = pose ? config.heading_cells : 1;
+  const std::int64_t l = config.drive_levels;
+  Coverage result;
+  result.workspace_radius_m = dataset.info.workspace_radius_m;
+  result.position_cells = p;
+  result.position_counts.assign(static_cast<std::size_t>(p * p), -1);
+  for (std::int64_t row = 0; row < p; ++row)
+    for (std::int64_t column = 0; column < p; ++column)
+      if (in_dish(column, row, p)) {
+        result.position_counts[static_cast<std::size_t>(row * p + column)] = 0;
+        result.cells += h * l;
+      }
+  result.heading_counts.assign(static_cast<std::size_t>(h), 0);
+  result.drive_counts.assign(static_cast<std::size_t>(l), 0);
+
+  std::vector<std::int64_t> counts(static_cast<std::size_t>(p * p * h * l), 0);
+  const double diameter_m = 2.0 * dataset.info.workspace_radius_m;
+  for (std::int64_t i = 0; i < table.size(); ++i) {
+    const double* state = &table.state[static_cast<std::size_t>(i * table.state_size)];
+    const double* action = &table.action[static_cast<std::size_t>(i * kActionSize)];
+    const double x = state[0] / diameter_m + 0.5;
+    const double y = state[1] / diameter_m + 0.5;
+    const double drive = std::max(std::abs(action[0]), std::abs(action[1])) / dataset.info.action_scale;
+    const std::size_t heading =
+        pose ? cell_of((geometry::wrap_angle(state[2]) + M_PI) / (2.0 * M_PI), h) : std::size_t{0};
+    const std::size_t level = cell_of(drive, l);
+    ++result.transitions;
+    ++result.heading_counts[heading];
+    ++result.drive_counts[level];
+    if (x < 0.0 || x >= 1.0 || y < 0.0 || y >= 1.0) continue;
+    const std::size_t position = cell_of(y, p) * static_cast<std::size_t>(p) + cell_of(x, p);
+    if (result.position_counts[position] < 0) continue;
+    ++result.position_counts[position];
+    ++counts[(position * static_cast<std::size_t>(h) + heading) * static_cast<std::size_t>(l) + level];
+  }
+
+  const double total = static_cast<double>(std::accumulate(counts.begin(), counts.end(), std::int64_t{0}));
+  double entropy = 0.0;
+  for (const std::int64_t count : counts) {
+    if (count == 0) continue;
+    ++result.visited;
+    const double share = static_cast<double>(count) / total;
+    entropy -= share * std::log(share);
+  }
+  result.fraction = static_cast<double>(result.visited) / static_cast<double>(result.cells);
+  result.evenness = result.cells > 1 ? entropy / std::log(static_cast<double>(result.cells)) : 1.0;
+  return result;
+}
+
+common::Json coverage_to_json(const Coverage& c) {
+  return {{"transitions", c.transitions},
+          {"cells", c.cells},
+          {"visited", c.visited},
+          {"fraction", c.fraction},
+          {"evenness", c.evenness},
+          {"workspace_radius_m", c.workspace_radius_m},
+          {"position_cells", c.position_cells},
+          {"position_counts", c.position_counts},
+          {"heading_counts", c.heading_counts},
+          {"drive_counts", c.drive_counts}};
+}
+
+Coverage coverage_from_json(const common::Json& json) {
+  Coverage c;
+  const auto get = [&json](const char* key, auto& value) {
+    try {
+      json.at(key).get_to(value);
+    } catch (const nlohmann::json::exception& error) {
+      throw common::DataError("coverage: key '" + std::string(key) + "' cannot be read: " + error.what());
+    }
+  };
+  get("transitions", c.transitions);
+  get("cells", c.cells);
+  get("visited", c.visited);
+  get("fraction", c.fraction);
+  get("evenness", c.evenness);
+  get("workspace_radius_m", c.workspace_radius_m);
+  get("position_cells", c.position_cells);
+  get("position_counts", c.position_counts);
+  get("heading_counts", c.heading_counts);
+  get("drive_counts", c.drive_counts);
+  if (static_cast<std::int64_t>(c.position_counts.size()) != c.position_cells * c.position_cells)
+    throw common::DataError("coverage: position_counts holds " + std::to_string(c.position_counts.size()) +
+                            " numbers, expected position_cells squared");
+  return c;
+}
+
+}  // namespace lodestone::data

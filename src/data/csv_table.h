@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "lodestone/common/error.h"
+
+namespace lodestone::data {
+
+/// A fault of one row; the message starts with file:line.
+class RowError : public common::DataError {
+ public:
+  using common::DataError::DataError;
+};
+
+/// Reads a CSV file with a header row by row. Accepts a byte order mark, CRLF, quoted cells and blank lines.
+class CsvTable {
+ public:
+  /// Throws DataError when the file cannot be read, is empty or names a column twice.
+  explicit CsvTable(const std::string& path);
+
+  const std::vector<std::string>& header() const { return header_; }
+  bool has_columns(const std::vector<std::string>& names) const;
+  /// Index of a column that is there.
+  std::size_t column(const std::string& name) const;
+
+  /// Goes to the next row that is not blank; false at the end.
+  bool next();
+  /// Throws RowError when the row has fewer or more cells than the header.
+  void check_width() const;
+  const std::string& text(std::size_t column) const { return cells_.at(column); }
+  /// Cell as a finite number. Throws RowError naming line and column.
+  double number(std::size_t column) const;
+  /// Throws RowError about a cell: `expectation` says what it should be.
+  [[noreturn]] void fail(std::size_t column, const std::string& expectation) const;
+
+ private:
+  bool read_line(std::vector<std::string>& cells);
+
+  std::string path_;
+  std::ifstream stream_;
+  std::int64_t line_ = 0;
+  std::vector<std::string> header_;
+  std::vector<std::string> cells_;
+};
+
+}  // namespace lodestone::data

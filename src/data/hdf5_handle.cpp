@@ -1,0 +1,93 @@
+#include "hdf5_handle.h"
+
+namespace lodestone::data {
+namespace {
+
+// Small arrays live inside their object header: an episode of 30 steps then costs a few kB.
+constexpr std::size_t kCompactBytes = 16384;
+
+herr_t keep_innermost(unsigned depth, const H5E_error2_t* error, void* text) {
+  if (depth == 0 && error->desc != nullptr) *static_cast<std::string*>(text) = error->desc;
+  return 0;
+}
+
+bool write_scalar(hid_t object, const char* name, hid_t type, const void* value) {
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const bool exists = H5Aexists(object, name) > 0;
+  const Handle attribute(exists ? H5Aopen(object, name, H5P_DEFAULT)
+                                : H5Acreate2(object, name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT),
+                         H5Aclose);
+  return attribute.valid() && H5Awrite(attribute.get(), type, value) >= 0;
+}
+
+bool read_scalar(hid_t object, const char* name, H5T_class_t kind, hid_t memory_type, void* value) {
+  if (H5Aexists(object, name) <= 0) return false;
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  if (!attribute.valid()) return false;
+  const Handle type(H5Aget_type(attribute.get()), H5Tclose);
+  const Handle space(H5Aget_space(attribute.get()), H5Sclose);
+  if (H5Tget_class(type.get()) != kind || H5Sget_simple_extent_npoints(space.get()) != 1) return false;
+  return H5Aread(attribute.get(), memory_type, value) >= 0;
+}
+
+}  // namespace
+
+void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
+std::string last_hdf5_error() {
+  std::string text;
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_innermost, &text);
+  return text;
+}
+
+bool write_attribute(hid_t object, const char* name, const std::string& value) {
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.get(), value.empty() ? 1 : value.size());
+  H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
+  H5Tset_cset(type.get(), H5T_CSET_UTF8);
+  return write_scalar(object, name, type.get(), value.c_str());
+}
+
+bool write_attribute(hid_t object, const char* name, double value) {
+  return write_scalar(object, name, H5T_NATIVE_DOUBLE, &value);
+}
+
+bool write_attribute(hid_t object, const char* name, std::int64_t value) {
+  return write_scalar(object, name, H5T_NATIVE_INT64, &value);
+}
+
+bool read_attribute(hid_t object, const char* name, std::string& value) {
+  if (H5Aexists(object, name) <= 0) return false;
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  if (!attribute.valid()) return false;
+  const Handle type(H5Aget_type(attribute.get()), H5Tclose);
+  if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) > 0) return false;
+  value.assign(H5Tget_size(type.get()), '\0');
+  if (H5Aread(attribute.get(), type.get(), value.data()) < 0) return false;
+  value.resize(value.find_last_not_of('\0') + 1);
+  return true;
+}
+
+bool read_attribute(hid_t object, const char* name, double& value) {
+  return read_scalar(object, name, H5T_FLOAT, H5T_NATIVE_DOUBLE, &value);
+}
+
+bool read_attribute(hid_t object, const char* name, std::int64_t& value) {
+  return read_scalar(object, name, H5T_INTEGER, H5T_NATIVE_INT64, &value);
+}
+
+bool write_array(hid_t group, const char* name, hid_t file_type, hid_t memory_type, const void* values,
+                 const std::vector<hsize_t>& shape) {
+  hsize_t count = 1;
+  for (const hsize_t extent : shape) count *= extent;
+  const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
+  const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  if (count * H5Tget_size(file_type) <= kCompactBytes) H5Pset_layout(creation.get(), H5D_COMPACT);
+  // No time stamps: the same seed gives the same file.
+  H5Pset_obj_track_times(creation.get(), false);
+  const Handle dataset(
+      H5Dcreate2(group, name, file_type, space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT), H5Dclose);
+  return dataset.valid() && H5Dwrite(dataset.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
+}
+
+}  // namespace lodestone::data

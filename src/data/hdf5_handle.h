@@ -1,0 +1,56 @@
+#pragma once
+
+#include <hdf5.h>
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lodestone::data {
+
+/// Owns one HDF5 identifier. `close` is the H5?close function of its kind.
+class Handle {
+ public:
+  Handle() = default;
+  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+  Handle& operator=(Handle&& other) noexcept {
+    reset();
+    id_ = std::exchange(other.id_, -1);
+    close_ = other.close_;
+    return *this;
+  }
+  ~Handle() { reset(); }
+
+  void reset() noexcept {
+    if (id_ >= 0) close_(std::exchange(id_, -1));
+  }
+  bool valid() const { return id_ >= 0; }
+  hid_t get() const { return id_; }
+
+ private:
+  hid_t id_ = -1;
+  herr_t (*close_)(hid_t) = nullptr;
+};
+
+/// Keeps HDF5 from printing its own error stack: faults are reported once, as one line.
+void silence_hdf5();
+
+/// What HDF5 said last, innermost message first; empty when it said nothing.
+std::string last_hdf5_error();
+
+/// Scalar attributes of a group. The read functions return false when the attribute is absent or of another
+/// type.
+bool write_attribute(hid_t object, const char* name, const std::string& value);
+bool write_attribute(hid_t object, const char* name, double value);
+bool write_attribute(hid_t object, const char* name, std::int64_t value);
+bool read_attribute(hid_t object, const char* name, std::string& value);
+bool read_attribute(hid_t object, const char* name, double& value);
+bool read_attribute(hid_t object, const char* name, std::int64_t& value);
+
+/// Writes a new dataset of `shape`; false on a fault.
+bool write_array(hid_t group, const char* name, hid_t file_type, hid_t memory_type, const void* values,
+                 const std::vector<hsize_t>& shape);
+
+}  // namespace lodestone::data

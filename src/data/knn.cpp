@@ -1,0 +1,186 @@
+#include "lodestone/data/knn.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "lodestone/common/error.h"
+#include "lodestone/geometry/pose2.h"
+
+namespace lodestone::data {
+namespace {
+
+constexpr std::size_t kMaxFeatures = 6;
+constexpr std::size_t kLeafRows = 16;
+
+using Features = std::array<double, kMaxFeatures>;
+using Candidate = std::pair<double, std::int64_t>;  // squared distance, row
+
+Features raw_features(int state_size, const double* state, const double* action) {
+  if (state_size == 3)
+    return {state[0], state[1], std::cos(state[2]), std::sin(state[2]), action[0], action[1]};
+  return {state[0], state[1], action[0], action[1], 0.0, 0.0};
+}
+
+}  // namespace
+
+struct NearestNeighbours::Index {
+  struct Node {
+    std::size_t begin;
+    std::size_t end;
+    int axis = -1;  // -1: a leaf
+    double cut = 0.0;
+    std::size_t right = 0;  // the left child follows its parent
+  };
+
+  int state_size = 0;
+  std::size_t k = 0;
+  std::size_t features = 0;
+  Features scale{};
+  std::vector<Features> points;    // in the order of `rows`
+  std::vector<std::int64_t> rows;  // row of the table
+  std::vector<double> changes;     // [N, S] by row of the table
+  std::vector<Node> nodes;
+
+  Features query(const double* state, const double* action) const {
+    Features f = raw_features(state_size, state, action);
+    for (std::size_t i = 0; i < kMaxFeatures; ++i) f[i] *= scale[i];
+    return f;
+  }
+
+  void build(std::size_t begin, std::size_t end, std::vector<std::size_t>& order,
+             const std::vector<Features>& all) {
+    const std::size_t node = nodes.size();
+    nodes.push_back({begin, end});
+    if (end - begin <= kLeafRows) return;
+    int axis = 0;
+    double widest = -1.0;
+    for (std::size_t i = 0; i < features; ++i) {
+      double low = all[order[begin]][i];
+      double high = low;
+      for (std::size_t r = begin; r < end; ++r) {
+        low = std::min(low, all[order[r]][i]);
+        high = std::max(high, all[order[r]][i]);
+      }
+      if (high - low > widest) {
+        widest = high - low;
+        axis = static_cast<int>(i);
+      }
+    }
+    if (widest <= 0.0) return;
+    const auto a = static_cast<std::size_t>(axis);
+    const std::size_t middle = (begin + end) / 2;
+    const auto at = [&order](std::size_t i) { return order.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at(begin), at(middle), at(end), [&](std::size_t l, std::size_t r) {
+      return std::make_pair(all[l][a], l) < std::make_pair(all[r][a], r);
+    });
+    nodes[node].axis = axis;
+    nodes[node].cut = all[order[middle]][a];
+    build(begin, middle, order, all);
+    nodes[node].right = nodes.size();
+    build(middle, end, order, all);
+  }
+
+  void search(std::size_t node, const Features& q, std::vector<Candidate>& heap) const {
+    const Node& n = nodes[node];
+    if (n.axis < 0) {
+      for (std::size_t r = n.begin; r < n.end; ++r) {
+        double square = 0.0;
+        for (std::size_t i = 0; i < features; ++i) square += (q[i] - points[r][i]) * (q[i] - points[r][i]);
+        const Candidate candidate{square, rows[r]};
+        if (heap.size() == k && !(candidate < heap.front())) continue;
+        if (heap.size() == k) {
+          std::pop_heap(heap.begin(), heap.end());
+          heap.pop_back();
+        }
+        heap.push_back(candidate);
+        std::push_heap(heap.begin(), heap.end());
+      }
+      return;
+    }
+    const double offset = q[static_cast<std::size_t>(n.axis)] - n.cut;
+    const std::size_t near = offset < 0.0 ? node + 1 : n.right;
+    const std::size_t far = offset < 0.0 ? n.right : node + 1;
+    search(near, q, heap);
+    if (heap.size() < k || offset * offset <= heap.front().first) search(far, q, heap);
+  }
+};
+
+NearestNeighbours::NearestNeighbours(const TransitionTable& table, std::int64_t k)
+    : index_(std::make_unique<Index>()) {
+  if (table.size() == 0) throw common::DataError("nearest neighbours need at least one transition");
+  if (k < 1) throw common::DataError("nearest neighbours: k is " + std::to_string(k) + ", must be 1 or more");
+  Index& index = *index_;
+  const auto n = static_cast<std::size_t>(table.size());
+  const auto s = static_cast<std::size_t>(table.state_size);
+  index.state_size = table.state_size;
+  index.k = std::min(static_cast<std::size_t>(k), n);
+  index.features = s == 3 ? 6 : 4;
+
+  std::vector<Features> all(n);
+  for (std::size_t r = 0; r < n; ++r)
+    all[r] = raw_features(table.state_size, &table.state[r * s], &table.action[r * kActionSize]);
+  for (std::size_t i = 0; i < index.features; ++i) {
+    double sum = 0.0;
+    double squares = 0.0;
+    for (const Features& f : all) sum += f[i];
+    const double mean = sum / static_cast<double>(n);
+    for (const Features& f : all) squares += (f[i] - mean) * (f[i] - mean);
+    const double deviation = std::sqrt(squares / static_cast<double>(n));
+    index.scale[i] = deviation > 0.0 ? 1.0 / deviation : 1.0;
+  }
+  for (Features& f : all)
+    for (std::size_t i = 0; i < kMaxFeatures; ++i) f[i] *= index.scale[i];
+
+  index.changes.resize(n * s);
+  for (std::size_t i = 0; i < n * s; ++i) {
+    const double change = table.next_state[i] - table.state[i];
+    index.changes[i] = i % s == 2 ? geometry::wrap_angle(change) : change;
+  }
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  index.build(0, n, order, all);
+  for (const std::size_t r : order) {
+    index.points.push_back(all[r]);
+    index.rows.push_back(static_cast<std::int64_t>(r));
+  }
+}
+
+NearestNeighbours::~NearestNeighbours() = default;
+NearestNeighbours::NearestNeighbours(NearestNeighbours&&) noexcept = default;
+NearestNeighbours& NearestNeighbours::operator=(NearestNeighbours&&) noexcept = default;
+
+std::vector<std::int64_t> NearestNeighbours::nearest(const double* state, const double* action) const {
+  std::vector<Candidate> heap;
+  heap.reserve(index_->k + 1);
+  index_->search(0, index_->query(state, action), heap);
+  std::sort(heap.begin(), heap.end());
+  std::vector<std::int64_t> rows;
+  for (const Candidate& candidate : heap) rows.push_back(candidate.second);
+  return rows;
+}
+
+std::vector<double> NearestNeighbours::predict(const std::vector<double>& state,
+                                               const std::vector<double>& action) const {
+  const auto s = static_cast<std::size_t>(index_->state_size);
+  if (state.size() % s != 0 || action.size() % kActionSize != 0 ||
+      state.size() / s != action.size() / kActionSize)
+    throw common::DataError("nearest neighbours: " + std::to_string(state.size()) + " state numbers and " +
+                            std::to_string(action.size()) + " action numbers do not form rows of " +
+                            std::to_string(s) + " and 2");
+  std::vector<double> next = state;
+  for (std::size_t r = 0; r < state.size() / s; ++r) {
+    const std::vector<std::int64_t> rows = nearest(&state[r * s], &action[r * kActionSize]);
+    for (std::size_t i = 0; i < s; ++i) {
+      double sum = 0.0;
+      for (const std::int64_t row : rows) sum += index_->changes[static_cast<std::size_t>(row) * s + i];
+      next[r * s + i] += sum / static_cast<double>(rows.size());
+      if (i == 2) next[r * s + i] = geometry::wrap_angle(next[r * s + i]);
+    }
+  }
+  return next;
+}
+
+}  // namespace lodestone::data
