@@ -123,7 +123,7 @@ void write_field_plot(const std::string& file, const physics::CoilGeometry& geom
   };
 
   // The colour is logarithmic: the magnitude spans more than a decade over the dish.
-  constexpr int kCoarse = kSide / 4;
+  constexpr int kCoarse = kSide / 6;
   cv::Mat coarse(kCoarse, kCoarse, CV_64F), log_magnitude;
   for (int row = 0; row < kCoarse; ++row) {
     for (int column = 0; column < kCoarse; ++column) {

@@ -1,0 +1,241 @@
+#include "lodestone/rig/virtual_rig.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+
+#include "lodestone/common/error.h"
+#include "lodestone/rig/rig_batch.h"
+
+namespace lodestone::rig {
+namespace {
+
+using geometry::Pose2;
+
+std::shared_ptr<const physics::FieldTable> shared_table() {
+  static const auto table =
+      physics::make_field_table(physics::CoilGeometry{}, physics::DishConfig{}.radius_m);
+  return table;
+}
+
+/// The rig without any scatter.
+VirtualRigConfig smooth() {
+  VirtualRigConfig config;
+  config.friction.map_sigma = 0.0;
+  config.friction.pulse_sigma = 0.0;
+  return config;
+}
+
+struct Outcome {
+  double moved_mm;
+  double at_pulse_end_mm;
+  bool at_rest;
+};
+
+Outcome pull(double x_m, double current_A) {
+  VirtualRig rig(smooth(), 1, shared_table());
+  rig.place({x_m, 0.0, 0.0});
+  rig.coils().apply({{current_A, 0.0, 0.0, 0.0}, 0.1});
+  rig.clock().sleep_until(0.1);
+  const double during = rig.true_pose().x_m;
+  rig.clock().sleep_until(0.3);
+  CHECK(std::abs(rig.true_pose().y_m) < 1e-9);
+  return {1e3 * (rig.true_pose().x_m - x_m), 1e3 * (during - x_m), rig.at_rest()};
+}
+
+bool same_bits(const Pose2& a, const Pose2& b) {
+  return std::memcmp(&a.x_m, &b.x_m, sizeof(double)) == 0 &&
+         std::memcmp(&a.y_m, &b.y_m, sizeof(double)) == 0 &&
+         std::memcmp(&a.heading_rad, &b.heading_rad, sizeof(double)) == 0;
+}
+
+CoilPulse random_pulse(common::RandomStream& random) {
+  const double x = random.uniform(-15.0, 15.0), y = random.uniform(-15.0, 15.0);
+  return {{std::max(x, 0.0), std::max(-x, 0.0), std::max(y, 0.0), std::max(-y, 0.0)}, 0.1};
+}
+
+TEST_CASE("displacements are near those of the design notes' trial integration") {
+  // Notes: 0 mm 4 A about 5, 6 A about 17; -20 mm 8 A 6, 15 A 26; +10 mm 3 A 8.
+  const double expected[][3] = {
+      {0.0, 4.0, 5.0}, {0.0, 6.0, 17.0}, {-0.02, 8.0, 6.0}, {-0.02, 15.0, 26.0}, {0.01, 3.0, 8.0}};
+  for (const auto& row : expected) {
+    const Outcome outcome = pull(row[0], row[1]);
+    CAPTURE(row[0], row[1], outcome.moved_mm);
+    CHECK(outcome.moved_mm == Approx(row[2]).epsilon(0.35));
+    CHECK(outcome.at_rest);
+    CHECK(outcome.at_pulse_end_mm > 0.0);
+    CHECK(outcome.at_pulse_end_mm < outcome.moved_mm);
+  }
+}
+
+TEST_CASE("below break-away nothing moves at all") {
+  CHECK(pull(0.0, 2.0).moved_mm == 0.0);
+  CHECK(pull(-0.02, 4.0).moved_mm == 0.0);
+  CHECK(pull(0.0, 0.0).moved_mm == 0.0);
+}
+
+TEST_CASE("below the pull of translation a needle still turns into the field") {
+  VirtualRig rig(smooth(), 1, shared_table());
+  rig.place({0.0, 0.0, 2.0});
+  for (int i = 0; i < 4; ++i) {
+    rig.coils().apply({{1.5, 0.0, 0.0, 0.0}, 0.1});
+    rig.clock().sleep_until(rig.clock().now_s() + 0.3);
+  }
+  CHECK(std::abs(rig.true_pose().heading_rad) < 0.5);
+  // It walks a little: while it turns, friction spends itself on the turning and resists the pull less.
+  CHECK(rig.true_pose().position_m().norm() < 0.2 * rig.config().needle.length_m);
+}
+
+TEST_CASE("the four coils are equal: a quarter turn of everything turns the result") {
+  const double quarter = std::acos(-1.0) / 2.0;
+  VirtualRig a(smooth(), 1, shared_table()), b(smooth(), 1, shared_table());
+  a.place({0.006, -0.004, 0.3});
+  b.place({0.004, 0.006, 0.3 + quarter});
+  a.coils().apply({{6.0, 0.0, 0.0, 3.0}, 0.1});  // +x, -y
+  b.coils().apply({{3.0, 0.0, 6.0, 0.0}, 0.1});  // +y, +x
+  a.clock().sleep_until(0.3);
+  b.clock().sleep_until(0.3);
+  CHECK(a.true_pose().position_m().norm() > 0.01);
+  CHECK(b.true_pose().x_m == Approx(-a.true_pose().y_m).margin(1e-9));
+  CHECK(b.true_pose().y_m == Approx(a.true_pose().x_m).margin(1e-9));
+}
+
+TEST_CASE("coils warm up and then give less current") {
+  VirtualRigConfig config = smooth();
+  config.circuit.cooling_W_per_K = 1.0;
+  config.step_s = 5e-3;  // the needle's path is of no concern here
+  VirtualRig rig(config, 1, shared_table());
+  const auto current_at_end = [&] {
+    rig.coils().apply({{15.0, 0.0, 0.0, 0.0}, 10.0});
+    rig.clock().sleep_until(rig.clock().now_s() + 9.9);
+    return rig.coils().status().current_A[0];
+  };
+  const double cool = current_at_end();
+  for (int i = 0; i < 30; ++i) current_at_end();
+  const CoilStatus hot = rig.coils().status();
+  CHECK(hot.temperature_C[0] > config.max_temperature_C);
+  REQUIRE(hot.faults.size() == 1);
+  CHECK_THAT(hot.faults[0], Catch::Contains("coil +x"));
+  CHECK(hot.temperature_C[1] == Approx(config.circuit.ambient_C));
+  CHECK(current_at_end() < 0.8 * cool);
+}
+
+TEST_CASE("friction differs over the dish, between rigs and between pulses; one seed repeats itself") {
+  const auto move = [](std::uint64_t seed, double x_m, double y_m, int pulses) {
+    VirtualRig rig(VirtualRigConfig{}, seed, shared_table());
+    double moved = 0.0;
+    for (int i = 0; i < pulses; ++i) {
+      rig.place({x_m, y_m, 0.0});
+      rig.coils().apply({{8.0, 0.0, 0.0, 0.0}, 0.1});
+      rig.clock().sleep_until(rig.clock().now_s() + 0.6);
+      moved = rig.true_pose().x_m - x_m;
+    }
+    return moved;
+  };
+  CHECK(move(1, -0.01, 0.01, 1) == move(1, -0.01, 0.01, 1));
+  CHECK(move(1, -0.01, 0.01, 1) != move(2, -0.01, 0.01, 1));
+  CHECK(std::abs(move(1, -0.01, 0.01, 1) - move(1, -0.01, -0.01, 1)) > 1e-5);
+  CHECK(std::abs(move(1, -0.01, 0.01, 1) - move(1, -0.01, 0.01, 2)) > 1e-5);
+}
+
+TEST_CASE("needles come to rest within the rest, inside the dish, wherever they start") {
+  VirtualRig rig(VirtualRigConfig{}, 5, shared_table());
+  common::RandomStream random(5, "test");
+  int resting = 0;
+  for (int i = 0; i < 100; ++i) {
+    Pose2 pose;
+    do {
+      pose = {random.uniform(-0.04, 0.04), random.uniform(-0.04, 0.04), random.uniform(-3.1, 3.1)};
+    } while (!rig.fits(pose));
+    rig.place(pose);
+    rig.coils().apply(random_pulse(random));
+    rig.clock().sleep_until(rig.clock().now_s() + 0.3);
+    resting += rig.at_rest() ? 1 : 0;
+    REQUIRE(rig.fits(rig.true_pose()));
+  }
+  CHECK(resting >= 99);
+}
+
+TEST_CASE("save and restore go on bitwise, also in the middle of a pulse") {
+  const VirtualRigConfig config;
+  common::RandomStream random(9, "test");
+  VirtualRig rig(config, 4, shared_table());
+  rig.place({0.01, -0.01, 1.0});
+  for (int i = 0; i < 3; ++i) {
+    rig.coils().apply(random_pulse(random));
+    rig.clock().sleep_until(rig.clock().now_s() + 0.3);
+  }
+  rig.coils().apply(random_pulse(random));
+  rig.clock().sleep_until(rig.clock().now_s() + 0.05);
+  const common::Json saved = common::Json::parse(rig.save().dump());
+  VirtualRig other(config, 4, shared_table());
+  other.restore(saved);
+  CHECK(other.save() == rig.save());
+  const CoilPulse next = random_pulse(random);
+  for (VirtualRig* each : {&rig, &other}) {
+    each->clock().sleep_until(each->clock().now_s() + 0.25);
+    each->coils().apply(next);
+    each->clock().sleep_until(each->clock().now_s() + 0.3);
+  }
+  CHECK(same_bits(rig.true_pose(), other.true_pose()));
+  CHECK(other.save() == rig.save());
+
+  VirtualRig stranger(config, 5, shared_table());
+  CHECK_THROWS_AS(stranger.restore(saved), common::DataError);
+  common::Json broken = saved;
+  broken.erase("coils");
+  const common::Json before = other.save();
+  CHECK_THROWS_AS(other.restore(broken), common::DataError);
+  CHECK(other.save() == before);
+}
+
+TEST_CASE("a batch does not depend on the number of threads") {
+  const auto run = [](std::size_t threads) {
+    common::ThreadPool pool(threads);
+    std::vector<std::unique_ptr<VirtualRig>> rigs;
+    std::vector<VirtualRig*> pointers;
+    for (std::uint64_t i = 0; i < 6; ++i) {
+      rigs.push_back(std::make_unique<VirtualRig>(VirtualRigConfig{}, 100 + i, shared_table()));
+      pointers.push_back(rigs.back().get());
+    }
+    common::RandomStream random(3, "pulses");
+    for (int step = 0; step < 10; ++step) {
+      std::vector<CoilPulse> pulses;
+      for (std::size_t i = 0; i < rigs.size(); ++i) pulses.push_back(random_pulse(random));
+      run_pulses(pointers, pulses, 0.2, pool);
+    }
+    std::vector<Pose2> poses;
+    for (const VirtualRig* rig : pointers) poses.push_back(rig->true_pose());
+    return poses;
+  };
+  const auto one = run(1), two = run(2), four = run(4);
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    CHECK(same_bits(one[i], two[i]));
+    CHECK(same_bits(one[i], four[i]));
+  }
+  CHECK_FALSE(same_bits(one[0], one[1]));
+  common::ThreadPool pool(1);
+  CHECK_THROWS_AS(run_pulses({}, {CoilPulse{}}, 0.2, pool), common::LogicFault);
+}
+
+TEST_CASE("what cannot be is refused") {
+  VirtualRig rig(VirtualRigConfig{}, 1, shared_table());
+  CHECK_THROWS_AS(rig.place({0.04, 0.0, 0.0}), common::DataError);
+  CHECK_THROWS_AS(rig.place({std::nan(""), 0.0, 0.0}), common::DataError);
+  CHECK_THROWS_AS(rig.clock().sleep_until(std::nan("")), common::LogicFault);
+  VirtualRigConfig other;
+  other.coil.turns = 500;
+  CHECK_THROWS_AS(VirtualRig(other, 1, shared_table()), common::LogicFault);
+  const auto read = [](const char* json) {
+    return common::config_from_json<VirtualRigConfig>(common::Json::parse(json), "test");
+  };
+  CHECK(read(R"({"needle": {"mass_kg": 1e-4}})").needle.mass_kg == 1e-4);
+  CHECK_THROWS_AS(read(R"({"needle": {"chain_m": 0.05}})"), common::ConfigError);
+  CHECK_NOTHROW(read(R"({"dish": {"radius_m": 0.04}})"));
+  CHECK_THROWS_AS(read(R"({"dish": {"radius_m": 0.01}})"), common::ConfigError);
+  CHECK_THROWS_AS(read(R"({"friction": {"kinetic_coefficient": 0.9}})"), common::ConfigError);
+  CHECK_THROWS_AS(read(R"({"coil": {"inner_radius_m": 0.2}})"), common::ConfigError);
+}
+
+}  // namespace
+}  // namespace lodestone::rig
