@@ -1,0 +1,172 @@
+#include "lodestone/data/csv_import.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
+
+#include "lodestone/common/error.h"
+#include "lodestone/data/dataset_file.h"
+#include "temporary_folder.h"
+
+using namespace lodestone;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::string kPulses = "coil,drive_percent,x_before_mm,y_before_mm,x_after_mm,y_after_mm\n";
+const std::string kLog =
+    "camera_frame_number,measured_current_filtered_north,measured_current_filtered_south,"
+    "measured_current_filtered_east,measured_current_filtered_west,localization_x,localization_y,"
+    "localization_angle\n";
+
+data::CsvImportResult import_text(const std::string& text, const data::CsvImportConfig& config = {}) {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "log.csv";
+  std::ofstream(path, std::ios::binary) << text;
+  return data::import_csv(path, config);
+}
+
+data::CsvImportConfig skipping() {
+  data::CsvImportConfig config;
+  config.on_error = "skip";
+  return config;
+}
+
+}  // namespace
+
+TEST_CASE("pulses become episodes, chained where one starts as the last ended") {
+  const data::CsvImportResult result = import_text(kPulses +
+                                                   "+x,40,1,2,3,4\n"
+                                                   "-x,20,3,4,2,4\n"
+                                                   "-y,54,-1.5,13,-1,12\n"
+                                                   "+y,0,5,5,5,5\n");
+  CHECK(result.layout == "pulses");
+  CHECK(result.rows == 4);
+  const data::Dataset& dataset = result.dataset;
+  CHECK(dataset.info.layout == data::StateLayout::kPosition);
+  CHECK(dataset.info.action_unit == "percent");
+  CHECK(dataset.info.action_scale == 100.0);
+  CHECK(dataset.info.one_axis_at_a_time);
+  REQUIRE(dataset.episodes.size() == 3);
+  CHECK(dataset.episodes[0].observations == std::vector<double>{0.001, 0.002, 0.003, 0.004, 0.002, 0.004});
+  CHECK(dataset.episodes[0].actions == std::vector<double>{40.0, 0.0, -20.0, 0.0});
+  CHECK(dataset.episodes[0].truncations == std::vector<std::uint8_t>{0, 1});
+  CHECK(dataset.episodes[1].actions == std::vector<double>{0.0, -54.0});
+  CHECK(dataset.episodes[2].zero_current == std::vector<std::uint8_t>{1});
+}
+
+TEST_CASE("a byte order mark, CRLF, quotes, blank lines and any column order are read") {
+  const data::CsvImportResult result = import_text(
+      "\xEF\xBB\xBFnote, x_after_mm ,\"y_after_mm\",coil,drive_percent,x_before_mm,y_before_mm\r\n"
+      "\"a, b\",3,4,\"+y\", +40 ,1,2\r\n\r\n");
+  REQUIRE(result.dataset.transitions() == 1);
+  CHECK(result.dataset.episodes[0].observations == std::vector<double>{0.001, 0.002, 0.003, 0.004});
+  CHECK(result.dataset.episodes[0].actions == std::vector<double>{0.0, 40.0});
+}
+
+TEST_CASE("every kind of malformed row is reported with line and column") {
+  const auto [row, place] = GENERATE(table<std::string, std::string>({
+      {"+x,abc,1,2,3,4", "log.csv:3: column 2 (drive_percent)"},
+      {"+x,40,,2,3,4", "log.csv:3: column 3 (x_before_mm)"},
+      {"+x,40,1,nan,3,4", "log.csv:3: column 4 (y_before_mm)"},
+      {"+x,40,1,2,inf,4", "log.csv:3: column 5 (x_after_mm)"},
+      {"+x,40,1,2,3,4mm", "log.csv:3: column 6 (y_after_mm)"},
+      {"+x,40,1,2,3,1e999", "log.csv:3: column 6 (y_after_mm)"},
+      {"north,40,1,2,3,4", "log.csv:3: column 1 (coil)"},
+      {"+x,140,1,2,3,4", "log.csv:3: column 2 (drive_percent)"},
+      {"+x,-5,1,2,3,4", "log.csv:3: column 2 (drive_percent)"},
+      {"+x,40,1,2,3", "log.csv:3: column 6 (y_after_mm) is missing"},
+      {"+x,40,1,2,3,4,5", "log.csv:3: column 7 is one too many"},
+  }));
+  const std::string text = kPulses + "+x,40,1,2,3,4\n" + row + "\n-y,10,3,4,3,3\n";
+  CHECK_THROWS_AS(import_text(text), common::DataError);
+  CHECK_THROWS_WITH(import_text(text), Contains(place));
+  const data::CsvImportResult result = import_text(text, skipping());
+  CHECK(result.rows == 3);
+  CHECK(result.skipped == 1);
+  CHECK(result.dataset.transitions() == 2);
+  CHECK(result.dataset.episodes.size() == 2);  // a skipped row breaks the chain
+  REQUIRE(result.problems.size() == 1);
+  CHECK_THAT(result.problems[0], Contains(place));
+}
+
+TEST_CASE("reports of skipped rows stop at the limit, the count does not") {
+  std::string text = kPulses + "+x,40,1,2,3,4\n";
+  for (int i = 0; i < 10; ++i) text += "+x,,1,2,3,4\n";
+  data::CsvImportConfig config = skipping();
+  config.max_reported = 3;
+  const data::CsvImportResult result = import_text(text, config);
+  CHECK(result.skipped == 10);
+  CHECK(result.problems.size() == 3);
+}
+
+TEST_CASE("files without a usable header or row are refused") {
+  CHECK_THROWS_WITH(import_text("a,b\n1,2\n"), Contains("a, b") && Contains("pulses") && Contains("lab log"));
+  CHECK_THROWS_WITH(import_text("coil,coil\n"), Contains("twice"));
+  CHECK_THROWS_AS(import_text(""), common::DataError);
+  CHECK_THROWS_WITH(import_text(kPulses), Contains("no transition"));
+  CHECK_THROWS_WITH(import_text(kPulses + "+x,,1,2,3,4\n", skipping()), Contains("no transition"));
+  CHECK_THROWS_WITH(data::import_csv("no-such.csv", {}), Contains("no-such.csv"));
+}
+
+TEST_CASE("the lab's log: currents act up to the next row, gaps end an episode") {
+  data::CsvImportConfig config;
+  config.angle_unit = "deg";
+  const data::CsvImportResult result = import_text(kLog +
+                                                       "10,0,0,5,0.01,1,2,90\n"
+                                                       "11,0,3,0,7,2,2,180\n"
+                                                       "12,1,0,0,0,3,2,-270\n"
+                                                       "20,0,0,0,0,0,0,0\n"
+                                                       "21,9,0,0,0,0,1,0\n"
+                                                       "40,0,0,0,0,0,0,0\n",
+                                                   config);
+  CHECK(result.layout == "lab log");
+  const data::Dataset& dataset = result.dataset;
+  CHECK(dataset.info.layout == data::StateLayout::kPose);
+  CHECK(dataset.info.action_unit == "A");
+  CHECK_FALSE(dataset.info.one_axis_at_a_time);
+  REQUIRE(dataset.episodes.size() == 2);
+  CHECK(dataset.episodes[0].actions == std::vector<double>{5.0, 0.0, -7.0, -3.0});
+  CHECK(dataset.episodes[0].observations[0] == Approx(0.001));
+  CHECK(dataset.episodes[0].observations[2] == Approx(M_PI / 2));
+  CHECK(dataset.episodes[0].observations[8] == Approx(M_PI / 2));
+  CHECK(dataset.episodes[1].zero_current == std::vector<std::uint8_t>{1});
+  CHECK(result.unpaired == 3);
+}
+
+TEST_CASE("the lab's log in metres, off centre, with y pointing down") {
+  data::CsvImportConfig config;
+  config.position_unit = "m";
+  config.centre_x = 0.05;
+  config.centre_y = 0.04;
+  config.y_down = true;
+  const data::CsvImportResult result =
+      import_text(kLog + "1,2,0,0,0,0.06,0.03,1.0\n2,0,0,0,0,0.06,0.03,1.0\n", config);
+  const std::vector<double>& seen = result.dataset.episodes.at(0).observations;
+  CHECK(seen[0] == Approx(0.01));
+  CHECK(seen[1] == Approx(0.01));
+  CHECK(seen[2] == Approx(-1.0));
+}
+
+TEST_CASE("rows of the lab's log that cannot be true are malformed") {
+  const auto [row, place] = GENERATE(table<std::string, std::string>({
+      {"2,3,4,0,0,1,2,0", "column 3 (measured_current_filtered_south)"},
+      {"2,0,0,6,6,1,2,0", "column 5 (measured_current_filtered_west)"},
+      {"2,-3,0,0,0,1,2,0", "column 2 (measured_current_filtered_north)"},
+      {"2,30,0,0,0,1,2,0", "column 2 (measured_current_filtered_north)"},
+      {"2.5,0,0,0,0,1,2,0", "column 1 (camera_frame_number)"},
+      {"2,0,0,0,0,500,2,0", "column 6 (localization_x)"},
+  }));
+  const std::string text =
+      kLog + "0,1,0,0,0,1,2,0\n1,1,0,0,0,1,2,0\n" + row + "\n3,1,0,0,0,1,2,0\n4,1,0,0,0,1,2,0\n";
+  CHECK_THROWS_WITH(import_text(text), Contains("log.csv:4: " + place));
+  const data::CsvImportResult result = import_text(text, skipping());
+  CHECK(result.skipped == 1);
+  CHECK(result.dataset.episodes.size() == 2);
+}
+
+TEST_CASE("any dataset is read by its ending") {
+  const tests::TemporaryFolder folder;
+  std::ofstream(folder / "a.csv") << kPulses << "+x,40,1,2,3,4\n";
+  CHECK(data::read_any_dataset(folder / "a.csv").transitions() == 1);
+}

@@ -1,0 +1,157 @@
+#include "lodestone/data/dataset_file.h"
+
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "lodestone/common/error.h"
+#include "synthetic.h"
+#include "temporary_folder.h"
+
+using namespace lodestone;
+using Catch::Matchers::Contains;
+
+namespace {
+
+void write_all(const std::string& path, const data::Dataset& dataset, bool append = false) {
+  data::DatasetWriter writer(path, dataset.info, append);
+  for (const data::Episode& episode : dataset.episodes) writer.write(episode);
+}
+
+void check_equal(const data::Episode& a, const data::Episode& b) {
+  CHECK(a.observations == b.observations);
+  CHECK(a.actions == b.actions);
+  CHECK(a.terminations == b.terminations);
+  CHECK(a.truncations == b.truncations);
+  CHECK(a.zero_current == b.zero_current);
+}
+
+}  // namespace
+
+TEST_CASE("a dataset comes back from its file bit for bit") {
+  const tests::TemporaryFolder folder;
+  data::Dataset dataset = tests::random_dataset(12, 7);
+  dataset.info.action_unit = "percent";
+  dataset.info.action_scale = 100.0;
+  dataset.info.workspace_radius_m = 0.0141;
+  dataset.info.one_axis_at_a_time = true;
+  dataset.info.seed = 42;
+  dataset.info.source = "x.csv";
+  dataset.info.rig = {{"dish", {{"radius_m", 0.0425}}}};
+  write_all(folder / "a.h5", dataset);
+  const data::Dataset back = data::read_any_dataset(folder / "a.h5");
+  CHECK(back.info.layout == data::StateLayout::kPose);
+  CHECK(back.info.action_unit == "percent");
+  CHECK(back.info.action_scale == 100.0);
+  CHECK(back.info.workspace_radius_m == 0.0141);
+  CHECK(back.info.one_axis_at_a_time);
+  CHECK(back.info.control_period_s == dataset.info.control_period_s);
+  CHECK(back.info.seed == 42);
+  CHECK(back.info.source == "x.csv");
+  CHECK(back.info.rig == dataset.info.rig);
+  REQUIRE(back.episodes.size() == 12);
+  for (std::size_t e = 0; e < 12; ++e) check_equal(back.episodes[e], dataset.episodes[e]);
+}
+
+TEST_CASE("the same episodes give the same file") {
+  const tests::TemporaryFolder folder;
+  const data::Dataset dataset = tests::random_dataset(3, 4);
+  write_all(folder / "a.h5", dataset);
+  write_all(folder / "b.h5", dataset);
+  const auto bytes = [](const std::string& path) {
+    std::ifstream stream(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(stream), {});
+  };
+  CHECK(bytes(folder / "a.h5") == bytes(folder / "b.h5"));
+}
+
+TEST_CASE("a killed writer leaves every finished episode, and another goes on after them") {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "a.h5";
+  const data::Dataset dataset = tests::random_dataset(6, 200);
+  int ready[2];
+  REQUIRE(pipe(ready) == 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    data::DatasetWriter writer(path, dataset.info);
+    for (int e = 0; e < 4; ++e) writer.write(dataset.episodes[static_cast<std::size_t>(e)]);
+    const char byte = 1;
+    if (::write(ready[1], &byte, 1) != 1) _exit(1);
+    pause();
+    _exit(0);
+  }
+  char byte = 0;
+  REQUIRE(read(ready[0], &byte, 1) == 1);
+  REQUIRE(kill(child, SIGKILL) == 0);
+  int status = 0;
+  waitpid(child, &status, 0);
+  close(ready[0]);
+  close(ready[1]);
+
+  CHECK(data::read_dataset(path).episodes.size() == 4);
+  {
+    data::DatasetWriter writer(path, dataset.info, true);
+    CHECK(writer.episodes() == 4);
+    CHECK(writer.transitions() == 800);
+    writer.write(dataset.episodes[4]);
+    writer.write(dataset.episodes[5]);
+  }
+  const data::Dataset back = data::read_dataset(path);
+  REQUIRE(back.episodes.size() == 6);
+  for (std::size_t e = 0; e < 6; ++e) check_equal(back.episodes[e], dataset.episodes[e]);
+}
+
+TEST_CASE("a full disk is an IoError and keeps the episodes before it") {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "a.h5";
+  const data::Dataset dataset = tests::random_dataset(40, 200);
+  const pid_t child = fork();
+  if (child == 0) {
+    // A limit on file size fails writes as a full disk does.
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{200000, 200000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    try {
+      write_all(path, dataset);
+    } catch (const common::IoError& error) {
+      _exit(std::string(error.what()).find("the episodes before it are kept") != std::string::npos ? 17 : 1);
+    } catch (...) {
+    }
+    _exit(1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  REQUIRE(WIFEXITED(status));
+  REQUIRE(WEXITSTATUS(status) == 17);
+  const data::Dataset back = data::read_dataset(path);
+  REQUIRE(back.episodes.size() >= 2);
+  CHECK(back.episodes.size() < 40);
+  check_equal(back.episodes.back(), dataset.episodes[back.episodes.size() - 1]);
+}
+
+TEST_CASE("NaN is neither written nor read") {
+  const tests::TemporaryFolder folder;
+  data::Dataset dataset = tests::random_dataset(2, 3);
+  dataset.episodes[1].observations[4] = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THROWS_WITH(write_all(folder / "a.h5", dataset), Contains("row 1") && Contains("y_m"));
+  CHECK(data::read_dataset(folder / "a.h5").episodes.size() == 1);
+}
+
+TEST_CASE("files that are no dataset are refused by name") {
+  const tests::TemporaryFolder folder;
+  CHECK_THROWS_WITH(data::read_dataset(folder / "none.h5"), Contains("none.h5") && Contains("no such file"));
+  std::ofstream(folder / "text.h5") << "hello";
+  CHECK_THROWS_WITH(data::read_dataset(folder / "text.h5"),
+                    Contains("text.h5") && Contains("not an HDF5 file"));
+  CHECK_THROWS_AS(data::DatasetWriter(folder / "no/such/folder.h5", data::DatasetInfo{}), common::IoError);
+
+  write_all(folder / "short.h5", tests::random_dataset(20, 200));
+  std::filesystem::resize_file(folder / "short.h5", std::filesystem::file_size(folder / "short.h5") / 2);
+  CHECK_THROWS_AS(data::read_dataset(folder / "short.h5"), common::DataError);
+}

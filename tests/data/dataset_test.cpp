@@ -1,0 +1,83 @@
+#include "lodestone/data/dataset.h"
+
+#include <catch2/catch.hpp>
+#include <limits>
+#include <set>
+
+#include "lodestone/common/error.h"
+#include "synthetic.h"
+
+using namespace lodestone;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::set<double> first_numbers(const data::Dataset& dataset) {
+  std::set<double> values;
+  for (const data::Episode& episode : dataset.episodes) values.insert(episode.observations[0]);
+  return values;
+}
+
+}  // namespace
+
+TEST_CASE("flattening pairs every state with the one after it") {
+  const data::Dataset dataset = tests::random_dataset(3, 5);
+  CHECK(dataset.transitions() == 15);
+  const data::TransitionTable all = data::flatten(dataset, true);
+  REQUIRE(all.size() == 15);
+  const data::Episode& second = dataset.episodes[1];
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(all.state[7 * 3 + i] == second.observations[2 * 3 + i]);
+    CHECK(all.next_state[7 * 3 + i] == second.observations[3 * 3 + i]);
+  }
+  CHECK(all.action[7 * 2] == second.actions[2 * 2]);
+  CHECK(all.episode[7] == 1);
+
+  const data::TransitionTable driven = data::flatten(dataset);
+  CHECK(driven.size() == 12);
+  for (std::int64_t i = 0; i < driven.size(); ++i)
+    CHECK(driven.action[static_cast<std::size_t>(i) * 2] != 0.0);
+}
+
+TEST_CASE("a split keeps episodes whole, loses none and depends on the seed alone") {
+  const data::Dataset dataset = tests::random_dataset(40, 3);
+  const data::Split a = data::split_by_episode(dataset, 0.1, 0.2, 7);
+  const data::Split b = data::split_by_episode(dataset, 0.1, 0.2, 7);
+  const data::Split other = data::split_by_episode(dataset, 0.1, 0.2, 8);
+  CHECK(a.validation.episodes.size() == 4);
+  CHECK(a.test.episodes.size() == 8);
+  CHECK(a.train.episodes.size() == 28);
+  CHECK(first_numbers(a.test) == first_numbers(b.test));
+  CHECK(first_numbers(a.test) != first_numbers(other.test));
+  std::set<double> together = first_numbers(a.train);
+  together.merge(first_numbers(a.validation));
+  together.merge(first_numbers(a.test));
+  CHECK(together == first_numbers(dataset));
+}
+
+TEST_CASE("a split with an empty part is refused") {
+  const data::Dataset dataset = tests::random_dataset(4, 3);
+  CHECK_THROWS_WITH(data::split_by_episode(dataset, 0.01, 0.5, 1),
+                    Contains("validation") && Contains("4 episodes"));
+  CHECK_THROWS_WITH(data::split_by_episode(dataset, 0.5, 0.5, 1), Contains("training"));
+  CHECK(data::split_by_episode(dataset, 0.25, 0.0, 1).test.episodes.empty());
+}
+
+TEST_CASE("NaN and infinity are found with their place") {
+  data::Dataset dataset = tests::random_dataset(3, 4);
+  dataset.episodes[2].observations[3 * 3 + 2] = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THROWS_AS(data::check_dataset(dataset, "a.h5"), common::DataError);
+  CHECK_THROWS_WITH(data::check_dataset(dataset, "a.h5"), Contains("a.h5") && Contains("episode 2") &&
+                                                              Contains("row 3") && Contains("heading_rad"));
+  dataset = tests::random_dataset(3, 4);
+  dataset.episodes[1].actions[5] = std::numeric_limits<double>::infinity();
+  CHECK_THROWS_WITH(data::check_dataset(dataset, "a.h5"), Contains("row 2") && Contains("drive_y"));
+}
+
+TEST_CASE("sizes that disagree and empty datasets are found") {
+  data::Dataset dataset = tests::random_dataset(2, 4);
+  dataset.episodes[1].observations.pop_back();
+  CHECK_THROWS_WITH(data::check_dataset(dataset, "a.h5"), Contains("observations") && Contains("episode 1"));
+  dataset.episodes.clear();
+  CHECK_THROWS_WITH(data::check_dataset(dataset, "a.h5"), Contains("no transition"));
+}
