@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstdint>
+
+#include <torch/torch.h>
+
+#include "lodestone/common/config.h"
+#include "lodestone/common/metrics.h"
+#include "lodestone/env/vec_env.h"
+#include "lodestone/nets/checkpoint.h"
+#include "lodestone/rl/ou_noise.h"
+#include "lodestone/rl/replay_buffer.h"
+#include "lodestone/rl/td3.h"
+
+namespace lodestone::rl {
+
+/// How much is collected and learned.
+struct LearningConfig {
+  std::int64_t env_steps = 500000;
+  std::int64_t warm_up_steps = 5000;
+  double updates_per_step = 1.0;
+  std::int64_t buffer_size = 1000000;
+  double final_learning_rate = 1.0;
+  double final_noise = 1.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("env_steps", env_steps, "steps", "environment steps of the whole run, all environments together",
+            {1, 1e12});
+    v.field("warm_up_steps", warm_up_steps, "steps",
+            "steps with random actions and without updates at the start", {0, 1e12});
+    v.field("updates_per_step", updates_per_step, "updates/step",
+            "updates per environment step after the warm-up", {0.0, 100.0});
+    v.field("buffer_size", buffer_size, "transitions", "capacity of the replay buffer", {1, 1e9});
+    v.field("final_learning_rate", final_learning_rate, "fraction",
+            "learning rate at the end of the run, falling linearly; 1 keeps it", {0.0, 1.0});
+    v.field("final_noise", final_noise, "fraction",
+            "exploration noise at the end of the run, falling linearly; 1 keeps it", {0.0, 1.0});
+  }
+};
+
+/// Collects from a batch of environments and learns from it with TD3. Everything that later steps depend on
+/// can be saved: N steps, save, load and N steps equal 2 N steps, bitwise.
+class PolicyLearner {
+ public:
+  /// Takes the environments over: resets them. `environments` must outlive this.
+  PolicyLearner(const LearningConfig& learning, const Td3Config& td3, const NoiseConfig& noise,
+                std::uint64_t seed, std::int64_t threads, env::VecEnv& environments);
+
+  /// One step of every environment and the updates that fall due.
+  void step();
+
+  std::int64_t env_steps() const { return env_steps_; }
+  std::int64_t updates() const { return td3_.updates(); }
+  bool finished() const { return env_steps_ >= learning_.env_steps; }
+  Td3& td3() { return td3_; }
+
+  /// Means since the last call, under the keys train/...: episode_return, success_rate, episode_length,
+  /// critic_loss, actor_loss, q_mean, action_saturation (share of components beyond 0.95). Keys without data
+  /// are left out.
+  common::Scalars take_statistics();
+
+  void save(nets::Checkpoint& checkpoint);
+  /// Throws CheckpointError when it comes from another configuration.
+  void load(const nets::Checkpoint& checkpoint);
+
+ private:
+  struct Mean {
+    double sum = 0.0;
+    double count = 0.0;
+    void add(double value) {
+      sum += value;
+      count += 1.0;
+    }
+  };
+  void count_episodes(const env::StepResult& result);
+  torch::Tensor choose_actions();
+
+  LearningConfig learning_;
+  double learning_rate_;
+  env::VecEnv& environments_;
+  Td3 td3_;
+  ReplayBuffer buffer_;
+  ExplorationNoise noise_;
+  std::int64_t env_steps_ = 0;
+  double due_updates_ = 0.0;
+  torch::Tensor observation_;  // [N, D]
+  torch::Tensor returns_;      // [N] of the running episodes
+  torch::Tensor lengths_;      // [N]
+  Mean return_, success_, length_, critic_loss_, actor_loss_, q_, saturation_;
+};
+
+}  // namespace lodestone::rl

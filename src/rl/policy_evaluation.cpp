@@ -1,0 +1,105 @@
+#include "lodestone/rl/policy_evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace lodestone::rl {
+namespace {
+
+constexpr float kSaturated = 0.95F;
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+common::Scalars PolicyScore::scalars() const {
+  return {{"evaluation/episode_return", episode_return},
+          {"evaluation/success_rate", success_rate},
+          {"evaluation/final_error_mm", final_error_mm},
+          {"evaluation/final_error_median_mm", final_error_median_mm},
+          {"evaluation/episode_length", episode_length},
+          {"evaluation/action_saturation", action_saturation}};
+}
+
+common::Json PolicyScore::json() const {
+  common::Json json;
+  for (const auto& [key, value] : scalars()) json[key.substr(key.find('/') + 1)] = value;
+  json["episodes"] = episodes;
+  return json;
+}
+
+PolicyEvaluation::PolicyEvaluation(env::VecEnv& environments, const task::EncoderConfig& encoder)
+    : environments_(environments), encoder_(encoder) {
+  environments_.exchange_state(start_, false);
+  for (auto& [name, tensor] : start_.tensors) tensor = tensor.clone();
+}
+
+double PolicyEvaluation::goal_distance_m(const float* observation) const {
+  const int heading = encoder_.heading == "none" ? 0 : encoder_.heading == "angle" ? 1 : 2;
+  double x = observation[0];
+  double y = observation[1];
+  if (encoder_.relative_target) {
+    x = observation[2 + heading + (encoder_.target ? 2 : 0)];
+    y = observation[3 + heading + (encoder_.target ? 2 : 0)];
+  } else if (encoder_.target) {
+    x -= observation[2 + heading];
+    y -= observation[3 + heading];
+  }
+  return encoder_.length_scale_m * std::hypot(x, y);
+}
+
+PolicyScore PolicyEvaluation::run(Td3& policy) {
+  const torch::NoGradGuard no_grad;
+  env::EnvState start{start_.facts, {}};
+  for (const auto& [name, tensor] : start_.tensors) start.tensors[name] = tensor.clone();
+  environments_.exchange_state(start, true);
+  torch::Tensor observation = environments_.reset().clone();
+  const std::int64_t count = environments_.spec().count;
+  const std::int64_t columns = environments_.spec().observation_size;
+  std::vector<std::uint8_t> done(static_cast<std::size_t>(count), 0);
+  std::vector<std::uint8_t> reached(static_cast<std::size_t>(count), 0);
+  std::vector<double> error_mm(static_cast<std::size_t>(count), 0.0);
+  double returns = 0.0;
+  double steps = 0.0;
+  double saturated = 0.0;
+  for (std::int64_t left = count; left > 0;) {
+    const torch::Tensor action = policy.act(observation);
+    const env::StepResult result = environments_.step(action);
+    const float* chosen = action.data_ptr<float>();
+    const std::int64_t width = action.size(1);
+    for (std::int64_t i = 0; i < count; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      if (done[k] != 0) continue;
+      returns += result.reward.data_ptr<float>()[i];
+      steps += 1.0;
+      for (std::int64_t j = 0; j < width; ++j)
+        saturated += std::abs(chosen[i * width + j]) > kSaturated ? 1.0 : 0.0;
+      if (result.success.data_ptr<std::uint8_t>()[i] != 0) reached[k] = 1;
+      if (result.terminated.data_ptr<std::uint8_t>()[i] == 0 &&
+          result.truncated.data_ptr<std::uint8_t>()[i] == 0) {
+        continue;
+      }
+      done[k] = 1;
+      --left;
+      error_mm[k] = 1e3 * goal_distance_m(result.final_observation.data_ptr<float>() + i * columns);
+    }
+    observation.copy_(result.observation);
+  }
+  const auto episodes = static_cast<double>(count);
+  PolicyScore score;
+  score.episodes = count;
+  score.episode_return = returns / episodes;
+  score.episode_length = steps / episodes;
+  score.action_saturation = saturated / (steps * static_cast<double>(environments_.spec().action_size));
+  for (const std::uint8_t value : reached) score.success_rate += value / episodes;
+  for (const double value : error_mm) score.final_error_mm += value / episodes;
+  score.final_error_median_mm = median(error_mm);
+  return score;
+}
+
+}  // namespace lodestone::rl
