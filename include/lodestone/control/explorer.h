@@ -59,7 +59,8 @@ class Explorer final : public Controller {
 
   /// Where the operator puts the needle for the next episode: the least visited of some random places, any
   /// heading.
-  geometry::Pose2 next_start();
+  /// `fits` says whether the needle would lie inside the dish wall, which an operator sees.
+  geometry::Pose2 next_start(const std::function<bool(const geometry::Pose2&)>& fits);
   /// True when the needle has not moved for `stuck_steps` steps: time for the operator.
   bool stuck() const { return still_steps_ >= config_.stuck_steps; }
 

@@ -1,0 +1,325 @@
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include "lodestone/common/files.h"
+#include "lodestone/common/interrupt.h"
+#include "lodestone/common/log.h"
+#include "lodestone/common/progress.h"
+#include "lodestone/common/run_folder.h"
+#include "lodestone/control/deployment.h"
+#include "lodestone/control/policy_controller.h"
+#include "lodestone/control/recorder.h"
+#include "lodestone/nets/policy.h"
+#include "verb.h"
+
+namespace lodestone::apps {
+
+namespace {
+
+struct DeployConfig {
+  control::DeploymentConfig deployment;
+  std::int64_t threads = 0;
+  std::string policy;
+  std::string task = "all";
+  std::vector<double> target_mm;
+  std::string on_rig = "explored";
+  std::string controller = "both";
+  bool realtime = false;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    deployment.visit(v);
+    v.field("threads", threads, "", "trials at the same time; 0 means one per processor", {0, 1024});
+    v.field("policy", policy, "", "folder of the policy checkpoint");
+    v.field("task", task, "", "centre, point, square, circle, all, or a path file.csv (columns x_m,y_m)");
+    v.field("target_mm", target_mm, "mm", "x, y of the target of `point`; drawn for each trial when empty",
+            {-1000.0, 1000.0});
+    v.field("on_rig", on_rig, "",
+            "the rig that was explored, rigs with new friction and calibration error, or both",
+            {"explored", "unseen", "both"});
+    v.field("controller", controller, "", "what drives", {"policy", "baseline", "both"});
+    v.field("realtime", realtime, "", "wait as long as a real rig would");
+  }
+  void validate() const {
+    deployment.rig.validate();
+    if (!target_mm.empty() && target_mm.size() != 2)
+      throw common::ConfigError("target_mm holds " + std::to_string(target_mm.size()) +
+                                " numbers, must be two: x and y in mm");
+  }
+};
+
+const std::vector<std::string> kTasks = {"centre", "point", "square", "circle"};
+
+bool is_path_file(const std::string& task) {
+  return task.size() > 4 && task.compare(task.size() - 4, 4, ".csv") == 0;
+}
+
+/// What is to be run, checked before anything is written.
+struct Job {
+  std::vector<std::string> tasks;
+  std::optional<geometry::Path> path;
+  std::optional<geometry::Vector2> target_m;
+  std::vector<control::RigKind> rigs;
+  std::vector<control::ControllerSource> sources;
+};
+
+void choose_tasks(const DeployConfig& config, Job& job) {
+  if (is_path_file(config.task)) {
+    job.path = geometry::Path::from_csv(config.task);
+    job.tasks = {"path"};
+  } else if (config.task == "all") {
+    job.tasks = kTasks;
+  } else if (std::find(kTasks.begin(), kTasks.end(), config.task) != kTasks.end()) {
+    job.tasks = {config.task};
+  } else {
+    throw common::ConfigError("task = \"" + config.task +
+                              "\", must be centre, point, square, circle, all, or the name of a .csv file");
+  }
+  if (config.target_mm.size() == 2)
+    job.target_m = geometry::Vector2(1e-3 * config.target_mm[0], 1e-3 * config.target_mm[1]);
+}
+
+control::ControllerSource policy_source(const DeployConfig& config, Job& job) {
+  if (config.policy.empty())
+    throw common::ConfigError(
+        "deploy: --policy DIR is missing; name a policy checkpoint, or use --controller baseline");
+  const nets::Policy policy = nets::load_policy(config.policy);
+  const double limit_A = config.deployment.rig.max_current_A;
+  if (policy.action.scale > limit_A)
+    throw common::ConfigError(config.policy + ": its largest drive is " +
+                              std::to_string(policy.action.scale) + ", the rig takes " +
+                              std::to_string(limit_A) + " A at most; the policy was trained for another rig");
+  if (policy.goal == "centre") {
+    if (config.task == "all")
+      job.tasks = {"centre"};
+    else if (job.tasks != std::vector<std::string>{"centre"})
+      throw common::ConfigError(
+          "task = \"" + config.task + "\": " + config.policy +
+          " was trained for the centre only; use --task centre or a random-target policy");
+  }
+  control::ControllerSource source;
+  source.name = "policy";
+  source.action = policy.action;
+  const control::DecoratorConfig decorators = config.deployment.decorators;
+  source.make = [policy, decorators] {
+    return control::decorate(std::make_unique<control::PolicyController>(policy), decorators);
+  };
+  return source;
+}
+
+Job plan_job(const DeployConfig& config) {
+  Job job;
+  choose_tasks(config, job);
+  if (config.on_rig != "unseen") job.rigs.push_back(control::RigKind::kExplored);
+  if (config.on_rig != "explored") job.rigs.push_back(control::RigKind::kUnseen);
+  if (config.controller != "baseline") job.sources.push_back(policy_source(config, job));
+  if (config.controller != "policy") job.sources.push_back(control::baseline_source(config.deployment));
+  return job;
+}
+
+/// Writes trials.json one trial at a time, so that long deployments need no memory for it.
+class TrialsFile {
+ public:
+  explicit TrialsFile(const std::string& file) : path_(file), staged_(file + ".part"), out_(staged_) {
+    out_ << "[";
+  }
+  void write(const control::TrialResult& result) {
+    out_ << (first_ ? "\n" : ",\n") << control::trial_to_json(result).dump();
+    first_ = false;
+    check();
+  }
+  void finish() {
+    out_ << "\n]\n";
+    out_.close();
+    check();
+    std::filesystem::rename(staged_, path_);
+  }
+
+ private:
+  void check() const {
+    if (!out_) throw common::IoError("cannot write " + staged_ + ": check the space on the disk");
+  }
+  std::string path_;
+  std::string staged_;
+  std::ofstream out_;
+  bool first_ = true;
+};
+
+void print_row(const char* rig, const std::string& controller, const std::string& task,
+               const common::Json& summary) {
+  const auto text = [](const common::Json& value) {
+    char buffer[32] = "-";
+    if (value.is_number()) std::snprintf(buffer, sizeof buffer, "%.2f", value.get<double>());
+    return std::string(buffer);
+  };
+  std::printf("%-9s %-9s %-7s %8s %8s %8s %8s %8s %8s %9s %7s\n", rig, controller.c_str(), task.c_str(),
+              text(summary["mean_error_mm"]).c_str(), text(summary["std_error_mm"]).c_str(),
+              text(summary["median_error_mm"]).c_str(), text(summary["rms_error_mm"]).c_str(),
+              text(summary["sensed"]["mean_error_mm"]).c_str(), text(summary["time_rms_error_mm"]).c_str(),
+              text(summary["seconds_to_reach"]).c_str(), text(summary["success_rate"]).c_str());
+}
+
+common::Json summarise_task(const std::vector<control::TrialResult>& results) {
+  std::vector<const control::TrialScore*> truth;
+  std::vector<const control::TrialScore*> sensed;
+  std::int64_t stopped = 0;
+  for (const control::TrialResult& result : results) {
+    truth.push_back(&result.truth);
+    sensed.push_back(&result.sensed);
+    stopped += result.completed ? 0 : 1;
+  }
+  common::Json summary = control::summarise_trials(truth);
+  summary["n_stopped"] = stopped;
+  summary["sensed"] = control::summarise_trials(sensed);
+  return summary;
+}
+
+/// Runs everything; keeps files, progress and the summary in step.
+class Run {
+ public:
+  Run(const DeployConfig& config, const Job& job, const std::string& out)
+      : config_(config),
+        job_(job),
+        out_(out),
+        deployment_(config.deployment),
+        pool_(config.realtime ? 1 : static_cast<std::size_t>(config.threads)),
+        recorder_(out + "/trajectories.csv"),
+        progress_("deploy",
+                  static_cast<std::int64_t>(job.rigs.size() * job.sources.size() * job.tasks.size()) *
+                      config.deployment.trials.count) {}
+
+  /// Summary of one kind of rig; the baseline's stands under its own key.
+  common::Json on(control::RigKind kind, const std::string& folder) {
+    TrialsFile trials(folder + "/trials.json");
+    common::Json summary = common::Json::object();
+    for (const control::ControllerSource& source : job_.sources) {
+      common::Json& part = source.name == "baseline" ? summary["baseline"] : summary;
+      for (const std::string& task : job_.tasks) {
+        const auto results = run_task(kind, source, task, trials);
+        part[task] = summarise_task(results);
+      }
+    }
+    trials.finish();
+    common::write_file_atomically(folder + "/summary.json", summary.dump(1) + "\n");
+    return summary;
+  }
+  void finish() { progress_.finish(); }
+
+ private:
+  std::vector<control::TrialResult> run_task(control::RigKind kind, const control::ControllerSource& source,
+                                             const std::string& task, TrialsFile& trials) {
+    std::vector<control::TrialPlan> plans;
+    for (std::int64_t index = 0; index < config_.deployment.trials.count; ++index)
+      plans.push_back(
+          control::plan_trial(config_.deployment, task, index, job_.target_m, job_.path,
+                              [this](const geometry::Pose2& pose) { return deployment_.fits(pose); }));
+    std::vector<control::TrialResult> results;
+    const std::size_t batch = 2 * pool_.size();
+    for (std::size_t first = 0; first < plans.size(); first += batch) {
+      const std::size_t last = std::min(first + batch, plans.size());
+      auto part = deployment_.run({plans.begin() + static_cast<std::ptrdiff_t>(first),
+                                   plans.begin() + static_cast<std::ptrdiff_t>(last)},
+                                  kind, source, pool_, config_.realtime);
+      if (common::interrupted())
+        throw common::Interrupted("deploy: stopped by the user; the finished trials are in " + out_ +
+                                  "/trajectories.csv");
+      for (control::TrialResult& result : part) {
+        recorder_.write(result);
+        trials.write(result);
+        if (!result.completed)
+          common::log_warning("trial " + std::to_string(result.plan.index) + " of " + task +
+                              " stopped early: " + result.stop_reason);
+        results.push_back(std::move(result));
+      }
+      done_ += static_cast<std::int64_t>(last - first);
+      progress_.update(done_, source.name + " " + task);
+    }
+    return results;
+  }
+
+  const DeployConfig& config_;
+  const Job& job_;
+  std::string out_;
+  control::Deployment deployment_;
+  common::ThreadPool pool_;
+  control::Recorder recorder_;
+  common::Progress progress_;
+  std::int64_t done_ = 0;
+};
+
+void print_table(const common::Json& summary, const char* rig) {
+  const auto print_part = [&](const common::Json& part, const char* controller) {
+    for (const auto& [task, values] : part.items())
+      if (values.contains("mean_error_mm")) print_row(rig, controller, task, values);
+  };
+  print_part(summary, "policy");
+  if (summary.contains("baseline")) print_part(summary["baseline"], "baseline");
+}
+
+void deploy(const CommonOptions& options) {
+  const auto config = resolve_config<DeployConfig>(options);
+  if (options.out.empty())
+    throw common::ConfigError("deploy: --out DIR is missing; name the folder to write into");
+  const Job job = plan_job(config);
+  common::start_run_folder(options.out, "deploy", common::config_to_json(config), config.deployment.seed,
+                           false);
+  Run run(config, job, options.out);
+  const bool both = job.rigs.size() > 1;
+  common::Json by_rig = common::Json::object();
+  for (const control::RigKind kind : job.rigs) {
+    const std::string folder = both ? options.out + "/" + control::to_string(kind) : options.out;
+    common::make_folders(folder);
+    by_rig[control::to_string(kind)] = run.on(kind, folder);
+  }
+  run.finish();
+  if (both) {
+    // The contract's keys at the top are those of the explored rig; both kinds stand below them.
+    common::Json summary = by_rig["explored"];
+    for (const auto& [kind, values] : by_rig.items()) summary[kind] = values;
+    common::write_file_atomically(options.out + "/summary.json", summary.dump(1) + "\n");
+  }
+  std::printf(
+      "Errors in mm against the true pose. centre, point: distance at the end of a trial; paths: cross-track "
+      "error of all samples after the approach.\n");
+  std::printf("%-9s %-9s %-7s %8s %8s %8s %8s %8s %8s %9s %7s\n", "rig", "control", "task", "mean", "std",
+              "median", "rms", "sensed", "time rms", "reach s", "success");
+  for (const auto& [kind, summary] : by_rig.items()) print_table(summary, kind.c_str());
+}
+
+}  // namespace
+
+void add_deploy(CLI::App& program, ConfigCatalogue& catalogue) {
+  catalogue["deploy"] = [] { return common::describe_config<DeployConfig>(); };
+  CLI::App* verb =
+      program.add_subcommand("deploy", "drive a rig with a trained policy and a baseline (phase 3)");
+  auto options = std::make_shared<CommonOptions>();
+  add_common_options(*verb, *options);
+  // These are short names of configuration keys.
+  const auto shorthand = [&](const char* flag, const char* key, bool text, const char* meaning) {
+    verb->add_option_function<std::string>(
+        flag,
+        [options, key, text](const std::string& value) {
+          options->overrides.push_back(std::string(key) + "=" + (text ? common::Json(value).dump() : value));
+        },
+        meaning);
+  };
+  shorthand("--policy", "policy", true, "folder of the policy checkpoint");
+  shorthand("--task", "task", true, "centre, point, square, circle, all, or FILE.csv with columns x_m,y_m");
+  shorthand("--trials", "trials.count", false, "trials per task");
+  shorthand("--rig", "on_rig", true, "explored, unseen or both");
+  shorthand("--controller", "controller", true, "policy, baseline or both");
+  verb->add_option_function<std::string>(
+      "--target-mm",
+      [options](const std::string& value) { options->overrides.push_back("target_mm=[" + value + "]"); },
+      "X,Y of the target of `point` in mm");
+  verb->add_flag_callback(
+      "--realtime", [options] { options->overrides.push_back("realtime=true"); },
+      "wait as long as a real rig would (one trial at a time)");
+  verb->callback([options] { deploy(*options); });
+}
+
+}  // namespace lodestone::apps

@@ -1,0 +1,62 @@
+#include <catch2/catch.hpp>
+
+#include "lodestone/control/collection.h"
+
+using namespace lodestone;
+
+namespace {
+
+void check_same(const data::Episode& a, const data::Episode& b) {
+  CHECK(a.observations == b.observations);
+  CHECK(a.actions == b.actions);
+  CHECK(a.zero_current == b.zero_current);
+  CHECK(a.truncations == b.truncations);
+}
+
+}  // namespace
+
+TEST_CASE("episodes are whole, within bounds, and marked where no current flowed") {
+  control::CollectionConfig config;
+  config.explorer.zero_share = 0.3;
+  control::Collection collection(config);
+  int zero = 0;
+  for (int i = 0; i < 6; ++i) {
+    const data::Episode episode = collection.next_episode(12);
+    const auto length = static_cast<std::size_t>(episode.length());
+    REQUIRE(length >= 1);
+    CHECK(length <= 12);
+    CHECK(episode.observations.size() == 3 * (length + 1));
+    REQUIRE(episode.actions.size() == 2 * length);
+    CHECK(episode.truncations.back() == 1);
+    for (std::size_t row = 0; row < length; ++row) {
+      const bool none = episode.actions[2 * row] == 0.0 && episode.actions[2 * row + 1] == 0.0;
+      CHECK((episode.zero_current[row] == 1) == none);
+      CHECK(std::abs(episode.actions[2 * row]) <= config.rig.max_current_A);
+      zero += none;
+    }
+  }
+  CHECK(zero > 0);
+  CHECK(collection.next_episode(1).length() == 1);
+}
+
+TEST_CASE("collection goes on bitwise after a restart") {
+  control::CollectionConfig config;
+  control::Collection straight(config);
+  for (int i = 0; i < 3; ++i) straight.next_episode(10);
+  const common::Json state = common::Json::parse(straight.save().dump());
+  control::Collection resumed(config);
+  resumed.restore(state);
+  for (int i = 0; i < 3; ++i) check_same(straight.next_episode(10), resumed.next_episode(10));
+  CHECK_THROWS_AS(resumed.restore(common::Json::object()), common::DataError);
+}
+
+TEST_CASE("a missing pose ends an episode without a gap") {
+  control::CollectionConfig config;
+  config.sensor.dropout = 0.2;
+  control::Collection collection(config);
+  for (int i = 0; i < 5; ++i) {
+    const data::Episode episode = collection.next_episode(25);
+    CHECK(episode.observations.size() == 3 * (static_cast<std::size_t>(episode.length()) + 1));
+    CHECK(episode.truncations.back() == 1);
+  }
+}

@@ -1,0 +1,135 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "control/controller_conformance.h"
+#include "control/fakes.h"
+#include "lodestone/control/decorators.h"
+#include "lodestone/control/dipole_pull.h"
+#include "lodestone/control/policy_controller.h"
+
+using namespace lodestone;
+using geometry::Vector2;
+
+namespace {
+
+std::unique_ptr<control::Controller> constant(double x, double y) {
+  return std::make_unique<tests::FunctionController>([=](const task::Observation&) { return Vector2(x, y); });
+}
+
+task::Observation after(const Vector2& action, double moved_m, const Vector2& position_m = {0.02, 0.0}) {
+  task::Observation observation;
+  observation.pose = {position_m.x(), position_m.y(), 0.0};
+  observation.last_action = action;
+  observation.last_displacement_m = {moved_m, 0.0};
+  return observation;
+}
+
+nets::Policy small_policy() {
+  nets::Policy policy;
+  policy.encoder.memory = true;
+  policy.hidden = {16, 16};
+  torch::manual_seed(4);
+  policy.actor = nets::Actor(task::ObservationEncoder(policy.encoder).size(), policy.hidden);
+  return policy;
+}
+
+}  // namespace
+
+TEST_CASE("the adaptive gain grows while the needle stalls and returns to one after motion") {
+  control::DecoratorConfig config;
+  config.stall_gain = 1.2;
+  control::AdaptiveGain controller(constant(0.1, 0.05), config);
+  controller.reset();
+  Vector2 action = controller.act(after({0.0, 0.0}, 0.0));
+  CHECK(action.x() == Approx(0.1));
+  action = controller.act(after(action, 0.0003));
+  CHECK(action.x() == Approx(0.12));
+  action = controller.act(after(action, 0.0));
+  CHECK(action.x() == Approx(0.144));
+  CHECK(action.y() == Approx(0.072));
+  SECTION("motion") {
+    CHECK(controller.act(after(action, 0.004)).x() == Approx(0.1));
+    CHECK(controller.gain() == 1.0);
+  }
+  SECTION("a turn is motion") {
+    task::Observation turned = after(action, 0.0);
+    turned.pose.heading_rad = 0.5;
+    CHECK(controller.act(turned).x() == Approx(0.1));
+  }
+  SECTION("a step without command says nothing") {
+    CHECK(controller.act(after({0.0, 0.0}, 0.0)).x() == Approx(0.144));
+  }
+  SECTION("a limit keeps the direction") {
+    for (int i = 0; i < 50; ++i) action = controller.act(after(action, 0.0));
+    CHECK(controller.gain() == config.stall_gain_max);
+    CHECK(action.x() == Approx(0.8));
+    CHECK(action.y() == Approx(0.4));
+  }
+  SECTION("reset") {
+    controller.reset();
+    CHECK(controller.act(after(action, 0.0)).x() == Approx(0.1));
+  }
+}
+
+TEST_CASE("hold gives no current within its radius") {
+  control::Hold controller(constant(0.3, 0.0), 0.002);
+  CHECK(controller.act(after({0, 0}, 0.0, {0.0015, 0.001})).isZero(0.0));
+  CHECK(controller.act(after({0, 0}, 0.0, {0.0025, 0.0})).x() == 0.3);
+}
+
+TEST_CASE("decorators that are off leave the controller as it is") {
+  auto inner = constant(0.3, 0.0);
+  control::Controller* raw = inner.get();
+  CHECK(control::decorate(std::move(inner), {}).get() == raw);
+}
+
+TEST_CASE("the simulator's pull points where it is asked to") {
+  const control::DipolePullConfig config;
+  const control::DipolePull model(config);
+  SECTION("one coil pulls the needle to itself, twice the current twice as hard") {
+    const Vector2 pull = model.pull_N({4.0, 0.0}, {0.0, 0.0});
+    CHECK(pull.x() > 0.0);
+    CHECK(std::abs(pull.y()) < 1e-12);
+    CHECK(model.pull_N({8.0, 0.0}, {0.0, 0.0}).x() == Approx(2.0 * pull.x()));
+    // On the axis of a dipole B = mu0 m / 2 pi d^3, so dB/dx = 3 B / d.
+    const physics::DipoleCoil coil(config.coil, 0);
+    const double field_T = 2e-7 * coil.moment_per_ampere_m2() * 4.0 / std::pow(0.08, 3);
+    CHECK(pull.x() == Approx(config.needle_moment_A_m2 * 3.0 * field_T / 0.08).epsilon(1e-6));
+  }
+  SECTION("the inverse gives the pull back") {
+    for (const double angle : {0.3, 1.2, 2.5, -2.0, -0.4}) {
+      const Vector2 wanted = 2e-4 * Vector2(std::cos(angle), std::sin(angle));
+      const Vector2 position(0.004, -0.003);
+      const Vector2 got = model.pull_N(model.drive_A(wanted, position), position);
+      CHECK((got - wanted).norm() < 2e-3 * wanted.norm());
+    }
+  }
+}
+
+TEST_CASE("controllers keep the contract") {
+  SECTION("baseline") {
+    control::DipolePullController controller({}, 15.0);
+    tests::check_controller(controller);
+  }
+  SECTION("policy, decorated") {
+    control::DecoratorConfig config;
+    config.stall_gain = 1.2;
+    config.hold_radius_m = 0.002;
+    auto controller = control::decorate(std::make_unique<control::PolicyController>(small_policy()), config);
+    tests::check_controller(*controller);
+  }
+}
+
+TEST_CASE("the policy controller computes what the network computes") {
+  const nets::Policy policy = small_policy();
+  control::PolicyController controller(policy);
+  const task::Observation observation = after({0.2, -0.1}, 0.001);
+  const task::ObservationEncoder encoder(policy.encoder);
+  torch::Tensor input = torch::zeros({1, encoder.size()});
+  encoder.encode(observation, input.data_ptr<float>());
+  nets::Actor actor = policy.actor;
+  const torch::Tensor expected = actor->forward(input);
+  const Vector2 action = controller.act(observation);
+  CHECK(action.x() == Approx(expected[0][0].item<double>()));
+  CHECK(action.y() == Approx(expected[0][1].item<double>()));
+}

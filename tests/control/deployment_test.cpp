@@ -1,0 +1,89 @@
+#include <catch2/catch.hpp>
+
+#include "lodestone/control/deployment.h"
+#include "lodestone/control/recorder.h"
+
+using namespace lodestone;
+
+namespace {
+
+control::DeploymentConfig quick_config() {
+  control::DeploymentConfig config;
+  config.trials.point_seconds = 3.0;
+  config.reference.speed_m_s = 0.03;
+  config.reference.approach_limit_s = 1.0;
+  return config;
+}
+
+std::vector<control::TrialPlan> plans(const control::DeploymentConfig& config,
+                                      const control::Deployment& deployment, const std::string& task,
+                                      int count) {
+  std::vector<control::TrialPlan> out;
+  for (int i = 0; i < count; ++i)
+    out.push_back(control::plan_trial(config, task, i, std::nullopt, std::nullopt,
+                                      [&](const geometry::Pose2& pose) { return deployment.fits(pose); }));
+  return out;
+}
+
+std::string fingerprint(const std::vector<control::TrialResult>& results) {
+  std::string text;
+  for (const auto& result : results) text += control::trial_to_json(result).dump();
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("trials depend neither on threads nor on the trials beside them") {
+  const auto config = quick_config();
+  const control::Deployment deployment(config);
+  const auto source = control::baseline_source(config);
+  for (const auto kind : {control::RigKind::kExplored, control::RigKind::kUnseen}) {
+    const auto todo = plans(config, deployment, "point", 3);
+    std::vector<std::string> prints;
+    for (const std::size_t threads : {1, 2, 4}) {
+      common::ThreadPool pool(threads);
+      prints.push_back(fingerprint(deployment.run(todo, kind, source, pool)));
+    }
+    CHECK(prints[0] == prints[1]);
+    CHECK(prints[0] == prints[2]);
+    common::ThreadPool pool(1);
+    const auto alone = deployment.run({todo[2]}, kind, source, pool);
+    CHECK(prints[0].find(fingerprint(alone)) != std::string::npos);
+  }
+}
+
+TEST_CASE("plans repeat, lie inside the dish and keep a given target") {
+  const auto config = quick_config();
+  const control::Deployment deployment(config);
+  const auto first = plans(config, deployment, "point", 20);
+  const auto again = plans(config, deployment, "point", 20);
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    CHECK(deployment.fits(first[i].start));
+    CHECK(first[i].start.x_m == again[i].start.x_m);
+    CHECK(first[i].target_m == again[i].target_m);
+    CHECK(first[i].target_m.norm() <= config.trials.goal_radius_m);
+  }
+  CHECK(first[0].target_m != first[1].target_m);
+  const geometry::Vector2 target(0.004, -0.01);
+  const auto fixed = control::plan_trial(config, "point", 0, target, std::nullopt,
+                                         [&](const geometry::Pose2& pose) { return deployment.fits(pose); });
+  CHECK(fixed.target_m == target);
+  CHECK(fixed.start.x_m == first[0].start.x_m);
+}
+
+TEST_CASE("explored rigs share friction and calibration, unseen rigs do not share starts' outcomes") {
+  const auto config = quick_config();
+  const control::Deployment deployment(config);
+  const auto source = control::baseline_source(config);
+  common::ThreadPool pool(2);
+  const auto todo = plans(config, deployment, "square", 1);
+  const auto explored = deployment.run(todo, control::RigKind::kExplored, source, pool);
+  const auto unseen = deployment.run(todo, control::RigKind::kUnseen, source, pool);
+  REQUIRE(explored[0].completed);
+  REQUIRE(unseen[0].completed);
+  CHECK(explored[0].samples.front().true_pose.x_m == unseen[0].samples.front().true_pose.x_m);
+  CHECK(explored[0].samples.front().step.estimate.pose.x_m !=
+        unseen[0].samples.front().step.estimate.pose.x_m);
+  CHECK(explored[0].truth.cross_track_rms_m);
+  CHECK(explored[0].samples.back().step.last);
+}

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "lodestone/common/clock.h"
+#include "lodestone/common/error.h"
+#include "lodestone/control/controller.h"
+#include "lodestone/control/pose_sensor.h"
+#include "lodestone/rig/coils.h"
+
+namespace lodestone::tests {
+
+/// Time that only sleeping moves.
+class ManualClock final : public common::Clock {
+ public:
+  double now_s() const override { return now_s_; }
+  void sleep_until(double time_s) override { now_s_ = time_s > now_s_ ? time_s : now_s_; }
+
+ private:
+  double now_s_ = 100.0;
+};
+
+/// Coils that remember what they were asked and fail on demand.
+class RecordingCoils final : public rig::Coils {
+ public:
+  void apply(const rig::CoilPulse& pulse) override {
+    if (fail_at >= 0 && static_cast<int>(pulses.size()) == fail_at) throw common::HardwareError("no answer");
+    pulses.push_back(pulse);
+    on = true;
+  }
+  void stop() noexcept override {
+    ++stops;
+    on = false;
+  }
+  rig::CoilStatus status() override { return state; }
+
+  std::vector<rig::CoilPulse> pulses;
+  rig::CoilStatus state;
+  int fail_at = -1;
+  int stops = 0;
+  bool on = false;
+};
+
+/// Sensor that replays a list of estimates and then repeats the last.
+class ScriptedSensor final : public control::PoseSensor {
+ public:
+  control::PoseEstimate observe() override {
+    if (throws) throw common::HardwareError("camera unplugged");
+    control::PoseEstimate next = script.front();
+    if (script.size() > 1) script.pop_front();
+    return next;
+  }
+  void push(double x_m, double y_m, double heading_rad = 0.0) {
+    script.push_back({true, "", {x_m, y_m, heading_rad}, 0.0, 0.0, 0.0});
+  }
+  void push_invalid(const std::string& reason) { script.push_back({false, reason, {}, 0.0, 0.0, 0.0}); }
+
+  std::deque<control::PoseEstimate> script;
+  bool throws = false;
+};
+
+/// Controller made of a function; keeps what it saw.
+class FunctionController final : public control::Controller {
+ public:
+  explicit FunctionController(std::function<geometry::Vector2(const task::Observation&)> function)
+      : function_(std::move(function)) {}
+  void reset() override { seen.clear(); }
+  geometry::Vector2 act(const task::Observation& observation) override {
+    seen.push_back(observation);
+    return function_(observation);
+  }
+  std::vector<task::Observation> seen;
+
+ private:
+  std::function<geometry::Vector2(const task::Observation&)> function_;
+};
+
+inline geometry::Vector2 nan_action() { return {std::numeric_limits<double>::quiet_NaN(), 0.0}; }
+
+}  // namespace lodestone::tests

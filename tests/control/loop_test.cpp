@@ -1,0 +1,132 @@
+#include <catch2/catch.hpp>
+
+#include "control/fakes.h"
+#include "lodestone/control/control_loop.h"
+
+using namespace lodestone;
+using geometry::Vector2;
+
+namespace {
+
+struct Bench {
+  control::ControlLoopConfig config;
+  control::SafetyConfig safety;
+  task::ActionConfig action;
+  tests::RecordingCoils device;
+  tests::ScriptedSensor sensor;
+  tests::ManualClock clock;
+  double duration_s = 1.5;
+
+  control::LoopOutcome run(control::Controller& controller) {
+    control::SafetySupervisor coils(device, safety);
+    control::ControlLoop loop(config, action, coils, sensor, clock);
+    control::PointReference reference({0.01, 0.0}, duration_s);
+    return loop.run(controller, reference);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the loop pulses at the rig's clock and hands the controller its memory") {
+  Bench bench;
+  bench.sensor.push(0.0, 0.0);
+  bench.sensor.push(0.002, 0.001);
+  tests::FunctionController controller([](const task::Observation&) { return Vector2(2.0, -0.5); });
+  const auto outcome = bench.run(controller);
+  REQUIRE(outcome.completed);
+  CHECK(outcome.stop_reason.empty());
+  REQUIRE(bench.device.pulses.size() == 5);
+  REQUIRE(outcome.steps.size() == 6);
+  CHECK(outcome.steps.back().last);
+  CHECK(bench.clock.now_s() == Approx(101.5));
+  const auto& pulse = bench.device.pulses.front();
+  CHECK(pulse.duration_s == Approx(0.1));
+  CHECK(pulse.current_A[0] == Approx(15.0));  // clipped to 1
+  CHECK(pulse.current_A[1] == 0.0);
+  CHECK(pulse.current_A[3] == Approx(7.5));
+  REQUIRE(controller.seen.size() == 5);
+  CHECK(controller.seen[0].last_action.isZero());
+  CHECK(controller.seen[0].last_displacement_m.isZero());
+  CHECK(controller.seen[0].target_m.x() == 0.01);
+  CHECK(controller.seen[1].last_action == Vector2(1.0, -0.5));
+  CHECK(controller.seen[1].last_displacement_m == Vector2(0.002, 0.001));
+  CHECK_FALSE(bench.device.on);
+}
+
+TEST_CASE("every fault stops the coils and is the reason of the outcome") {
+  Bench bench;
+  bench.sensor.push(0.0, 0.0);
+  tests::FunctionController steady([](const task::Observation&) { return Vector2(0.5, 0.0); });
+  std::string expected;
+  control::LoopOutcome outcome;
+  SECTION("coils that do not answer") {
+    bench.device.fail_at = 2;
+    outcome = bench.run(steady);
+    expected = "no answer";
+    CHECK(bench.device.pulses.size() == 2);
+  }
+  SECTION("a sensor that throws") {
+    bench.sensor.throws = true;
+    outcome = bench.run(steady);
+    expected = "camera unplugged";
+    CHECK(bench.device.pulses.empty());
+  }
+  SECTION("a controller that throws") {
+    tests::FunctionController controller(
+        [](const task::Observation&) -> Vector2 { throw std::runtime_error("bad weights"); });
+    outcome = bench.run(controller);
+    expected = "bad weights";
+    CHECK(bench.device.pulses.empty());
+  }
+  SECTION("a controller that throws something odd") {
+    tests::FunctionController controller([](const task::Observation&) -> Vector2 { throw 7; });
+    outcome = bench.run(controller);
+    expected = "unknown fault";
+  }
+  SECTION("a controller that asks for NaN") {
+    tests::FunctionController controller([](const task::Observation&) { return tests::nan_action(); });
+    outcome = bench.run(controller);
+    expected = "not a number";
+    CHECK(bench.device.pulses.empty());
+  }
+  SECTION("a fault that the coils report") {
+    bench.device.state.faults = {"driver 2 overheated"};
+    outcome = bench.run(steady);
+    expected = "driver 2 overheated";
+    CHECK(bench.device.pulses.empty());
+  }
+  SECTION("too many observations without a pose") {
+    bench.config.max_invalid_poses = 3;
+    bench.sensor.push_invalid("no needle in the picture");
+    outcome = bench.run(steady);
+    expected = "no pose for 3 observations in a row: no needle in the picture";
+    CHECK(bench.device.pulses.size() == 1);
+  }
+  CHECK_FALSE(outcome.completed);
+  CHECK_THAT(outcome.stop_reason, Catch::Contains(expected));
+  CHECK(bench.device.stops >= 1);
+  CHECK_FALSE(bench.device.on);
+}
+
+TEST_CASE("without a pose there is no pulse, and the loop goes on when it is back") {
+  Bench bench;
+  bench.sensor.push(0.0, 0.0);
+  bench.sensor.push_invalid("glare");
+  bench.sensor.push_invalid("glare");
+  bench.sensor.push(0.004, 0.0);
+  tests::FunctionController controller([](const task::Observation&) { return Vector2(0.5, 0.0); });
+  const auto outcome = bench.run(controller);
+  REQUIRE(outcome.completed);
+  CHECK(bench.device.pulses.size() == 3);
+  REQUIRE(controller.seen.size() == 3);
+  CHECK(controller.seen[1].last_action.isZero());  // nothing was given at the step before
+  CHECK(controller.seen[1].last_displacement_m == Vector2(0.004, 0.0));
+  SECTION("a pose that is not a number counts as none") {
+    Bench other;
+    other.config.max_invalid_poses = 2;
+    other.sensor.push(std::numeric_limits<double>::quiet_NaN(), 0.0);
+    const auto stopped = other.run(controller);
+    CHECK_FALSE(stopped.completed);
+    CHECK(other.device.pulses.empty());
+  }
+}
