@@ -51,25 +51,6 @@ void print_summary(const data::CsvImportResult& result) {
   std::printf("workspace    radius %.3f mm\n", dataset.info.workspace_radius_m * 1e3);
 }
 
-/// Writes beside `path` and renames, so that a fault leaves no half dataset under the name asked for.
-void write_dataset(const std::string& path, const data::Dataset& dataset) {
-  const std::string part = path + ".part";
-  try {
-    {
-      data::DatasetWriter writer(part, dataset.info);
-      for (const data::Episode& episode : dataset.episodes) writer.write(episode);
-    }
-    common::sync_path(part);
-    std::filesystem::rename(part, path);
-  } catch (const std::filesystem::filesystem_error& error) {
-    throw common::IoError("cannot write " + path + ": " + error.code().message());
-  } catch (...) {
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    throw;
-  }
-}
-
 void run_import(const ImportOptions& options) {
   if (options.out.empty()) throw common::ConfigError("import needs --out FILE.h5: the dataset to write");
   if (std::filesystem::is_directory(options.out))
@@ -86,7 +67,7 @@ void run_import(const ImportOptions& options) {
   if (unreported > 0) common::log_warning("skipped " + std::to_string(unreported) + " more malformed rows");
   const std::string folder = std::filesystem::path(options.out).parent_path().string();
   if (!folder.empty()) common::make_folders(folder);
-  write_dataset(options.out, result.dataset);
+  data::write_dataset(options.out, result.dataset);
   print_summary(result);
   std::printf("written to   %s\n", options.out.c_str());
 }

@@ -8,6 +8,7 @@
 
 #include "hdf5_handle.h"
 #include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
 #include "lodestone/data/csv_import.h"
 
 namespace lodestone::data {
@@ -20,6 +21,7 @@ constexpr const char* kFormat = "lodestone-transitions";
 constexpr std::int64_t kFormatVersion = 1;
 // Room for the object headers and index nodes of one episode beside its numbers.
 constexpr std::int64_t kMetadataBytes = 64 * 1024;
+constexpr std::int64_t kReserveAhead = 1024 * 1024;
 
 std::string because(const std::string& detail) { return detail.empty() ? "" : " (" + detail + ")"; }
 
@@ -178,21 +180,40 @@ struct DatasetWriter::State {
   Handle file;
   std::int64_t episodes = 0;
   std::int64_t transitions = 0;
+  std::int64_t reserved = 0;  // the disk space up to this byte is ours
+  bool flush_each = true;
 
   [[noreturn]] void fail(const std::string& detail) const {
     throw IoError("cannot write episode " + std::to_string(episodes) + " to " + path + ": " + detail +
                   "; the episodes before it are kept");
   }
 
-  /// Claims the disk space of an episode before HDF5 touches the file, so that a full disk cannot leave it
-  /// half-updated.
-  void reserve(std::int64_t bytes) const {
+  /// Claims disk space for an episode before HDF5 touches the file, so that a full disk cannot leave it
+  /// half-updated. Claims more than asked for while there is plenty: it costs as much as a small write.
+  void reserve(std::int64_t bytes) {
     void* handle = nullptr;
     hsize_t size = 0;
     if (H5Fget_vfd_handle(file.get(), H5P_DEFAULT, &handle) < 0 || H5Fget_filesize(file.get(), &size) < 0)
       fail("the file is not open" + because(last_hdf5_error()));
-    const int error = posix_fallocate(*static_cast<int*>(handle), static_cast<off_t>(size), bytes);
+    const auto used = static_cast<std::int64_t>(size);
+    if (used + bytes <= reserved) return;
+    const int descriptor = *static_cast<int*>(handle);
+    int error = posix_fallocate(descriptor, used, bytes + kReserveAhead);
+    const bool ahead = error == 0;
+    if (!ahead) error = posix_fallocate(descriptor, used, bytes);
     if (error != 0 && error != EOPNOTSUPP && error != EINVAL) fail(std::strerror(error));
+    reserved = used + bytes + (ahead ? kReserveAhead : 0);
+  }
+
+  /// Gives back what was claimed and not used.
+  void close_file() noexcept {
+    hsize_t used = 0;
+    const bool known =
+        file.valid() && H5Fflush(file.get(), H5F_SCOPE_LOCAL) >= 0 && H5Fget_filesize(file.get(), &used) >= 0;
+    file.reset();
+    std::error_code ignored;
+    if (known && std::filesystem::file_size(path, ignored) > used)
+      std::filesystem::resize_file(path, used, ignored);
   }
 };
 
@@ -222,7 +243,7 @@ DatasetWriter::DatasetWriter(const std::string& path, const DatasetInfo& info, b
     throw IoError("cannot write to dataset " + path + because(last_hdf5_error()));
 }
 
-DatasetWriter::~DatasetWriter() = default;
+DatasetWriter::~DatasetWriter() { state_->close_file(); }
 
 void DatasetWriter::write(const Episode& episode) {
   Dataset one;
@@ -253,13 +274,40 @@ void DatasetWriter::write(const Episode& episode) {
       flags(infos.get(), "zero_current", episode.zero_current) &&
       write_attribute(root, "total_episodes", state_->episodes + 1) &&
       write_attribute(root, "total_steps", state_->transitions + episode.length()) &&
-      H5Fflush(root, H5F_SCOPE_LOCAL) >= 0;
+      (!state_->flush_each || H5Fflush(root, H5F_SCOPE_LOCAL) >= 0);
   if (!written) state_->fail("HDF5 reports a fault" + because(last_hdf5_error()));
   ++state_->episodes;
   state_->transitions += episode.length();
 }
 
+void DatasetWriter::set_flush_each(bool flush_each) { state_->flush_each = flush_each; }
+
+void DatasetWriter::flush() {
+  if (H5Fflush(state_->file.get(), H5F_SCOPE_LOCAL) < 0)
+    state_->fail("HDF5 reports a fault" + because(last_hdf5_error()));
+}
+
 std::int64_t DatasetWriter::episodes() const { return state_->episodes; }
 std::int64_t DatasetWriter::transitions() const { return state_->transitions; }
+
+void write_dataset(const std::string& path, const Dataset& dataset) {
+  const std::string part = path + ".part";
+  try {
+    {
+      DatasetWriter writer(part, dataset.info);
+      writer.set_flush_each(false);
+      for (const Episode& episode : dataset.episodes) writer.write(episode);
+      writer.flush();
+    }
+    common::sync_path(part);
+    std::error_code fault;
+    std::filesystem::rename(part, path, fault);
+    if (fault) throw IoError("cannot write dataset " + path + ": " + fault.message());
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(part, ignored);
+    throw;
+  }
+}
 
 }  // namespace lodestone::data

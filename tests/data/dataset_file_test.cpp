@@ -135,6 +135,18 @@ TEST_CASE("a full disk is an IoError and keeps the episodes before it") {
   check_equal(back.episodes.back(), dataset.episodes[back.episodes.size() - 1]);
 }
 
+TEST_CASE("a whole dataset is written in one piece or not at all") {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "a.h5";
+  data::Dataset dataset = tests::random_dataset(30, 3);
+  data::write_dataset(path, dataset);
+  CHECK(data::read_dataset(path).transitions() == 90);
+  dataset.episodes[20].actions[0] = std::numeric_limits<double>::infinity();
+  CHECK_THROWS_AS(data::write_dataset(path, dataset), common::DataError);
+  CHECK(data::read_dataset(path).transitions() == 90);
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
+}
+
 TEST_CASE("NaN is neither written nor read") {
   const tests::TemporaryFolder folder;
   data::Dataset dataset = tests::random_dataset(2, 3);

@@ -29,6 +29,10 @@ class DatasetWriter {
 
   /// Throws IoError when the disk is full; episodes before it stay readable.
   void write(const Episode& episode);
+  /// False: leave flushing to flush(), when nothing would be lost with the file.
+  void set_flush_each(bool flush_each);
+  /// Hands everything written to the system. Throws IoError.
+  void flush();
   std::int64_t episodes() const;
   std::int64_t transitions() const;
 
@@ -36,5 +40,9 @@ class DatasetWriter {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// Writes a whole dataset under a temporary name and renames it: `path` then holds all of it, or what it held
+/// before. Throws IoError or DataError.
+void write_dataset(const std::string& path, const Dataset& dataset);
 
 }  // namespace lodestone::data
