@@ -1,0 +1,176 @@
+#include "lodestone/rl/policy_learner.h"
+
+#include <catch2/catch.hpp>
+
+#include "lodestone/common/error.h"
+#include "lodestone/rl/policy_evaluation.h"
+#include "rl/toy_environments.h"
+
+using lodestone::nets::Checkpoint;
+using lodestone::rl::LearningConfig;
+using lodestone::rl::NoiseConfig;
+using lodestone::rl::PolicyEvaluation;
+using lodestone::rl::PolicyLearner;
+using lodestone::rl::PolicyScore;
+using lodestone::rl::Td3Config;
+using lodestone::rl::testing::BanditEnv;
+using lodestone::rl::testing::PointEnv;
+
+namespace {
+
+Td3Config small_td3() {
+  Td3Config config;
+  config.hidden = {32, 32};
+  config.batch_size = 64;
+  config.learning_rate = 1e-3;
+  return config;
+}
+
+LearningConfig short_learning(std::int64_t env_steps, double updates_per_step) {
+  LearningConfig config;
+  config.env_steps = env_steps;
+  config.warm_up_steps = 200;
+  config.updates_per_step = updates_per_step;
+  config.final_learning_rate = 0.02;
+  return config;
+}
+
+NoiseConfig gaussian(double sigma) {
+  NoiseConfig config;
+  config.kind = "gaussian";
+  config.sigma = sigma;
+  return config;
+}
+
+bool same_state(PolicyLearner& one, PolicyLearner& two) {
+  Checkpoint first;
+  Checkpoint second;
+  one.save(first);
+  two.save(second);
+  if (first.facts != second.facts || first.parts.size() != second.parts.size()) return false;
+  for (const auto& [part, tensors] : first.parts) {
+    for (const auto& [name, tensor] : tensors) {
+      if (!torch::equal(tensor, second.parts.at(part).at(name))) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("A bandit's best action is found, and its value", "[rl]") {
+  BanditEnv bandit(8, 0.6F, -0.3F, 1, true);
+  PolicyLearner learner(short_learning(6000, 0.25), small_td3(), gaussian(0.4), 1, 1, bandit);
+  while (!learner.finished()) learner.step();
+  const torch::Tensor action = learner.td3().act(torch::ones({1, 1}));
+  const double off_x = action[0][0].item<double>() - 0.6;
+  const double off_y = action[0][1].item<double>() + 0.3;
+  CHECK(off_x * off_x + off_y * off_y < 0.02);  // lost reward, of 1
+  CHECK(learner.updates() == 1450);
+}
+
+TEST_CASE("Truncation bootstraps and termination does not", "[rl][slow]") {
+  Td3Config td3 = small_td3();
+  td3.discount = 0.8;
+  td3.polyak_tau = 0.02;
+  td3.policy_noise = 0.0;  // the smoothed value would be lower
+  for (const bool terminates : {false, true}) {
+    BanditEnv bandit(8, 0.0F, 0.0F, 1, terminates);
+    PolicyLearner learner(short_learning(8000, 0.5), td3, gaussian(0.1), 1, 1, bandit);
+    while (!learner.finished()) {
+      if (learner.env_steps() == 7200) learner.take_statistics();
+      learner.step();
+    }
+    double value = 0.0;
+    for (const auto& [key, number] : learner.take_statistics()) {
+      if (key == "train/actor_loss") value = -number;  // value of the policy's own action
+    }
+    INFO("terminates " << terminates);
+    CHECK(value == Approx(terminates ? 1.0 : 1.0 / (1.0 - td3.discount)).epsilon(0.03));
+  }
+}
+
+TEST_CASE("The point task is solved to within 7 % of its best return", "[rl][slow]") {
+  PointEnv training(16, 1);
+  PointEnv evaluation(200, 77);
+  PolicyEvaluation evaluate(evaluation, {});
+  Td3Config td3 = small_td3();
+  td3.policy_noise = 0.1;  // smoothing costs return here, where the best action changes within a stride
+  PolicyLearner learner(short_learning(80000, 0.4), td3, gaussian(0.2), 3, 2, training);
+  const double before = evaluate.run(learner.td3()).episode_return;
+  while (!learner.finished()) learner.step();
+  const PolicyScore score = evaluate.run(learner.td3());
+  PointEnv same(200, 77);
+  const torch::Tensor starts = same.reset();
+  double best = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    best += PointEnv::best_return(starts[i][0].item<double>(), starts[i][1].item<double>()) / 200.0;
+  }
+  INFO("best " << best << ", reached " << score.episode_return << ", untrained " << before);
+  CHECK(score.episode_return <= best + 1e-4);
+  CHECK(score.episode_return > 1.07 * best);  // returns are negative
+  CHECK(before < 2.0 * best);
+  CHECK(score.success_rate > 0.95);
+}
+
+TEST_CASE("2 N steps equal N, save, load and N, bitwise", "[rl]") {
+  const auto make = [](PointEnv& env, std::uint64_t seed, std::int64_t threads) {
+    LearningConfig learning = short_learning(2000, 0.2);
+    learning.buffer_size = 300;  // the ring wraps
+    learning.final_noise = 0.5;
+    return PolicyLearner(learning, small_td3(), NoiseConfig{}, seed, threads, env);
+  };
+  PointEnv env_whole(5, 1);
+  PointEnv env_resumed(5, 4321);
+  PointEnv env_two_threads(5, 1);
+  PolicyLearner whole = make(env_whole, 3, 1);
+  PolicyLearner two_threads = make(env_two_threads, 3, 2);
+  for (int i = 0; i < 100; ++i) whole.step();
+  Checkpoint checkpoint;
+  whole.save(checkpoint);
+  PolicyLearner resumed = make(env_resumed, 999, 1);
+  resumed.load(checkpoint);
+  CHECK(same_state(whole, resumed));
+  for (int i = 0; i < 100; ++i) {
+    whole.step();
+    resumed.step();
+  }
+  CHECK(whole.env_steps() == 1000);
+  CHECK(whole.updates() == 160);
+  CHECK(same_state(whole, resumed));
+  for (int i = 0; i < 200; ++i) two_threads.step();
+  CHECK(same_state(whole, two_threads));
+
+  PointEnv env_other(6, 1);
+  PolicyLearner other = make(env_other, 3, 1);
+  CHECK_THROWS_AS(other.load(checkpoint), lodestone::common::CheckpointError);
+  checkpoint.parts.erase("running");
+  CHECK_THROWS_AS(resumed.load(checkpoint), lodestone::common::CheckpointError);
+}
+
+TEST_CASE("Evaluation repeats itself and leaves training alone", "[rl]") {
+  PointEnv training(4, 1);
+  PointEnv evaluation(50, 77);
+  lodestone::task::EncoderConfig encoder;
+  encoder.heading = "none";
+  encoder.target = false;
+  encoder.length_scale_m = 1.0;
+  PolicyEvaluation evaluate(evaluation, encoder);
+  PolicyLearner learner(short_learning(400, 0.1), small_td3(), NoiseConfig{}, 3, 1, training);
+  PointEnv training_twin(4, 1);
+  PolicyLearner twin(short_learning(400, 0.1), small_td3(), NoiseConfig{}, 3, 1, training_twin);
+  const PolicyScore first = evaluate.run(learner.td3());
+  const PolicyScore second = evaluate.run(learner.td3());
+  CHECK(first.json() == second.json());
+  CHECK(first.episodes == 50);
+  CHECK(first.episode_length == PointEnv::kLength);
+  CHECK(first.final_error_mm > 0.0);
+  CHECK(first.final_error_mm < 1e3 * std::sqrt(2.0));
+  for (int i = 0; i < 100; ++i) {
+    learner.step();
+    twin.step();
+    if (i % 10 == 0) evaluate.run(learner.td3());
+  }
+  CHECK(same_state(learner, twin));
+  CHECK(learner.finished());
+}
