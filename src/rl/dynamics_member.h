@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+
+#include <torch/torch.h>
+
+#include "lodestone/common/config.h"
+#include "lodestone/nets/checkpoint.h"
+#include "lodestone/nets/dynamics.h"
+#include "lodestone/nets/flat_parameters.h"
+#include "lodestone/rl/dynamics_training.h"
+
+namespace lodestone::rl {
+
+/// Training rows in physical units, float64.
+struct RowTensors {
+  torch::Tensor state;       ///< [N, S]
+  torch::Tensor action;      ///< [N, 2]
+  torch::Tensor next_state;  ///< [N, S]
+
+  std::int64_t size() const { return state.size(0); }
+};
+
+/// One network of the ensemble while it learns. Members share nothing but constant rows, so each may have a
+/// thread.
+class DynamicsMember {
+ public:
+  /// `network` has its normalisers fitted; rows are kept normalised, ready for batches.
+  DynamicsMember(nets::DynamicsNetwork network, const RowTensors& train, const RowTensors& validation,
+                 const DynamicsTrainingConfig& config, std::uint64_t seed, std::int64_t index);
+
+  /// Epoch `epoch` from 0; does nothing once stopped(). The order of rows depends on seed, member and epoch
+  /// only.
+  void run_epoch(std::int64_t epoch);
+  bool stopped() const { return config_.patience > 0 && stale_epochs_ >= config_.patience; }
+  double train_loss() const { return train_loss_; }
+  double validation_loss() const { return validation_loss_; }
+  double best_validation_loss() const { return best_loss_; }
+
+  /// Takes up the best weights when the configuration says so.
+  void finish();
+
+  /// State for bitwise resumption.
+  nets::NamedTensors tensors() const;
+  common::Json facts() const;
+  void restore(const nets::NamedTensors& tensors, const common::Json& facts, const std::string& what);
+
+ private:
+  torch::Tensor epoch_order(std::int64_t epoch) const;
+  double train_batch(const torch::Tensor& input, const torch::Tensor& target, double learning_rate);
+  void optimiser_step(double learning_rate);
+  double learning_rate() const;
+  double squared_error();
+  nets::NamedTensors own_state() const;
+
+  nets::DynamicsNetwork network_;
+  DynamicsTrainingConfig config_;
+  std::uint64_t seed_;
+  nets::FlatParameters parameters_;
+  torch::Tensor input_, target_, validation_input_, validation_target_;
+  torch::Tensor first_moment_, second_moment_;
+  nets::NamedTensors best_;  ///< copy of own_state() at the best validation loss
+  std::int64_t steps_ = 0;
+  std::int64_t steps_per_epoch_;
+  std::int64_t stale_epochs_ = 0;
+  double train_loss_ = 0.0;
+  double validation_loss_ = 0.0;
+  double best_loss_ = 0.0;
+};
+
+}  // namespace lodestone::rl
