@@ -1,0 +1,46 @@
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "lodestone/common/files.h"
+#include "lodestone/report/report.h"
+#include "verb.h"
+
+namespace lodestone::apps {
+namespace {
+
+struct ReportOptions {
+  std::string run;
+  std::string recorded;
+  std::string out;
+};
+
+void run_report(const ReportOptions& options) {
+  const std::string out = options.out.empty() ? options.run + "/report.html" : options.out;
+  if (std::filesystem::is_directory(out))
+    throw common::ConfigError("--out " + out + " is a folder: name the page, for example " + out +
+                              "/report.html");
+  const std::string folder = std::filesystem::path(out).parent_path().string();
+  if (!folder.empty()) common::make_folders(folder);
+  report::write_report(options.run, options.recorded, out);
+  std::printf("%s\n", out.c_str());
+}
+
+}  // namespace
+
+void add_report(CLI::App& program, ConfigCatalogue&) {
+  CLI::App* verb = program.add_subcommand("report", "write one self-contained HTML page about a run");
+  auto options = std::make_shared<ReportOptions>();
+  verb->add_option(
+          "--run", options->run,
+          "folder of the run: its subfolders collect, dynamics, policy and deploy are shown as far as they "
+          "are there; summary.json and table.txt are written into it")
+      ->type_name("DIR")
+      ->required();
+  verb->add_option("--recorded", options->recorded, "folder of a run on real recordings, shown beside it")
+      ->type_name("DIR");
+  verb->add_option("--out", options->out, "the page (default DIR/report.html)")->type_name("FILE.html");
+  verb->callback([options] { run_report(*options); });
+}
+
+}  // namespace lodestone::apps

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lodestone/report/run_data.h"
+
+namespace lodestone::report {
+
+/// Colours of what is compared, the same on every picture.
+constexpr const char* kPolicyColour = "#1f5f8b";
+constexpr const char* kUnseenColour = "#6aa6c9";
+constexpr const char* kBaselineColour = "#c8553d";
+constexpr const char* kPaperColour = "#b9bfc5";
+constexpr const char* kSecondColour = "#7a8b3c";
+
+struct LineSeries {
+  std::string name;
+  Curve points;
+  std::string colour = kPolicyColour;
+  bool dashed = false;
+};
+
+/// Lines over a numeric axis; labels carry the units.
+struct LineChart {
+  std::string id;  ///< unique on the page
+  std::string title;
+  std::string x_label;
+  std::string y_label;
+  std::vector<LineSeries> series;
+  bool log_y = false;
+  bool from_zero = false;
+  std::optional<double> y_max;
+  bool small = false;
+};
+
+struct BarSeries {
+  std::string name;
+  std::vector<std::optional<double>> values;  ///< one for each category
+  std::string colour = kPolicyColour;
+};
+
+/// Bars over named categories.
+struct BarChart {
+  std::string id;
+  std::string title;
+  std::string x_label;
+  std::string y_label;
+  std::vector<std::string> categories;
+  std::vector<BarSeries> series;
+};
+
+/// HTML of a chart: a canvas and the script that draws it. Curves of more than 500 points are averaged over
+/// equal stretches.
+std::string chart_html(const LineChart& chart);
+std::string chart_html(const BarChart& chart);
+
+}  // namespace lodestone::report

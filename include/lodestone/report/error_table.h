@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lodestone/report/run_data.h"
+
+namespace lodestone::report {
+
+/// One line of the error table: a task driven by something on some rig.
+struct ErrorRow {
+  std::string task;        ///< "centre", "point", "square", "circle" or "path"
+  std::string controller;  ///< "policy", "baseline", or what the paper calls it
+  std::string rig;         ///< "explored", "unseen", or "paper"
+  std::optional<double> mean_mm, std_mm, median_mm, rms_mm;
+  std::optional<double> sensed_mean_mm, sensed_std_mm;
+  std::optional<double> time_rms_mm, hold_mm, seconds_to_reach, success_rate, trials;
+  bool published = false;  ///< from Table II of the paper
+};
+
+/// Task by task: the paper's Table II first, then what this run measured.
+std::vector<ErrorRow> error_rows(const RunData& run);
+
+/// The same as plain text, for terminals.
+std::string error_table_text(const std::vector<ErrorRow>& rows);
+
+/// The run in numbers: the tasks on the explored rig, `explored` and `unseen` in full, dynamics, policy and
+/// collect. Parts that are missing are left out.
+common::Json merged_summary(const RunData& run);
+
+}  // namespace lodestone::report

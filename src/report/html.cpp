@@ -1,0 +1,87 @@
+#include "lodestone/report/html.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace lodestone::report {
+
+std::string escape(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string fixed(const std::optional<double>& value, int decimals) {
+  if (!value || !std::isfinite(*value)) return "–";
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", decimals, *value);
+  return text;
+}
+
+std::string plus_minus(const std::optional<double>& mean, const std::optional<double>& deviation,
+                       int decimals) {
+  return deviation && mean ? fixed(mean, decimals) + " ± " + fixed(deviation, decimals)
+                           : fixed(mean, decimals);
+}
+
+std::string percent(const std::optional<double>& fraction) {
+  return fraction ? fixed(100.0 * *fraction, 0) + " %" : "–";
+}
+
+std::string grouped(double value) {
+  std::string digits = std::to_string(std::llround(std::abs(value)));
+  for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3)
+    digits.insert(static_cast<std::size_t>(i), "\u202f");
+  return (value < 0 ? "−" : "") + digits;
+}
+
+std::string table(const std::vector<std::string>& headers, const std::vector<std::vector<std::string>>& rows,
+                  int text_columns, const std::vector<std::string>& row_classes) {
+  const auto kind = [text_columns](std::size_t column) {
+    return static_cast<int>(column) < text_columns ? "" : " class=\"number\"";
+  };
+  std::string html = "<div class=\"scroll\"><table><thead><tr>";
+  for (std::size_t i = 0; i < headers.size(); ++i)
+    html += std::string("<th") + kind(i) + ">" + headers[i] + "</th>";
+  html += "</tr></thead><tbody>\n";
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    html +=
+        r < row_classes.size() && !row_classes[r].empty() ? "<tr class=\"" + row_classes[r] + "\">" : "<tr>";
+    for (std::size_t i = 0; i < rows[r].size(); ++i)
+      html += std::string("<td") + kind(i) + ">" + rows[r][i] + "</td>";
+    html += "</tr>\n";
+  }
+  return html + "</tbody></table></div>\n";
+}
+
+std::string figure(const std::string& content, const std::string& caption, const std::string& css_class) {
+  return "<figure" + (css_class.empty() ? "" : " class=\"" + css_class + "\"") + ">" + content +
+         "<figcaption>" + caption + "</figcaption></figure>\n";
+}
+
+std::string missing(const std::string& what, const std::string& command) {
+  return "<p class=\"missing\">" + escape(what) + " is not in this run: <code>" + escape(command) +
+         "</code> makes it.</p>\n";
+}
+
+}  // namespace lodestone::report

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+#include "lodestone/report/run_data.h"
+
+namespace lodestone::report {
+
+// Ready HTML of each section. `prefix` keeps the names of charts unique where a section stands twice on a
+// page.
+
+std::string overview_section(const RunData& run, const RunData* recorded);
+std::string collection_section(const RunData& run);
+std::string dynamics_section(const RunData& run, const std::string& prefix);
+std::string policy_section(const RunData& run, const std::string& prefix);
+std::string deployment_section(const RunData& run);
+/// Dynamics and policy learned from real recordings, beside the virtual rig's.
+std::string recorded_section(const RunData& run, const RunData& recorded);
+
+/// Dish radius of a run's data in mm; that of the paper's dish when the run does not tell.
+double dish_radius_mm(const RunData& run);
+
+}  // namespace lodestone::report
