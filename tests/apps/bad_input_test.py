@@ -1,0 +1,50 @@
+"""Bad input gives one clear line and exit code 2 (configuration) or 1 (data), and nothing is written."""
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+program, source = sys.argv[1], pathlib.Path(sys.argv[2])
+failures = []
+
+
+def check(arguments, code, *expected):
+    """Runs in an empty folder; the message must be one line that holds every expected text."""
+    with tempfile.TemporaryDirectory() as folder:
+        made = subprocess.run([program, *arguments], cwd=folder, capture_output=True, text=True)
+        lines = [line for line in made.stderr.splitlines() if line.strip()]
+        what = f"lodestone {' '.join(arguments)}\n  exit {made.returncode}, stderr: {made.stderr!r}"
+        if made.returncode != code:
+            failures.append(f"{what}\n  expected exit {code}")
+        if len(lines) != 1:
+            failures.append(f"{what}\n  expected one line")
+        for text in expected:
+            if text not in made.stderr:
+                failures.append(f"{what}\n  expected to read {text!r}")
+        if os.listdir(folder):
+            failures.append(f"{what}\n  wrote {os.listdir(folder)}")
+
+
+check(["collect", "--set", "transitoins=5", "--out", "run"], 2, "transitoins", "did you mean transitions")
+check(["collect", "--set", "transitions=many", "--out", "run"], 2, "transitions", '"many"', "whole number")
+check(["collect", "--set", "transitions=-1", "--out", "run"], 2, "transitions = -1", "within")
+check(["collect", "--config", "nowhere.json", "--out", "run"], 2, "nowhere.json", "does not exist")
+check(["collect"], 2, "--out")
+check(["train-dynamics", "--set", "data=missing.h5", "--out", "run"], 1, "missing.h5")
+check(["train-dynamics", "--set", "model.form=magic", "--out", "run"], 2, "model.form", "paper, delta")
+check(["train-policy", "--set", "dynamics=missing", "--out", "run"], 1, "missing")
+check(["train-policy", "--set", "td3.discount=2", "--out", "run"], 2, "td3.discount = 2", "0 .. 1")
+check(["deploy", "--policy", "missing", "--task", "centre", "--out", "run"], 1, "missing")
+check(["import", "missing.csv", "--out", "run.h5"], 1, "missing.csv")
+check(["evaluate", "dynamics", "--checkpoint", "missing", "--data", "missing.h5"], 1, "missing")
+check(["config", "--print", "nothing"], 2, "nothing", "collect")
+
+# Presets are read by their verbs without a complaint: --print shows them, and `check` would name an unknown key.
+for verb in ("collect", "train-dynamics", "train-policy", "deploy"):
+    made = subprocess.run([program, "config", "--print", verb], capture_output=True, text=True)
+    if made.returncode != 0 or "meaning" not in made.stdout or "seed" not in made.stdout:
+        failures.append(f"config --print {verb}: {made.stdout!r} {made.stderr!r}")
+
+print("\n".join(failures) or "every bad input was reported in one line")
+sys.exit(bool(failures))

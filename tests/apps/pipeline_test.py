@@ -1,0 +1,108 @@
+"""The whole way of a user, small: collect, train-dynamics, train-policy, deploy, report; killed and damaged on the way."""
+import json
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+program, source = sys.argv[1], pathlib.Path(sys.argv[2])
+configs = source / "configs" / "quickstart"
+
+
+def run(*arguments, code=0, within=None):
+    made = subprocess.run([program, *map(str, arguments)], cwd=within, capture_output=True, text=True)
+    assert made.returncode == code, f"{arguments}: exit {made.returncode}\n{made.stdout}\n{made.stderr}"
+    return made
+
+
+def kill_after(signal_number, ready, *arguments):
+    """Starts a verb, waits until `ready` exists, and sends the signal. Returns the exit code."""
+    process = subprocess.Popen([program, *map(str, arguments)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    deadline = time.monotonic() + 120
+    while not ready.exists() and process.poll() is None:
+        assert time.monotonic() < deadline, f"{ready} did not appear"
+        time.sleep(0.02)
+    process.send_signal(signal_number)
+    return process.wait()
+
+
+def flip_a_bit(path):
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 0x10
+    path.write_bytes(content)
+
+
+with tempfile.TemporaryDirectory() as name:
+    root = pathlib.Path(name)
+    collect, dynamics, policy = root / "collect", root / "dynamics", root / "policy"
+
+    run("collect", "--config", configs / "collect.json", "--set", "transitions=800", "--out", collect)
+    assert (collect / "coverage.json").exists()
+    again = run("collect", "--config", configs / "collect.json", "--set", "transitions=800", "--out", collect, code=2)
+    assert "--resume" in again.stderr, again.stderr
+
+    train_dynamics = ("train-dynamics", "--config", configs / "dynamics.json", "--set",
+                      f"data={collect / 'transitions.h5'}", "--set", "training.epochs=4")
+    run(*train_dynamics, "--out", dynamics)
+    evaluation = json.loads(run("evaluate", "dynamics", "--checkpoint", dynamics / "checkpoint", "--data",
+                                collect / "transitions.h5").stdout)
+    for key in ("position_rms_mm", "heading_rms_deg", "normalised_l2", "k_step", "baselines", "n"):
+        assert key in evaluation, key
+    assert evaluation["n"] > 500 and evaluation["position_rms_mm"] > 0.0
+
+    # A run killed in the middle goes on, and ends where an undisturbed one ends.
+    train_policy = ("train-policy", "--config", configs / "policy.json", "--set",
+                    f"dynamics={dynamics / 'checkpoint'}", "--set", "training.env_steps=40000", "--set",
+                    "training.warm_up_steps=1000", "--set", "training.evaluate_every=10000", "--set",
+                    "training.updates_per_step=0.01", "--set", "training.checkpoint_every_s=0.05")
+    run(*train_policy, "--out", policy)
+    killed = root / "killed"
+    assert kill_after(signal.SIGKILL, killed / "training" / "manifest.json", *train_policy, "--out", killed) == -9
+    run(*train_policy, "--out", killed, "--resume")
+    weights = [json.loads((folder / "checkpoint" / "manifest.json").read_text())["files"] for folder in (policy, killed)]
+    assert weights[0] == weights[1], f"a resumed run differs: {weights}"
+    stopped = root / "stopped"
+    code = kill_after(signal.SIGINT, stopped / "training" / "manifest.json", *train_policy, "--out", stopped)
+    assert code in (0, 130), code
+
+    deploy = ("deploy", "--config", configs / "deploy.json", "--task", "all", "--trials", "2", "--rig", "both",
+              "--controller", "both")
+    run(*deploy, "--policy", policy / "checkpoint", "--out", root / "deploy")
+    run("report", "--run", root, "--out", root / "report.html")
+    summary = json.loads((root / "summary.json").read_text())
+    for task in ("centre", "point", "square", "circle"):
+        for key in ("mean_error_mm", "std_error_mm", "median_error_mm", "rms_error_mm", "success_rate", "n_trials"):
+            assert key in summary[task], (task, key)
+        assert summary[task]["n_trials"] == 2
+    assert summary["dynamics"]["position_rms_mm"] > 0.0
+    assert summary["policy"]["env_steps"] >= 40000 and summary["policy"]["updates"] > 0
+    assert summary["policy"]["train_seconds"] > 0.0
+    assert summary["collect"]["transitions"] == 800
+    page = (root / "report.html").read_text()
+    assert "<svg" in page and "http://" not in page.replace("http://www.w3.org", "")
+
+    points = root / "points.csv"
+    points.write_text("x_m,y_m\n0,0\n0.01,0.02\n")
+    field = run("rig", "field", "--coil", "+x", "--points", points).stdout.splitlines()
+    assert field[0] == "x_m,y_m,Bx_T_per_A,By_T_per_A" and len(field) == 3
+    assert float(field[1].split(",")[2]) > 0.0, "positive current points towards the coil"
+
+    # Damaged checkpoints are named, and nothing is driven with them.
+    tensors = next((policy / "checkpoint").glob("*.safetensors"))
+    good = tensors.read_bytes()
+    flip_a_bit(tensors)
+    assert tensors.name in run(*deploy, "--policy", policy / "checkpoint", "--out", root / "d1", code=1).stderr
+    tensors.write_bytes(good[: len(good) // 2])
+    assert tensors.name in run(*deploy, "--policy", policy / "checkpoint", "--out", root / "d2", code=1).stderr
+    tensors.write_bytes(good)
+    wrong = run(*deploy, "--policy", dynamics / "checkpoint", "--out", root / "d3", code=1).stderr
+    assert "dynamics" in wrong and "policy" in wrong, wrong
+    manifest = policy / "checkpoint" / "manifest.json"
+    text = manifest.read_text()
+    manifest.write_text(text.replace('"format": 1', '"format": 99'))
+    assert "99" in run(*deploy, "--policy", policy / "checkpoint", "--out", root / "d4", code=1).stderr
+    manifest.write_text(text)
+    run(*deploy, "--policy", policy / "checkpoint", "--out", root / "d5")
+print("the pipeline ran, resumed, and refused what was damaged")
