@@ -29,7 +29,8 @@ struct CollectConfig {
   void validate() const { collection.rig.validate(); }
 };
 
-/// Between two writes of the state this many episodes may have to be explored again after a hard kill.
+/// Between two writes of the state this many episodes may have to be explored again by --resume: about a
+/// second.
 constexpr std::int64_t kEpisodesPerState = 100;
 
 /// The part of a configuration that decides the data.
@@ -95,17 +96,15 @@ void collect(const CommonOptions& options) {
   }
   auto writer = std::make_unique<data::DatasetWriter>(dataset_file, control::dataset_info(config.collection),
                                                       going_on && std::filesystem::exists(dataset_file));
-  // After a hard kill the file may hold episodes that the state does not know yet: they are explored again,
-  // which gives the same numbers, and not written twice.
+  // The file may hold episodes that the state does not know yet: they are explored again, which gives the
+  // same numbers, and not written twice.
   const std::int64_t stored = writer->episodes();
   if (stored < episodes)
     throw common::DataError(dataset_file + " holds " + std::to_string(stored) + " episodes, the state says " +
                             std::to_string(episodes) + "; start again in another folder");
   common::Progress progress("collect", total);
-  common::Json before = collection.save();
   try {
     while (transitions < total) {
-      before = collection.save();
       const data::Episode episode = collection.next_episode(total - transitions);
       if (episodes >= stored) writer->write(episode);
       ++episodes;
@@ -114,8 +113,6 @@ void collect(const CommonOptions& options) {
       progress.update(transitions, std::to_string(episodes) + " episodes");
     }
   } catch (const common::Interrupted&) {
-    const common::Json state = {{"episodes", episodes}, {"transitions", transitions}, {"collection", before}};
-    common::write_file_atomically(state_file, state.dump());
     throw common::Interrupted("collect: stopped after " + std::to_string(transitions) + " of " +
                               std::to_string(total) +
                               " transitions; `--resume` with the same options goes on");

@@ -24,11 +24,19 @@ Explorer::Explorer(const ExplorerConfig& config, common::RandomStream random)
   at_pose_.assign(cells * headings, 0);
   level_at_position_.assign(cells * levels, 0);
   level_at_heading_.assign(headings * levels, 0);
+  led_to_.assign(cells * levels, -1);
 }
 
 void Explorer::reset() {
   still_steps_ = 0;
+  crowded_ = false;
   acted_ = false;
+  last_index_ = -1;
+}
+
+double Explorer::mean_visits() const {
+  const double cells_in_dish = 0.25 * kPi * static_cast<double>(side_ * side_);
+  return static_cast<double>(visits_) / cells_in_dish;
 }
 
 std::int64_t Explorer::cell_of(const geometry::Vector2& position_m) const {
@@ -76,13 +84,9 @@ double Explorer::cost(const geometry::Pose2& pose, const geometry::Vector2& acti
   double cost = count(level_at_position_, cell * levels_ * levels_ + level) +
                 count(level_at_heading_, heading * levels_ * levels_ + level);
   if (config_.steering > 0.0) {
-    // The needle is pulled roughly towards the driven coils; how far is what the data shall tell, so one
-    // cell's width.
-    const geometry::Vector2 ahead_m = pose.position_m() + action.normalized() * config_.cell_m;
-    const double here = count(at_position_, cell);
-    const double there =
-        ahead_m.norm() < config_.dish_radius_m ? count(at_position_, cell_of(ahead_m)) : here + 1.0;
-    cost += config_.steering * (there - here);
+    const std::int64_t next = led_to_[static_cast<std::size_t>(cell * levels_ * levels_ + level)];
+    // What was never tried here counts as leading to a place visited as often as the mean.
+    cost += config_.steering * (next < 0 ? std::log1p(mean_visits()) : count(at_position_, next));
   }
   return cost;
 }
@@ -93,6 +97,11 @@ geometry::Vector2 Explorer::act(const task::Observation& observation) {
     const bool moved = (position_m - last_position_m_).norm() >= config_.stuck_threshold_m;
     still_steps_ = moved ? 0 : still_steps_ + 1;
   }
+  const auto cell = cell_of(position_m);
+  const auto heading = heading_of(observation.pose.heading_rad);
+  if (last_index_ >= 0) led_to_[static_cast<std::size_t>(last_index_)] = cell;
+  crowded_ =
+      static_cast<double>(at_position_[static_cast<std::size_t>(cell)]) > config_.crowding * mean_visits();
   acted_ = true;
   last_position_m_ = position_m;
   geometry::Vector2 action = geometry::Vector2::Zero();
@@ -107,9 +116,9 @@ geometry::Vector2 Explorer::act(const task::Observation& observation) {
       }
     }
   }
-  const auto cell = cell_of(position_m);
-  const auto heading = heading_of(observation.pose.heading_rad);
   const auto level = level_of(action);
+  last_index_ = cell * levels_ * levels_ + level;
+  ++visits_;
   ++at_position_[static_cast<std::size_t>(cell)];
   ++at_pose_[static_cast<std::size_t>(cell * config_.heading_bins + heading)];
   ++level_at_position_[static_cast<std::size_t>(cell * levels_ * levels_ + level)];
@@ -141,7 +150,9 @@ common::Json Explorer::save() const {
           {"at_position", at_position_},
           {"at_pose", at_pose_},
           {"level_at_position", level_at_position_},
-          {"level_at_heading", level_at_heading_}};
+          {"level_at_heading", level_at_heading_},
+          {"led_to", led_to_},
+          {"visits", visits_}};
 }
 
 void Explorer::restore(const common::Json& state) {
@@ -157,6 +168,8 @@ void Explorer::restore(const common::Json& state) {
   take("at_pose", at_pose_);
   take("level_at_position", level_at_position_);
   take("level_at_heading", level_at_heading_);
+  take("led_to", led_to_);
+  visits_ = state.at("visits").get<std::int64_t>();
   random_.restore(state.at("random").get<std::string>());
   reset();
 }

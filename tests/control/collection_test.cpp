@@ -1,5 +1,7 @@
 #include <catch2/catch.hpp>
+#include <cmath>
 
+#include "lodestone/common/error.h"
 #include "lodestone/control/collection.h"
 
 using namespace lodestone;

@@ -24,6 +24,7 @@ struct ExplorerConfig {
   double steering = 1.0;
   std::int64_t stuck_steps = 4;
   double stuck_threshold_m = 0.0015;
+  double crowding = 1.5;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -42,14 +43,18 @@ struct ExplorerConfig {
             {0.0, 100.0});
     v.field("stuck_steps", stuck_steps, "", "steps without motion after which the operator moves the needle",
             {1, 1000});
+    v.field("crowding", crowding, "",
+            "where visits exceed the mean by this factor, one step without motion calls the operator",
+            {0.0, 1e6});
     v.field("stuck_threshold_m", stuck_threshold_m, "m", "a sensed step shorter than this is no motion",
             {0.0, 0.1});
   }
 };
 
-/// Guided exploration as a careful operator would do it: counts visits per position, heading and current, and
-/// of some random actions takes the one tried least here, preferring pulls towards places seldom visited.
-/// Uses sensed poses only. The target of an observation is ignored.
+/// Guided exploration as a careful operator would do it: counts visits per position, heading and current,
+/// remembers where currents took the needle from each place, and of some random actions takes the one tried
+/// least here that leads to places seldom visited. Uses sensed poses only. The target of an observation is
+/// ignored.
 class Explorer final : public Controller {
  public:
   Explorer(const ExplorerConfig& config, common::RandomStream random);
@@ -61,8 +66,9 @@ class Explorer final : public Controller {
   /// heading.
   /// `fits` says whether the needle would lie inside the dish wall, which an operator sees.
   geometry::Pose2 next_start(const std::function<bool(const geometry::Pose2&)>& fits);
-  /// True when the needle has not moved for `stuck_steps` steps: time for the operator.
-  bool stuck() const { return still_steps_ >= config_.stuck_steps; }
+  /// True when the needle has not moved for `stuck_steps` steps, or not at all in a crowded place such as the
+  /// wall before a coil: time for the operator.
+  bool stuck() const { return still_steps_ >= (crowded_ ? 1 : config_.stuck_steps); }
 
   /// Counts and random state, for bitwise resumption.
   common::Json save() const;
@@ -74,6 +80,7 @@ class Explorer final : public Controller {
   std::int64_t heading_of(double heading_rad) const;
   std::int64_t level_of(const geometry::Vector2& action) const;
   double cost(const geometry::Pose2& pose, const geometry::Vector2& action) const;
+  double mean_visits() const;
 
   ExplorerConfig config_;
   common::RandomStream random_;
@@ -83,7 +90,11 @@ class Explorer final : public Controller {
   std::vector<std::int64_t> at_pose_;            // [cell, heading]
   std::vector<std::int64_t> level_at_position_;  // [cell, level]
   std::vector<std::int64_t> level_at_heading_;   // [heading, level]
+  std::vector<std::int64_t> led_to_;  // [cell, level]: the cell it last led to, -1 when never tried
+  std::int64_t visits_ = 0;
+  std::int64_t last_index_ = -1;  // entry of led_to_ that the next observation answers
   std::int64_t still_steps_ = 0;
+  bool crowded_ = false;
   bool acted_ = false;
   geometry::Vector2 last_position_m_ = geometry::Vector2::Zero();
 };
