@@ -18,17 +18,17 @@ struct EnvSpec {
 
 /// One step of all environments. The tensors belong to the environment and are valid until the next call.
 struct StepResult {
-  torch::Tensor observation;        ///< [N, D] float32; already that of the next episode where one ended
-  torch::Tensor reward;             ///< [N] float32
-  torch::Tensor terminated;         ///< [N] uint8: the episode ended by the task's rules (no bootstrap)
-  torch::Tensor truncated;          ///< [N] uint8: it was cut by the step limit (bootstrap from final_observation)
-  torch::Tensor success;            ///< [N] uint8: within the success radius
+  torch::Tensor observation;  ///< [N, D] float32; already that of the next episode where one ended
+  torch::Tensor reward;       ///< [N] float32
+  torch::Tensor terminated;   ///< [N] uint8: the episode ended by the task's rules (no bootstrap)
+  torch::Tensor truncated;    ///< [N] uint8: it was cut by the step limit (bootstrap from final_observation)
+  torch::Tensor success;      ///< [N] uint8: within the success radius
   torch::Tensor final_observation;  ///< [N, D] float32: the true next observation of every environment
 };
 
 /// State of an environment for bitwise resumption.
 struct EnvState {
-  common::Json facts;                          ///< RNG states, counters
+  common::Json facts;  ///< RNG states, counters
   std::map<std::string, torch::Tensor> tensors;
 };
 

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <torch/torch.h>
+
+#include "lodestone/common/random.h"
+#include "lodestone/env/vec_env.h"
+#include "lodestone/geometry/pose2.h"
+#include "lodestone/task/action.h"
+#include "lodestone/task/observation.h"
+#include "lodestone/task/task.h"
+
+namespace lodestone::env {
+
+/// What N environments play: the same for every kind of environment.
+struct EpisodeSettings {
+  std::int64_t count = 1;
+  task::TaskConfig task;
+  task::EncoderConfig encoder;
+  task::ActionConfig action;
+  std::uint64_t seed = 1;
+};
+
+/// What the pose sensor adds to the true pose, normally distributed and new in every step.
+struct SensorNoise {
+  double position_m = 0.0;
+  double heading_rad = 0.0;
+};
+
+/// The episodes of N environments: starts, goals, observations, rewards and ends; everything except how the
+/// robot moves. Environment i draws from its own stream, so any shard of environments may be worked on by any
+/// thread.
+class EpisodeBatch {
+ public:
+  /// `name` names the random streams: (seed, name, i).
+  EpisodeBatch(const EpisodeSettings& settings, const SensorNoise& noise, const std::string& name);
+
+  EnvSpec spec() const;
+  const EpisodeSettings& settings() const { return settings_; }
+  common::RandomStream& random(std::size_t i) { return slots_[i].random; }
+  const geometry::Pose2& pose(std::size_t i) const { return slots_[i].pose; }
+
+  /// Throws LogicFault unless `actions` is [N, 2] float32.
+  void check_actions(const torch::Tensor& actions) const;
+
+  /// A new episode in environment i. Start and goal are drawn again (a few times at most) when the start
+  /// already counts as reached and reaching ends an episode.
+  void begin(std::size_t i, const std::function<geometry::Pose2(common::RandomStream&)>& draw_start);
+  /// Signed axis drives for two numbers in [-1, 1]; remembers the action.
+  geometry::Vector2 drive(std::size_t i, const float* action);
+  /// The robot came to `next`: writes reward, ends and final observation. True when the episode ended: the
+  /// caller then calls begin().
+  bool finish(std::size_t i, const geometry::Pose2& next);
+
+  torch::Tensor observation() const { return result_.observation; }
+  const StepResult& result() const { return result_; }
+  void exchange_state(EnvState& state, bool load);
+
+ private:
+  struct Slot {
+    geometry::Pose2 pose;
+    task::Observation seen;
+    std::int64_t step = 0;
+    common::RandomStream random;
+  };
+
+  geometry::Pose2 sense(Slot& slot) const;
+
+  EpisodeSettings settings_;
+  SensorNoise noise_;
+  task::ObservationEncoder encoder_;
+  std::int64_t columns_;
+  std::vector<Slot> slots_;
+  StepResult result_;
+};
+
+/// Throws CheckpointError unless `state` holds tensor `name` of the shape and type of `like`; returns it.
+const torch::Tensor& state_tensor(const EnvState& state, const std::string& name, const torch::Tensor& like);
+
+}  // namespace lodestone::env

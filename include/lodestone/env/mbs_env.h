@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "lodestone/common/thread_pool.h"
+#include "lodestone/env/episode_batch.h"
+#include "lodestone/env/vec_env.h"
+#include "lodestone/nets/dynamics.h"
+#include "lodestone/nets/folded_dynamics.h"
+
+namespace lodestone::env {
+
+/// How the learned simulator is used, and what it adds to a clean prediction. Zeros add nothing, as in the
+/// paper.
+struct MbsConfig {
+  std::string ensemble = "mean";
+  double pose_noise_m = 0.0;
+  double heading_noise_rad = 0.0;
+  double breakaway_scatter = 0.0;  ///< friction that differs from episode to episode
+  double stall_probability = 0.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("ensemble", ensemble, "",
+            "who predicts: the mean of all members, or one member drawn for each episode or each step",
+            {"mean", "per_episode", "per_step"});
+    v.field("pose_noise_m", pose_noise_m, "m", "standard deviation of the sensed position, each axis",
+            {0.0, 0.1});
+    v.field("heading_noise_rad", heading_noise_rad, "rad", "standard deviation of the sensed heading",
+            {0.0, 3.2});
+    v.field("breakaway_scatter", breakaway_scatter, "",
+            "sigma of a log-normal factor on the drive, drawn for each episode: friction that differs",
+            {0.0, 2.0});
+    v.field("stall_probability", stall_probability, "", "chance that a pulse moves nothing", {0.0, 1.0});
+  }
+};
+
+/// N copies of the learned simulator stepped as one batch (section IV-B1), at any number of threads with the
+/// same result: environments are worked on in shards of fixed size. The rules of the paper are options of the
+/// task. Episodes start from states of the training data within task.start_radius_m.
+class MbsEnv final : public VecEnv {
+ public:
+  /// Copies what it needs from `model`. threads: 0 means one per processor.
+  /// Throws ConfigError when no training state lies within the start radius, or when the encoder wants a
+  /// heading that the model does not have.
+  MbsEnv(const nets::DynamicsModel& model, const EpisodeSettings& settings, const MbsConfig& config,
+         std::int64_t threads);
+
+  EnvSpec spec() const override { return episodes_.spec(); }
+  torch::Tensor reset() override;
+  StepResult step(const torch::Tensor& actions) override;
+  void exchange_state(EnvState& state, bool load) override;
+
+ private:
+  /// Rows of a shard that move, gathered by ensemble member.
+  struct Scratch {
+    std::vector<std::size_t> row;  ///< environment of each gathered row
+    std::vector<double> drive;     ///< [shard, 2], in the order of environments
+    std::vector<double> state, gathered_drive, next, one_member;
+    std::vector<std::size_t> first_of_member;
+    nets::FoldedDynamics::Workspace workspace;
+  };
+
+  std::size_t shards() const;
+  void begin(std::size_t i);
+  void step_shard(std::size_t shard, const float* actions);
+  void choose_drives(std::size_t first, std::size_t last, const float* actions, Scratch& scratch);
+  void gather(std::size_t first, std::size_t last, Scratch& scratch) const;
+  void predict(Scratch& scratch) const;
+  void predict_mean(Scratch& scratch) const;
+  std::unique_ptr<Scratch> borrow_scratch();
+  void give_back(std::unique_ptr<Scratch> scratch);
+
+  MbsConfig config_;
+  bool mean_;
+  std::vector<nets::FoldedDynamics> members_;
+  std::size_t state_size_;
+  std::vector<geometry::Pose2> starts_;
+  EpisodeBatch episodes_;
+  std::vector<std::int64_t> member_;  ///< [N] who predicts
+  std::vector<double> drive_factor_;  ///< [N] for this episode
+  common::ThreadPool pool_;
+  std::mutex scratch_mutex_;
+  std::vector<std::unique_ptr<Scratch>> scratch_;
+};
+
+}  // namespace lodestone::env

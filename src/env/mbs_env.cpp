@@ -1,0 +1,228 @@
+#include "lodestone/env/mbs_env.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lodestone/common/error.h"
+#include "lodestone/nets/tensors.h"
+
+namespace lodestone::env {
+namespace {
+
+/// Fixed, so that results do not depend on the number of threads; its activations fit a core's cache.
+constexpr std::size_t kShardRows = 512;
+
+std::vector<geometry::Pose2> starts_within(const nets::DynamicsModel& model, double radius_m) {
+  const std::vector<double> states = nets::to_vector(model.start_states);
+  const auto size = static_cast<std::size_t>(data::state_size(model.info.layout));
+  std::vector<geometry::Pose2> starts;
+  for (std::size_t i = 0; i + size <= states.size(); i += size) {
+    const geometry::Pose2 pose{states[i], states[i + 1], size == 3 ? states[i + 2] : 0.0};
+    if (pose.position_m().norm() <= radius_m) starts.push_back(pose);
+  }
+  if (starts.empty()) {
+    throw common::ConfigError("task.start_radius_m = " + std::to_string(radius_m) +
+                              " m holds no state of the training data; choose a larger one");
+  }
+  return starts;
+}
+
+std::vector<nets::FoldedDynamics> fold(const nets::DynamicsModel& model) {
+  LODESTONE_CHECK(!model.members.empty(), "the ensemble has no member");
+  std::vector<nets::FoldedDynamics> folded;
+  for (nets::DynamicsNetwork member : model.members) folded.emplace_back(member);
+  return folded;
+}
+
+}  // namespace
+
+MbsEnv::MbsEnv(const nets::DynamicsModel& model, const EpisodeSettings& settings, const MbsConfig& config,
+               std::int64_t threads)
+    : config_(config),
+      mean_(config.ensemble == "mean" && model.members.size() > 1),
+      members_(fold(model)),
+      state_size_(static_cast<std::size_t>(data::state_size(model.info.layout))),
+      starts_(starts_within(model, settings.task.start_radius_m)),
+      episodes_(settings, {config.pose_noise_m, config.heading_noise_rad}, "mbs"),
+      member_(static_cast<std::size_t>(settings.count), 0),
+      drive_factor_(static_cast<std::size_t>(settings.count), 1.0),
+      pool_(static_cast<std::size_t>(threads)) {
+  if (state_size_ == 2 && settings.encoder.heading != "none") {
+    throw common::ConfigError("encoder.heading = \"" + settings.encoder.heading +
+                              "\", but the model's state has no heading; set it to \"none\"");
+  }
+  reset();
+}
+
+std::size_t MbsEnv::shards() const { return (member_.size() + kShardRows - 1) / kShardRows; }
+
+void MbsEnv::begin(std::size_t i) {
+  episodes_.begin(i, [this](common::RandomStream& random) { return starts_[random.below(starts_.size())]; });
+  common::RandomStream& random = episodes_.random(i);
+  if (config_.ensemble == "per_episode")
+    member_[i] = static_cast<std::int64_t>(random.below(members_.size()));
+  if (config_.breakaway_scatter > 0.0)
+    drive_factor_[i] = std::exp(config_.breakaway_scatter * random.normal());
+}
+
+torch::Tensor MbsEnv::reset() {
+  pool_.for_each(shards(), [this](std::size_t shard) {
+    const std::size_t last = std::min(member_.size(), (shard + 1) * kShardRows);
+    for (std::size_t i = shard * kShardRows; i < last; ++i) begin(i);
+  });
+  return episodes_.observation();
+}
+
+StepResult MbsEnv::step(const torch::Tensor& actions) {
+  episodes_.check_actions(actions);
+  const float* values = actions.data_ptr<float>();
+  pool_.for_each(shards(), [this, values](std::size_t shard) { step_shard(shard, values); });
+  return episodes_.result();
+}
+
+void MbsEnv::step_shard(std::size_t shard, const float* actions) {
+  const std::size_t first = shard * kShardRows;
+  const std::size_t last = std::min(member_.size(), first + kShardRows);
+  std::unique_ptr<Scratch> scratch = borrow_scratch();
+  choose_drives(first, last, actions, *scratch);
+  gather(first, last, *scratch);
+  if (mean_) {
+    predict_mean(*scratch);
+  } else {
+    predict(*scratch);
+  }
+  // Rows that do not move come first in `row`, see gather().
+  for (std::size_t k = 0; k < scratch->row.size(); ++k) {
+    const std::size_t i = scratch->row[k];
+    geometry::Pose2 next = episodes_.pose(i);
+    if (k >= scratch->first_of_member.front()) {
+      const double* state = &scratch->next[(k - scratch->first_of_member.front()) * state_size_];
+      next = {state[0], state[1], state_size_ == 3 ? state[2] : 0.0};
+    }
+    if (episodes_.finish(i, next)) begin(i);
+  }
+  give_back(std::move(scratch));
+}
+
+void MbsEnv::choose_drives(std::size_t first, std::size_t last, const float* actions, Scratch& scratch) {
+  const double limit = episodes_.settings().action.scale;
+  scratch.drive.resize(2 * (last - first));
+  for (std::size_t i = first; i < last; ++i) {
+    geometry::Vector2 drive = episodes_.drive(i, actions + 2 * i);
+    if (config_.breakaway_scatter > 0.0) {
+      drive = (drive * drive_factor_[i])
+                  .cwiseMax(-limit)
+                  .cwiseMin(limit);  // the data know no more than the limit
+    }
+    common::RandomStream& random = episodes_.random(i);
+    if (config_.stall_probability > 0.0 && random.uniform() < config_.stall_probability) drive.setZero();
+    if (config_.ensemble == "per_step") member_[i] = static_cast<std::int64_t>(random.below(members_.size()));
+    scratch.drive[2 * (i - first)] = drive.x();
+    scratch.drive[2 * (i - first) + 1] = drive.y();
+  }
+}
+
+/// Orders the shard's rows: those at rest, then those of member 0, 1, ... (a counting sort), and copies state
+/// and drive of the moving ones together. first_of_member[m] is where member m begins in `row`.
+void MbsEnv::gather(std::size_t first, std::size_t last, Scratch& scratch) const {
+  const std::size_t groups = mean_ ? 1 : members_.size();
+  const bool rest_rule =
+      episodes_.settings().task.zero_current_moves_nothing || config_.stall_probability > 0.0;
+  const auto group_of = [&](std::size_t i) -> std::size_t {
+    const double* drive = &scratch.drive[2 * (i - first)];
+    if (rest_rule && drive[0] == 0.0 && drive[1] == 0.0) return 0;
+    return mean_ ? 1 : 1 + static_cast<std::size_t>(member_[i]);
+  };
+  std::vector<std::size_t>& start = scratch.first_of_member;
+  start.assign(groups + 2, 0);  // shifted by one while counting
+  for (std::size_t i = first; i < last; ++i) ++start[group_of(i) + 1];
+  for (std::size_t group = 1; group < start.size(); ++group) start[group] += start[group - 1];
+  const std::size_t resting = start[1];
+  const std::size_t moving = last - first - resting;
+  scratch.row.resize(last - first);
+  scratch.state.resize(moving * state_size_);
+  scratch.next.resize(moving * state_size_);
+  scratch.gathered_drive.resize(2 * moving);
+  for (std::size_t i = first; i < last; ++i) {
+    const std::size_t place = start[group_of(i)]++;
+    scratch.row[place] = i;
+    if (place < resting) continue;
+    const geometry::Pose2& pose = episodes_.pose(i);
+    double* state = &scratch.state[(place - resting) * state_size_];
+    state[0] = pose.x_m;
+    state[1] = pose.y_m;
+    if (state_size_ == 3) state[2] = pose.heading_rad;
+    std::copy_n(&scratch.drive[2 * (i - first)], 2, &scratch.gathered_drive[2 * (place - resting)]);
+  }
+  // Each start has moved on to its group's end: entry g is now where group g + 1 begins.
+}
+
+void MbsEnv::predict(Scratch& scratch) const {
+  const std::size_t resting = scratch.first_of_member.front();
+  for (std::size_t m = 0; m < members_.size(); ++m) {
+    const std::size_t begin = scratch.first_of_member[m] - resting;
+    const std::size_t rows = scratch.first_of_member[m + 1] - resting - begin;
+    if (rows == 0) continue;
+    members_[m].predict(&scratch.state[begin * state_size_], &scratch.gathered_drive[2 * begin],
+                        static_cast<std::int64_t>(rows), &scratch.next[begin * state_size_],
+                        scratch.workspace);
+  }
+}
+
+void MbsEnv::predict_mean(Scratch& scratch) const {
+  const std::size_t rows = scratch.gathered_drive.size() / 2;
+  if (rows == 0) return;
+  const double share = 1.0 / static_cast<double>(members_.size());
+  std::fill(scratch.next.begin(), scratch.next.end(), 0.0);
+  scratch.one_member.resize(scratch.next.size());
+  for (const nets::FoldedDynamics& member : members_) {
+    member.predict(scratch.state.data(), scratch.gathered_drive.data(), static_cast<std::int64_t>(rows),
+                   scratch.one_member.data(), scratch.workspace);
+    for (std::size_t k = 0; k < scratch.next.size(); ++k) {
+      // Headings are averaged as turns from the present one, which no cut of the circle can split.
+      const bool heading = state_size_ == 3 && k % 3 == 2;
+      const double change = scratch.one_member[k] - scratch.state[k];
+      scratch.next[k] += share * (heading ? geometry::wrap_angle(change) : change);
+    }
+  }
+  for (std::size_t k = 0; k < scratch.next.size(); ++k) {
+    scratch.next[k] += scratch.state[k];
+    if (state_size_ == 3 && k % 3 == 2) scratch.next[k] = geometry::wrap_angle(scratch.next[k]);
+  }
+}
+
+std::unique_ptr<MbsEnv::Scratch> MbsEnv::borrow_scratch() {
+  const std::lock_guard<std::mutex> lock(scratch_mutex_);
+  if (scratch_.empty()) return std::make_unique<Scratch>();
+  std::unique_ptr<Scratch> scratch = std::move(scratch_.back());
+  scratch_.pop_back();
+  return scratch;
+}
+
+void MbsEnv::give_back(std::unique_ptr<Scratch> scratch) {
+  const std::lock_guard<std::mutex> lock(scratch_mutex_);
+  scratch_.push_back(std::move(scratch));
+}
+
+void MbsEnv::exchange_state(EnvState& state, bool load) {
+  episodes_.exchange_state(state, load);
+  torch::Tensor member = nets::tensor_from(member_);
+  torch::Tensor factor = nets::tensor_from(drive_factor_, {episodes_.spec().count});
+  if (!load) {
+    state.tensors["member"] = member;
+    state.tensors["drive_factor"] = factor;
+    return;
+  }
+  member.copy_(state_tensor(state, "member", member));
+  factor.copy_(state_tensor(state, "drive_factor", factor));
+  std::copy_n(member.data_ptr<std::int64_t>(), member_.size(), member_.begin());
+  std::copy_n(factor.data_ptr<double>(), drive_factor_.size(), drive_factor_.begin());
+  for (const std::int64_t k : member_) {
+    if (k < 0 || k >= static_cast<std::int64_t>(members_.size())) {
+      throw common::CheckpointError("state of the environments names member " + std::to_string(k) +
+                                    " of an ensemble of " + std::to_string(members_.size()));
+    }
+  }
+}
+
+}  // namespace lodestone::env

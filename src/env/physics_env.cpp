@@ -1,0 +1,58 @@
+#include "lodestone/env/physics_env.h"
+
+#include <algorithm>
+
+namespace lodestone::env {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr std::size_t kShardRows = 16;
+
+}  // namespace
+
+PhysicsEnv::PhysicsEnv(const EpisodeSettings& settings, const PhysicsEnvConfig& config, std::int64_t threads)
+    : config_(config),
+      simulator_(config.simulator),
+      episodes_(settings, {config.pose_noise_m, config.heading_noise_rad}, "physics"),
+      pool_(static_cast<std::size_t>(threads)) {
+  reset();
+}
+
+std::size_t PhysicsEnv::shards() const {
+  return (static_cast<std::size_t>(episodes_.spec().count) + kShardRows - 1) / kShardRows;
+}
+
+void PhysicsEnv::begin(std::size_t i) {
+  const double radius_m = episodes_.settings().task.start_radius_m;
+  episodes_.begin(i, [radius_m](common::RandomStream& random) {
+    const geometry::Vector2 position_m = task::draw_in_disc(radius_m, random);
+    return geometry::Pose2{position_m.x(), position_m.y(), random.uniform(-kPi, kPi)};
+  });
+}
+
+torch::Tensor PhysicsEnv::reset() {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(episodes_.spec().count); ++i) begin(i);
+  return episodes_.observation();
+}
+
+void PhysicsEnv::step_one(std::size_t i, const float* action) {
+  const geometry::Vector2 drive_A = episodes_.drive(i, action);
+  geometry::Pose2 next = episodes_.pose(i);
+  if (!drive_A.isZero(0.0)) {
+    next = simulator_.step(next, task::coil_currents(drive_A), config_.pulse_s, config_.rest_s);
+  }
+  if (episodes_.finish(i, next)) begin(i);
+}
+
+StepResult PhysicsEnv::step(const torch::Tensor& actions) {
+  episodes_.check_actions(actions);
+  const float* values = actions.data_ptr<float>();
+  const auto count = static_cast<std::size_t>(episodes_.spec().count);
+  pool_.for_each(shards(), [this, values, count](std::size_t shard) {
+    const std::size_t last = std::min(count, (shard + 1) * kShardRows);
+    for (std::size_t i = shard * kShardRows; i < last; ++i) step_one(i, values + 2 * i);
+  });
+  return episodes_.result();
+}
+
+}  // namespace lodestone::env
