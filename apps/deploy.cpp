@@ -13,6 +13,7 @@
 #include "lodestone/control/deployment.h"
 #include "lodestone/control/policy_controller.h"
 #include "lodestone/control/recorder.h"
+#include "lodestone/nets/blas.h"
 #include "lodestone/nets/policy.h"
 #include "verb.h"
 
@@ -264,6 +265,7 @@ void deploy(const CommonOptions& options) {
   const auto config = resolve_config<DeployConfig>(options);
   if (options.out.empty())
     throw common::ConfigError("deploy: --out DIR is missing; name the folder to write into");
+  nets::use_one_blas_thread();
   const Job job = plan_job(config);
   common::start_run_folder(options.out, "deploy", common::config_to_json(config), config.deployment.seed,
                            false);

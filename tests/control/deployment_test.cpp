@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "lodestone/control/deployment.h"
+#include "lodestone/control/policy_controller.h"
 #include "lodestone/control/recorder.h"
 
 using namespace lodestone;
@@ -50,6 +51,28 @@ TEST_CASE("trials depend neither on threads nor on the trials beside them") {
     const auto alone = deployment.run({todo[2]}, kind, source, pool);
     CHECK(prints[0].find(fingerprint(alone)) != std::string::npos);
   }
+}
+
+TEST_CASE("one policy drives trials in several threads with the same results") {
+  const auto config = quick_config();
+  const control::Deployment deployment(config);
+  nets::Policy policy;
+  policy.encoder.memory = true;
+  torch::manual_seed(7);
+  policy.actor = nets::Actor(task::ObservationEncoder(policy.encoder).size(), policy.hidden);
+  control::ControllerSource source;
+  source.name = "policy";
+  source.make = [policy] { return std::make_unique<control::PolicyController>(policy); };
+  const auto todo = plans(config, deployment, "centre", 6);
+  std::vector<std::string> prints;
+  for (const std::size_t threads : {1, 2, 4}) {
+    common::ThreadPool pool(threads);
+    const auto results = deployment.run(todo, control::RigKind::kExplored, source, pool);
+    for (const auto& result : results) CHECK(result.stop_reason.empty());
+    prints.push_back(fingerprint(results));
+  }
+  CHECK(prints[0] == prints[1]);
+  CHECK(prints[0] == prints[2]);
 }
 
 TEST_CASE("plans repeat, lie inside the dish and keep a given target") {
