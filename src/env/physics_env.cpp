@@ -8,6 +8,16 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kShardRows = 16;
 
+/// The simulator's wall stops the needle on the very edge of the dish, where rounding would decide whether it
+/// has left. Touching the wall counts as having left, as it does in the MBS, which has no wall.
+geometry::Pose2 beyond_wall_when_touching(geometry::Pose2 pose, double dish_radius_m) {
+  constexpr double kTouch = 1e-6;
+  if (pose.position_m().norm() < dish_radius_m * (1.0 - kTouch)) return pose;
+  pose.x_m *= 1.0 + 2.0 * kTouch;
+  pose.y_m *= 1.0 + 2.0 * kTouch;
+  return pose;
+}
+
 }  // namespace
 
 PhysicsEnv::PhysicsEnv(const EpisodeSettings& settings, const PhysicsEnvConfig& config, std::int64_t threads)
@@ -40,6 +50,7 @@ void PhysicsEnv::step_one(std::size_t i, const float* action) {
   geometry::Pose2 next = episodes_.pose(i);
   if (!drive_A.isZero(0.0)) {
     next = simulator_.step(next, task::coil_currents(drive_A), config_.pulse_s, config_.rest_s);
+    next = beyond_wall_when_touching(next, config_.simulator.dish_radius_m);
   }
   if (episodes_.finish(i, next)) begin(i);
 }

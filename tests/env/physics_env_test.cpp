@@ -1,0 +1,48 @@
+#include "lodestone/env/physics_env.h"
+
+#include <catch2/catch.hpp>
+
+#include "env/vec_env_conformance.h"
+
+namespace lodestone::env {
+namespace {
+
+EpisodeSettings short_episodes(std::int64_t count) {
+  EpisodeSettings settings;
+  settings.count = count;
+  settings.encoder.heading = "none";
+  settings.action.scale = 6.0;
+  settings.task.max_steps = 6;
+  settings.task.success_radius_m = 0.009;
+  settings.seed = 4;
+  return settings;
+}
+
+TEST_CASE("the plain simulator keeps the promises of a VecEnv", "[unit]") {
+  const EpisodeSettings settings = short_episodes(20);
+  PhysicsEnvConfig config;
+  config.simulator.step_s = 2e-3;  // the promises do not depend on accuracy
+  tests::check_vec_env(
+      {[&](std::int64_t threads) { return std::make_unique<PhysicsEnv>(settings, config, threads); }, 6,
+       0.009, 0.0425, 0.0425});
+}
+
+TEST_CASE("the environment moves the needle as the simulator does", "[unit]") {
+  EpisodeSettings settings = short_episodes(1);
+  settings.encoder.heading = "angle";
+  settings.task.success_radius_m = 1e-5;
+  const PhysicsEnvConfig config;
+  PhysicsEnv environments(settings, config, 1);
+  const torch::Tensor start = environments.reset().clone();
+  const geometry::Pose2 pose{0.0425 * start[0][0].item<double>(), 0.0425 * start[0][1].item<double>(),
+                             start[0][2].item<double>()};
+  const geometry::Pose2 expected = physics::PlainSimulator(config.simulator)
+                                       .step(pose, {3.0, 0.0, 0.0, 1.5}, config.pulse_s, config.rest_s);
+  const torch::Tensor next = environments.step(torch::tensor({{0.5F, -0.25F}})).final_observation;
+  CHECK(0.0425 * next[0][0].item<double>() == Approx(expected.x_m).margin(2e-5));
+  CHECK(0.0425 * next[0][1].item<double>() == Approx(expected.y_m).margin(2e-5));
+  CHECK(std::abs(geometry::wrap_angle(next[0][2].item<double>() - expected.heading_rad)) < 5e-3);
+}
+
+}  // namespace
+}  // namespace lodestone::env
