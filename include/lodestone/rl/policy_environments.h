@@ -1,0 +1,21 @@
+#pragma once
+
+#include <memory>
+
+#include "lodestone/env/vec_env.h"
+#include "lodestone/rl/policy_trainer.h"
+
+namespace lodestone::rl {
+
+/// Where a policy is trained, and where it is scored: same rules, random streams of their own.
+struct PolicyEnvironments {
+  std::unique_ptr<env::VecEnv> training;    ///< training.environments copies
+  std::unique_ptr<env::VecEnv> evaluation;  ///< training.evaluation_episodes copies
+};
+
+/// Builds what `config` asks for, and fills in what its adopt_data takes from the dynamics' training data.
+/// The plain simulator needs no dynamics; when one is named, its data still give scale and workspace. Throws
+/// ConfigError, CheckpointError.
+PolicyEnvironments make_policy_environments(TrainPolicyConfig& config);
+
+}  // namespace lodestone::rl

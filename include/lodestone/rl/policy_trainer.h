@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "lodestone/common/config.h"
+#include "lodestone/data/dataset.h"
+#include "lodestone/env/mbs_env.h"
+#include "lodestone/env/physics_env.h"
+#include "lodestone/env/vec_env.h"
+#include "lodestone/rl/ou_noise.h"
+#include "lodestone/rl/policy_evaluation.h"
+#include "lodestone/rl/policy_learner.h"
+#include "lodestone/rl/td3.h"
+#include "lodestone/task/action.h"
+#include "lodestone/task/observation.h"
+#include "lodestone/task/task.h"
+
+namespace lodestone::rl {
+
+/// The run around the learner.
+struct PolicyTrainingConfig {
+  LearningConfig learning;
+  std::int64_t environments = 3;
+  std::int64_t evaluate_every = 20000;
+  std::int64_t evaluation_episodes = 200;
+  double checkpoint_every_s = 60.0;
+  double max_seconds = 0.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    learning.visit(v);
+    v.field("environments", environments, "", "environments stepped together (the paper has 3)",
+            {1, 1 << 20});
+    v.field("evaluate_every", evaluate_every, "steps", "environment steps between evaluations", {1, 1e12});
+    v.field("evaluation_episodes", evaluation_episodes, "", "fixed starts and goals of every evaluation",
+            {1, 1 << 20});
+    v.field("checkpoint_every_s", checkpoint_every_s, "s", "time between training checkpoints", {0.0, 1e6});
+    v.field("max_seconds", max_seconds, "s",
+            "stop after this training time (then results depend on the machine); 0: no limit", {0.0, 1e7});
+  }
+};
+
+/// Everything `lodestone train-policy` is told.
+struct TrainPolicyConfig {
+  std::int64_t seed = 1;
+  std::int64_t threads = 0;
+  std::string dynamics;
+  std::string simulator = "mbs";
+  bool adopt_data = true;
+  task::TaskConfig task;
+  task::EncoderConfig encoder;
+  task::ActionConfig action;
+  env::MbsConfig mbs;
+  env::PhysicsEnvConfig physics;
+  Td3Config td3;
+  NoiseConfig noise;
+  PolicyTrainingConfig training;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("seed", seed, "", "seed of every random stream of the run", {0, 9e15});
+    v.field("threads", threads, "", "threads; 0 means one per processor", {0, 1024});
+    v.field("dynamics", dynamics, "", "dynamics checkpoint: folder that train-dynamics wrote");
+    v.field("simulator", simulator, "",
+            "what the policy is trained in: the learned MBS, or the simulator of IV-C", {"mbs", "physics"});
+    v.field("adopt_data", adopt_data, "",
+            "take action scale, one-axis rule, workspace radius (dish, length scale) and whether there is a "
+            "heading "
+            "from the dynamics' training data instead of the keys below");
+    v.group("task", task, "goal, reward and end of an episode");
+    v.group("encoder", encoder, "what the policy sees");
+    v.group("action", action, "what its actions mean");
+    v.group("mbs", mbs, "the learned simulator as an environment");
+    v.group("physics", physics, "the simulator of section IV-C as an environment");
+    v.group("td3", td3, "the learner");
+    v.group("noise", noise, "exploration");
+    v.group("training", training, "how long, how often");
+  }
+  /// Throws ConfigError when nothing would be learned.
+  void validate() const;
+};
+
+/// Fills in what `adopt_data` says. A dataset without heading also sets the encoder's heading to "none";
+/// throws ConfigError when a heading is asked for that the data does not have.
+TrainPolicyConfig adopt_data(TrainPolicyConfig config, const data::DatasetInfo& info);
+
+struct PolicyRunResult {
+  std::int64_t env_steps = 0;
+  std::int64_t updates = 0;
+  double train_seconds = 0.0;       ///< wall time of learning, interruptions left out
+  PolicyScore evaluation;           ///< of the policy kept in `folder`/checkpoint
+  std::int64_t best_env_steps = 0;  ///< when that one was reached
+
+  common::Json json() const;
+};
+
+/// Trains until env_steps, writing into `folder`: metrics, `checkpoint` (the policy with the best evaluation
+/// return so far) and, every checkpoint_every_s, `training`, from which `resume` goes on bitwise.
+/// `evaluation` must have another seed than `training`. Throws Interrupted after saving when the user asked
+/// to stop; ConfigError when resuming with other settings; CheckpointError.
+PolicyRunResult train_policy(const TrainPolicyConfig& config, env::VecEnv& training, env::VecEnv& evaluation,
+                             const std::string& folder, bool resume);
+
+}  // namespace lodestone::rl

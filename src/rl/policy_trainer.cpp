@@ -1,0 +1,230 @@
+#include "lodestone/rl/policy_trainer.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <thread>
+
+#include "lodestone/common/clock.h"
+#include "lodestone/common/error.h"
+#include "lodestone/common/interrupt.h"
+#include "lodestone/common/log.h"
+#include "lodestone/common/metrics.h"
+#include "lodestone/common/progress.h"
+#include "lodestone/nets/checkpoint.h"
+#include "lodestone/nets/policy.h"
+
+namespace lodestone::rl {
+namespace {
+
+constexpr const char* kKind = "td3_training";
+
+std::int64_t thread_count(std::int64_t asked) {
+  return asked > 0 ? asked : std::max<std::int64_t>(1, std::thread::hardware_concurrency());
+}
+
+/// The part of a configuration that decides the result.
+common::Json deciding(TrainPolicyConfig config) {
+  config.threads = 0;
+  config.dynamics.clear();  // folders may be moved; the environments' state says when the model is another
+  config.training.checkpoint_every_s = 0.0;
+  config.training.max_seconds = 0.0;
+  return common::config_to_json(config);
+}
+
+common::Json score_to_json(const PolicyScore& score) { return score.json(); }
+
+PolicyScore score_from_json(const common::Json& json) {
+  PolicyScore score;
+  score.episode_return = json.at("episode_return").get<double>();
+  score.success_rate = json.at("success_rate").get<double>();
+  score.final_error_mm = json.at("final_error_mm").get<double>();
+  score.final_error_median_mm = json.at("final_error_median_mm").get<double>();
+  score.episode_length = json.at("episode_length").get<double>();
+  score.action_saturation = json.at("action_saturation").get<double>();
+  score.episodes = json.at("episodes").get<std::int64_t>();
+  return score;
+}
+
+std::string note(const PolicyScore& score) {
+  char text[128];
+  std::snprintf(text, sizeof text, "return %.2f, success %.0f %%, error %.2f mm", score.episode_return,
+                100.0 * score.success_rate, score.final_error_mm);
+  return text;
+}
+
+/// One run: the learner, its best policy so far, and the files.
+class Run {
+ public:
+  Run(const TrainPolicyConfig& config, env::VecEnv& training, env::VecEnv& evaluation,
+      const std::string& folder)
+      : config_(config),
+        folder_(folder),
+        evaluation_(evaluation, config.encoder),
+        learner_(config.training.learning, config.td3, config.noise, static_cast<std::uint64_t>(config.seed),
+                 thread_count(config.threads), training),
+        log_(folder),
+        next_evaluation_(config.training.evaluate_every) {}
+
+  void resume() {
+    const nets::Checkpoint checkpoint = nets::load_checkpoint(folder_ + "/training", kKind);
+    if (checkpoint.config != deciding(config_)) {
+      throw common::ConfigError("--resume: the configuration differs from that of " + folder_ +
+                                "/training; use the same --config and --set as before, or another --out");
+    }
+    learner_.load(checkpoint);
+    try {
+      const common::Json& run = checkpoint.facts.at("run");
+      next_evaluation_ = run.at("next_evaluation").get<std::int64_t>();
+      result_.train_seconds = run.at("train_seconds").get<double>();
+      result_.best_env_steps = run.at("best_env_steps").get<std::int64_t>();
+      if (result_.best_env_steps > 0) result_.evaluation = score_from_json(run.at("best"));
+    } catch (const nlohmann::json::exception& error) {
+      throw common::CheckpointError(folder_ + "/training: malformed run facts: " + error.what());
+    }
+  }
+
+  PolicyRunResult train() {
+    const common::SteadyClock clock;
+    const double earlier_s = result_.train_seconds;
+    const double start_s = clock.now_s();
+    double saved_s = start_s;
+    common::Progress progress("training the policy", config_.training.learning.env_steps);
+    std::string text = "warming up";
+    while (!learner_.finished()) {
+      learner_.step();
+      const double now_s = clock.now_s();
+      result_.train_seconds = earlier_s + now_s - start_s;
+      if (learner_.env_steps() >= next_evaluation_ || learner_.finished()) {
+        while (next_evaluation_ <= learner_.env_steps()) next_evaluation_ += config_.training.evaluate_every;
+        text = note(evaluate());
+      }
+      progress.update(learner_.env_steps(), text);
+      if (common::interrupted()) stop();
+      if (config_.training.max_seconds > 0.0 && result_.train_seconds >= config_.training.max_seconds) {
+        if (!learner_.finished()) text = note(evaluate());
+        common::log_info("train-policy: max_seconds reached after " + std::to_string(learner_.env_steps()) +
+                         " environment steps");
+        break;
+      }
+      if (now_s - saved_s >= config_.training.checkpoint_every_s) {
+        save();
+        saved_s = clock.now_s();
+      }
+    }
+    if (result_.best_env_steps == 0) evaluate();  // resumed at its very end
+    progress.finish(text);
+    save();
+    result_.env_steps = learner_.env_steps();
+    result_.updates = learner_.updates();
+    return result_;
+  }
+
+ private:
+  PolicyScore evaluate() {
+    const PolicyScore score = evaluation_.run(learner_.td3());
+    common::Scalars scalars = learner_.take_statistics();
+    for (const auto& [key, value] : score.scalars()) scalars.emplace_back(key, value);
+    scalars.emplace_back("train/updates", static_cast<double>(learner_.updates()));
+    if (result_.train_seconds > 0.0) {
+      scalars.emplace_back("train/steps_per_s",
+                           static_cast<double>(learner_.env_steps()) / result_.train_seconds);
+    }
+    log_.write(learner_.env_steps(), scalars);
+    if (result_.best_env_steps == 0 || score.episode_return > result_.evaluation.episode_return) {
+      result_.evaluation = score;
+      result_.best_env_steps = learner_.env_steps();
+      save_best();
+    }
+    return score;
+  }
+
+  void save_best() {
+    const nets::NamedTensors weights = learner_.td3().actor();
+    nets::Policy policy;
+    policy.hidden = config_.td3.hidden;
+    policy.encoder = config_.encoder;
+    policy.action = config_.action;
+    policy.goal = config_.task.goal;
+    policy.actor = nets::Actor(weights.at("l1.weight").size(1), policy.hidden);
+    nets::load_module_tensors(*policy.actor, weights, "trained actor");
+    common::Json metrics = score_to_json(result_.evaluation);
+    metrics["env_steps"] = result_.best_env_steps;
+    nets::save_policy(folder_ + "/checkpoint", policy, common::config_to_json(config_), metrics);
+  }
+
+  void save() {
+    nets::Checkpoint checkpoint;
+    checkpoint.kind = kKind;
+    checkpoint.config = deciding(config_);
+    learner_.save(checkpoint);
+    checkpoint.facts["run"] = {{"next_evaluation", next_evaluation_},
+                               {"train_seconds", result_.train_seconds},
+                               {"best_env_steps", result_.best_env_steps},
+                               {"best", score_to_json(result_.evaluation)}};
+    nets::save_checkpoint(folder_ + "/training", checkpoint);
+  }
+
+  [[noreturn]] void stop() {
+    if (result_.best_env_steps == 0) evaluate();  // so that there is a policy to look at
+    save();
+    throw common::Interrupted("train-policy: stopped after " + std::to_string(learner_.env_steps()) +
+                              " environment steps; run the same command with --resume to go on in " +
+                              folder_);
+  }
+
+  TrainPolicyConfig config_;
+  std::string folder_;
+  PolicyEvaluation evaluation_;
+  PolicyLearner learner_;
+  common::MetricsLog log_;
+  std::int64_t next_evaluation_;
+  PolicyRunResult result_;
+};
+
+}  // namespace
+
+void TrainPolicyConfig::validate() const {
+  const LearningConfig& learning = training.learning;
+  if (learning.warm_up_steps >= learning.env_steps) {
+    throw common::ConfigError("training.warm_up_steps = " + std::to_string(learning.warm_up_steps) +
+                              " must be below training.env_steps = " + std::to_string(learning.env_steps));
+  }
+  if (td3.batch_size > learning.buffer_size) {
+    throw common::ConfigError("training.buffer_size = " + std::to_string(learning.buffer_size) +
+                              " must be at least td3.batch_size = " + std::to_string(td3.batch_size));
+  }
+}
+
+TrainPolicyConfig adopt_data(TrainPolicyConfig config, const data::DatasetInfo& info) {
+  const bool has_heading = info.layout == data::StateLayout::kPose;
+  if (config.adopt_data) {
+    config.action.scale = info.action_scale;
+    config.action.one_axis_at_a_time = info.one_axis_at_a_time;
+    config.task.dish_radius_m = info.workspace_radius_m;
+    config.encoder.length_scale_m = info.workspace_radius_m;
+    if (!has_heading) config.encoder.heading = "none";
+  }
+  if (!has_heading && config.encoder.heading != "none") {
+    throw common::ConfigError("encoder.heading is \"" + config.encoder.heading +
+                              "\" but the dynamics' data has positions only: set encoder.heading=none");
+  }
+  return config;
+}
+
+common::Json PolicyRunResult::json() const {
+  return {{"env_steps", env_steps},
+          {"updates", updates},
+          {"train_seconds", train_seconds},
+          {"best_env_steps", best_env_steps},
+          {"evaluation", evaluation.json()}};
+}
+
+PolicyRunResult train_policy(const TrainPolicyConfig& config, env::VecEnv& training, env::VecEnv& evaluation,
+                             const std::string& folder, bool resume) {
+  Run run(config, training, evaluation, folder);
+  if (resume && std::filesystem::exists(folder + "/training")) run.resume();
+  return run.train();
+}
+
+}  // namespace lodestone::rl
