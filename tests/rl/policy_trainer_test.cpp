@@ -1,0 +1,146 @@
+#include "lodestone/rl/policy_trainer.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+#include "lodestone/nets/checkpoint.h"
+#include "lodestone/nets/policy.h"
+#include "rl/toy_environments.h"
+
+using lodestone::rl::PolicyRunResult;
+using lodestone::rl::train_policy;
+using lodestone::rl::TrainPolicyConfig;
+using lodestone::rl::testing::PointEnv;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// An empty folder under the test's working directory.
+std::string fresh_folder(const std::string& name) {
+  const std::string folder = "policy_trainer_test/" + name;
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  return folder;
+}
+
+/// The point environment's observation is a position in units of the length scale, its goal the centre.
+TrainPolicyConfig point_config(std::int64_t env_steps) {
+  TrainPolicyConfig config;
+  config.threads = 1;
+  config.encoder.heading = "none";
+  config.encoder.target = false;
+  config.task.goal = "centre";
+  config.td3.hidden = {16, 16};
+  config.td3.batch_size = 32;
+  config.training.learning.env_steps = env_steps;
+  config.training.learning.warm_up_steps = 200;
+  config.training.learning.updates_per_step = 0.2;
+  config.training.evaluate_every = 400;
+  config.training.environments = 8;
+  config.training.evaluation_episodes = 20;
+  config.training.checkpoint_every_s = 1e6;
+  return config;
+}
+
+PolicyRunResult run(const TrainPolicyConfig& config, const std::string& folder, bool resume = false) {
+  PointEnv training(config.training.environments, 1);
+  PointEnv evaluation(config.training.evaluation_episodes, 2);
+  return train_policy(config, training, evaluation, folder, resume);
+}
+
+int count_lines_with(const std::string& file, const std::string& text) {
+  const std::string content = lodestone::common::read_file(file);
+  int count = 0;
+  for (std::size_t at = content.find(text); at != std::string::npos; at = content.find(text, at + 1)) ++count;
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("A run leaves its best policy, its curves and its figures", "[rl]") {
+  const std::string folder = fresh_folder("whole");
+  const PolicyRunResult result = run(point_config(2000), folder);
+  CHECK(result.env_steps == 2000);
+  CHECK(result.updates == 360);
+  CHECK(result.best_env_steps >= 400);
+  CHECK(result.evaluation.episodes == 20);
+  for (const char* key :
+       {"evaluation/success_rate", "evaluation/final_error_mm", "train/critic_loss", "train/q_mean",
+        "train/action_saturation", "train/steps_per_s", "train/episode_return"}) {
+    INFO(key);
+    CHECK(count_lines_with(folder + "/metrics.jsonl", std::string("\"") + key + "\"") >= 4);
+  }
+  const lodestone::nets::Policy policy = lodestone::nets::load_policy(folder + "/checkpoint");
+  CHECK(policy.goal == "centre");
+  CHECK_FALSE(policy.encoder.target);
+  lodestone::nets::Actor actor = policy.actor;
+  const torch::Tensor action = actor->forward(torch::full({1, 2}, 0.9F));
+  CHECK(action.abs().max().item<float>() <= 1.0F);
+}
+
+TEST_CASE("An interrupted run goes on to the same weights", "[rl]") {
+  const std::string whole = fresh_folder("uninterrupted");
+  const std::string part = fresh_folder("interrupted");
+  const PolicyRunResult expected = run(point_config(1600), whole);
+  TrainPolicyConfig config = point_config(1600);
+  config.training.max_seconds = 1e-6;  // stops at its first look, long before the end
+  CHECK(run(config, part).env_steps < 1600);
+  config.training.max_seconds = 0.0;
+  config.threads = 2;
+  const PolicyRunResult resumed = run(config, part, true);
+  CHECK(resumed.env_steps == expected.env_steps);
+  CHECK(resumed.updates == expected.updates);
+  const auto one = lodestone::nets::load_checkpoint(whole + "/training", "td3_training");
+  const auto two = lodestone::nets::load_checkpoint(part + "/training", "td3_training");
+  CHECK(one.facts.at("td3") == two.facts.at("td3"));
+  for (const char* part_name : {"networks", "optimiser", "buffer", "environments", "running"}) {
+    for (const auto& [name, tensor] : one.parts.at(part_name)) {
+      INFO(part_name << " " << name);
+      CHECK(torch::equal(tensor, two.parts.at(part_name).at(name)));
+    }
+  }
+}
+
+TEST_CASE("Resuming with other settings, or from an altered checkpoint, is refused", "[rl]") {
+  const std::string folder = fresh_folder("refused");
+  run(point_config(800), folder);
+  TrainPolicyConfig other = point_config(800);
+  other.td3.discount = 0.9;
+  CHECK_THROWS_AS(run(other, folder, true), lodestone::common::ConfigError);
+  std::string content = lodestone::common::read_file(folder + "/training/networks.safetensors");
+  content[content.size() / 2] ^= 1;
+  lodestone::common::write_file_atomically(folder + "/training/networks.safetensors", content);
+  CHECK_THROWS_AS(run(point_config(800), folder, true), lodestone::common::CheckpointError);
+}
+
+TEST_CASE("What the data say goes into the policy's configuration", "[rl]") {
+  lodestone::data::DatasetInfo info;
+  info.layout = lodestone::data::StateLayout::kPosition;
+  info.action_scale = 89.0;
+  info.workspace_radius_m = 0.014;
+  info.one_axis_at_a_time = true;
+  TrainPolicyConfig config = lodestone::rl::adopt_data(TrainPolicyConfig{}, info);
+  CHECK(config.action.scale == 89.0);
+  CHECK(config.action.one_axis_at_a_time);
+  CHECK(config.task.dish_radius_m == 0.014);
+  CHECK(config.encoder.length_scale_m == 0.014);
+  CHECK(config.encoder.heading == "none");
+  TrainPolicyConfig own;
+  own.adopt_data = false;
+  CHECK_THROWS_AS(lodestone::rl::adopt_data(own, info), lodestone::common::ConfigError);
+  own.encoder.heading = "none";
+  own.action.scale = 40.0;
+  CHECK(lodestone::rl::adopt_data(own, info).action.scale == 40.0);
+}
+
+TEST_CASE("A run without room to learn is refused", "[rl]") {
+  TrainPolicyConfig config = point_config(100);
+  CHECK_THROWS_AS(config.validate(), lodestone::common::ConfigError);
+  config = point_config(1000);
+  CHECK_NOTHROW(config.validate());
+  config.training.learning.buffer_size = 10;
+  CHECK_THROWS_AS(config.validate(), lodestone::common::ConfigError);
+}
