@@ -1,5 +1,6 @@
 #include "lodestone/rl/dynamics_training.h"
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -9,6 +10,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "lodestone/common/interrupt.h"
+#include "lodestone/common/log.h"
 #include "lodestone/common/metrics.h"
 #include "lodestone/common/progress.h"
 #include "lodestone/common/random.h"
@@ -71,8 +73,14 @@ class Training {
     }
   }
 
+  /// Takes up the training checkpoint, or begins anew when the run was ended before it wrote one.
   void resume() {
     const std::string where = training_folder();
+    if (!std::filesystem::exists(where)) {
+      common::log_info("there is no " + where + " yet: training from the start");
+      forget_metrics_after(0);
+      return;
+    }
     const nets::Checkpoint checkpoint = nets::load_checkpoint(where, kKind);
     const std::string what = "checkpoint " + where;
     try {
@@ -93,6 +101,7 @@ class Training {
     } catch (const std::out_of_range&) {
       throw common::CheckpointError(what + ": a member of the ensemble is missing");
     }
+    forget_metrics_after(epoch_);
   }
 
   DynamicsTrainingResult run() {
@@ -154,6 +163,19 @@ class Training {
     save();
     throw common::Interrupted("training of the dynamics was interrupted after epoch " +
                               std::to_string(epoch_) + "; go on with --resume --out " + folder_);
+  }
+
+  /// Drops the rows of epochs that a killed run wrote after its last checkpoint; they will be run again.
+  void forget_metrics_after(std::int64_t epoch) const {
+    const std::string path = folder_ + "/metrics.jsonl";
+    if (!std::filesystem::exists(path)) return;
+    std::istringstream lines(common::read_file(path));
+    std::string kept;
+    for (std::string line; std::getline(lines, line);) {
+      const Json row = Json::parse(line, nullptr, /*allow_exceptions=*/false);
+      if (row.is_object() && row.value("step", epoch + 1) <= epoch) kept += line + "\n";
+    }
+    common::write_file_atomically(path, kept);
   }
 
   bool all_stopped() const {
