@@ -96,7 +96,7 @@ PolicyScore PolicyEvaluation::run(Td3& policy) {
   score.episode_return = returns / episodes;
   score.episode_length = steps / episodes;
   score.action_saturation = saturated / (steps * static_cast<double>(environments_.spec().action_size));
-  for (const std::uint8_t value : reached) score.success_rate += value / episodes;
+  score.success_rate = static_cast<double>(std::count(reached.begin(), reached.end(), 1)) / episodes;
   for (const double value : error_mm) score.final_error_mm += value / episodes;
   score.final_error_median_mm = median(error_mm);
   return score;
