@@ -1,0 +1,175 @@
+#include "lodestone/rl/dynamics_training.h"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <limits>
+
+#include "lodestone/common/error.h"
+#include "lodestone/nets/checkpoint.h"
+#include "lodestone/rl/dynamics_evaluation.h"
+#include "rl/synthetic_motion.h"
+#include "temporary_folder.h"
+
+namespace lodestone::rl {
+namespace {
+
+using Catch::Contains;
+using tests::known_dataset;
+
+TrainDynamicsConfig small_config(const std::string& form) {
+  TrainDynamicsConfig config;
+  config.seed = 3;
+  config.threads = 1;
+  config.model.form = form;
+  config.model.hidden = {32, 16};
+  config.model.batch_norm = form == "paper";
+  config.training.epochs = 4;
+  config.training.batch_size = 64;
+  if (form == "delta") {
+    config.training.optimiser = "adamw";
+    config.training.learning_rate = 3e-3;
+    config.training.weight_decay = 1e-3;
+    config.training.schedule = "cosine";
+    config.training.loss = "huber";
+  }
+  return config;
+}
+
+/// Parameters and buffers of every member, equal only when bitwise equal.
+bool same_networks(const nets::DynamicsModel& a, const nets::DynamicsModel& b) {
+  for (std::size_t k = 0; k < a.members.size(); ++k) {
+    const auto left = nets::module_tensors(*a.members[k]);
+    const auto right = nets::module_tensors(*b.members[k]);
+    for (const auto& [name, tensor] : left) {
+      if (!torch::equal(tensor, right.at(name))) return false;
+    }
+  }
+  return a.members.size() == b.members.size();
+}
+
+TEST_CASE("both forms learn a known motion", "[unit]") {
+  for (const char* form : {"paper", "delta"}) {
+    for (const auto layout : {data::StateLayout::kPose, data::StateLayout::kPosition}) {
+      CAPTURE(form, data::state_size(layout));
+      TrainDynamicsConfig config = small_config(form);
+      config.training.epochs = 20;
+      const data::Dataset dataset = known_dataset(layout, 150, 20, 1);
+      DynamicsTrainingResult result = train_dynamics(dataset, config, "", false);
+      const DynamicsEvaluation evaluation =
+          evaluate_dynamics(result.model, select_split(result.model, dataset, "test"));
+      CHECK(evaluation.one_step.position_rms_mm < 0.8 * evaluation.no_motion.position_rms_mm);
+      // The change form knows that it starts where it is, so it must be far better.
+      if (std::string(form) == "delta") {
+        CHECK(evaluation.one_step.position_rms_mm < 0.1 * evaluation.no_motion.position_rms_mm);
+      }
+      CHECK(result.validation_loss < 0.2);
+    }
+  }
+}
+
+TEST_CASE("every optimiser lowers the loss", "[unit]") {
+  const data::Dataset dataset = known_dataset(data::StateLayout::kPosition, 60, 20, 1);
+  for (const char* optimiser : {"sgd", "adam", "adamw"}) {
+    TrainDynamicsConfig config = small_config("delta");
+    config.training.optimiser = optimiser;
+    config.training.loss = "l2";
+    config.training.epochs = 1;
+    const double early = train_dynamics(dataset, config, "", false).validation_loss;
+    config.training.epochs = 10;
+    CAPTURE(optimiser);
+    CHECK(train_dynamics(dataset, config, "", false).validation_loss < 0.7 * early);
+  }
+}
+
+TEST_CASE("training depends on the seed and not on threads", "[unit]") {
+  const data::Dataset dataset = known_dataset(data::StateLayout::kPose, 40, 20, 1);
+  TrainDynamicsConfig config = small_config("paper");
+  config.model.members = 3;
+  config.training.bootstrap = true;
+  const DynamicsTrainingResult one = train_dynamics(dataset, config, "", false);
+  for (const std::int64_t threads : {2, 4}) {
+    config.threads = threads;
+    CHECK(same_networks(one.model, train_dynamics(dataset, config, "", false).model));
+  }
+  config.seed = 4;
+  CHECK_FALSE(same_networks(one.model, train_dynamics(dataset, config, "", false).model));
+}
+
+TEST_CASE("a stopped training goes on bitwise", "[unit]") {
+  const data::Dataset dataset = known_dataset(data::StateLayout::kPose, 40, 20, 1);
+  for (const char* form : {"paper", "delta"}) {
+    const ::lodestone::tests::TemporaryFolder temporary;
+    TrainDynamicsConfig config = small_config(form);
+    config.model.members = 2;
+    const DynamicsTrainingResult whole = train_dynamics(dataset, config, "", false);
+    TrainDynamicsConfig stopped = config;
+    stopped.training.max_seconds = 1e-9;  // after one epoch
+    CHECK(train_dynamics(dataset, stopped, temporary.path(), false).epochs == 1);
+    CHECK(train_dynamics(dataset, stopped, temporary.path(), true).epochs == 2);
+    // A row that a killed run wrote after its last checkpoint is not written twice.
+    std::ofstream(temporary / "metrics.jsonl", std::ios::app) << "{\"step\": 3, \"train_loss\": 1.0}\n";
+    const DynamicsTrainingResult resumed = train_dynamics(dataset, config, temporary.path(), true);
+    CHECK(resumed.epochs == config.training.epochs);
+    CHECK(same_networks(whole.model, resumed.model));
+    CHECK(whole.validation_loss == resumed.validation_loss);
+    std::ifstream metrics(temporary / "metrics.jsonl");
+    std::int64_t step = 0;
+    for (std::string line; std::getline(metrics, line);) {
+      CHECK(common::Json::parse(line).at("step") == ++step);
+      CHECK(common::Json::parse(line).contains("validation_loss"));
+    }
+    CHECK(step == config.training.epochs);
+  }
+}
+
+TEST_CASE("resuming with other settings or other data is refused", "[unit]") {
+  const ::lodestone::tests::TemporaryFolder temporary;
+  const data::Dataset dataset = known_dataset(data::StateLayout::kPosition, 40, 10, 1);
+  TrainDynamicsConfig config = small_config("delta");
+  config.training.epochs = 1;
+  train_dynamics(dataset, config, temporary.path(), false);
+  TrainDynamicsConfig other = config;
+  other.training.learning_rate *= 2.0;
+  CHECK_THROWS_WITH(train_dynamics(dataset, other, temporary.path(), true), Contains("other settings"));
+  CHECK_THROWS_WITH(
+      train_dynamics(known_dataset(data::StateLayout::kPosition, 40, 10, 2), config, temporary.path(), true),
+      Contains("other transitions"));
+}
+
+TEST_CASE("NaN in the data is an error that says where", "[unit]") {
+  data::Dataset dataset = known_dataset(data::StateLayout::kPose, 20, 10, 1);
+  dataset.episodes[7].observations[4] = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THROWS_AS(train_dynamics(dataset, small_config("delta"), "", false), common::DataError);
+}
+
+TEST_CASE("a diverging training says what to do", "[unit]") {
+  TrainDynamicsConfig config = small_config("delta");
+  config.training.optimiser = "sgd";
+  config.training.loss = "l2";
+  config.training.learning_rate = 10.0;
+  config.training.epochs = 50;
+  CHECK_THROWS_WITH(train_dynamics(known_dataset(data::StateLayout::kPose, 60, 20, 1), config, "", false),
+                    Contains("lower training.learning_rate"));
+}
+
+TEST_CASE("patience ends members that only learn noise, and the best weights are kept", "[unit]") {
+  data::Dataset dataset = known_dataset(data::StateLayout::kPosition, 30, 10, 1);
+  common::RandomStream random(1, "noise");
+  for (data::Episode& episode : dataset.episodes) {
+    for (double& value : episode.observations) value = random.uniform(-0.03, 0.03);
+  }
+  TrainDynamicsConfig config = small_config("delta");
+  config.training.epochs = 300;
+  config.training.learning_rate = 1e-2;
+  config.training.schedule = "constant";
+  const double kept = train_dynamics(dataset, config, "", false).validation_loss;
+  config.training.patience = 5;
+  const DynamicsTrainingResult patient = train_dynamics(dataset, config, "", false);
+  CHECK(patient.epochs < 300);
+  CHECK(patient.validation_loss >= kept);
+  config.training.keep_best = false;
+  CHECK(train_dynamics(dataset, config, "", false).validation_loss > patient.validation_loss);
+}
+
+}  // namespace
+}  // namespace lodestone::rl
