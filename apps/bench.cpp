@@ -142,10 +142,11 @@ nets::DynamicsModel drawn_model(const BenchConfig& config) {
 
 Rate measure_mbs(const BenchConfig& config, std::int64_t threads) {
   constexpr int kSteps = 10;
-  nets::DynamicsModel model = drawn_model(config);
-  env::MbsConfig mbs;
-  env::MbsEnv environments(model, mbs, task::TaskConfig{}, task::EncoderConfig{}, task::ActionConfig{},
-                           config.mbs_environments, static_cast<std::uint64_t>(config.seed), threads);
+  const nets::DynamicsModel model = drawn_model(config);
+  env::EpisodeSettings settings;
+  settings.count = config.mbs_environments;
+  settings.seed = static_cast<std::uint64_t>(config.seed);
+  env::MbsEnv environments(model, settings, env::MbsConfig{}, threads);
   environments.reset();
   const torch::Tensor actions = 2.0 * torch::rand({config.mbs_environments, kActionSize}) - 1.0;
   return measure(config, static_cast<double>(kSteps * config.mbs_environments), [&] {

@@ -66,6 +66,7 @@ struct Job {
   std::optional<geometry::Vector2> target_m;
   std::vector<control::RigKind> rigs;
   std::vector<control::ControllerSource> sources;
+  common::Json provenance = common::Json::object();  ///< of the policy
 };
 
 void choose_tasks(const DeployConfig& config, Job& job) {
@@ -102,6 +103,7 @@ control::ControllerSource policy_source(const DeployConfig& config, Job& job) {
           "task = \"" + config.task + "\": " + config.policy +
           " was trained for the centre only; use --task centre or a random-target policy");
   }
+  job.provenance = policy.provenance;
   control::ControllerSource source;
   source.name = "policy";
   source.action = policy.action;
@@ -278,18 +280,20 @@ void deploy(const CommonOptions& options) {
     by_rig[control::to_string(kind)] = run.on(kind, folder);
   }
   run.finish();
+  // The tasks' keys at the top are those of the explored rig when both are run; each rig then stands below
+  // them.
+  common::Json summary = by_rig.front();
   if (both) {
-    // The contract's keys at the top are those of the explored rig; both kinds stand below them.
-    common::Json summary = by_rig["explored"];
     for (const auto& [kind, values] : by_rig.items()) summary[kind] = values;
-    common::write_file_atomically(options.out + "/summary.json", summary.dump(1) + "\n");
   }
+  summary.update(job.provenance);
+  common::write_file_atomically(options.out + "/summary.json", summary.dump(1) + "\n");
   std::printf(
       "Errors in mm against the true pose. centre, point: distance at the end of a trial; paths: cross-track "
       "error of all samples after the approach.\n");
   std::printf("%-9s %-9s %-7s %8s %8s %8s %8s %8s %8s %9s %7s\n", "rig", "control", "task", "mean", "std",
               "median", "rms", "sensed", "time rms", "reach s", "success");
-  for (const auto& [kind, summary] : by_rig.items()) print_table(summary, kind.c_str());
+  for (const auto& [kind, values] : by_rig.items()) print_table(values, kind.c_str());
 }
 
 }  // namespace

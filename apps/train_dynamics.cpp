@@ -33,6 +33,7 @@ void train_dynamics(const CommonOptions& options) {
 
   common::Json metrics = rl::to_json(evaluation);
   metrics["split"] = "test";
+  metrics["transitions"] = dataset.transitions();
   metrics["validation_loss"] = result.validation_loss;
   metrics["train_loss"] = result.train_loss;
   metrics["epochs"] = result.epochs;

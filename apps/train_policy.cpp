@@ -7,6 +7,8 @@
 #include "lodestone/common/log.h"
 #include "lodestone/common/run_folder.h"
 #include "lodestone/nets/blas.h"
+#include "lodestone/nets/checkpoint.h"
+#include "lodestone/nets/policy.h"
 #include "lodestone/rl/policy_environments.h"
 #include "lodestone/rl/policy_trainer.h"
 #include "verb.h"
@@ -15,6 +17,20 @@ namespace lodestone::apps {
 namespace {
 
 using rl::TrainPolicyConfig;
+
+/// What made the policy, under the keys of summary.json.
+common::Json provenance(const TrainPolicyConfig& config, const rl::PolicyRunResult& result) {
+  common::Json facts = {{"policy",
+                         {{"env_steps", result.env_steps},
+                          {"updates", result.updates},
+                          {"train_seconds", result.train_seconds}}}};
+  if (config.simulator != "mbs") return facts;
+  const common::Json metrics =
+      nets::load_checkpoint(config.dynamics, "dynamics").facts.value("metrics", common::Json::object());
+  if (metrics.contains("transitions")) facts["collect"]["transitions"] = metrics["transitions"];
+  if (metrics.contains("position_rms_mm")) facts["dynamics"]["position_rms_mm"] = metrics["position_rms_mm"];
+  return facts;
+}
 
 void train_policy(const CommonOptions& options) {
   auto config = resolve_config<TrainPolicyConfig>(options);
@@ -31,6 +47,7 @@ void train_policy(const CommonOptions& options) {
   common::start_run_folder(options.out, "train-policy", json, config.seed, options.resume);
   const rl::PolicyRunResult result =
       rl::train_policy(config, *environments.training, *environments.evaluation, options.out, options.resume);
+  nets::set_policy_provenance(options.out + "/checkpoint", provenance(config, result));
   common::write_file_atomically(result_file, result.json().dump(2) + "\n");
   common::log_info("wrote " + options.out + "/checkpoint and result.json");
   std::printf("%s\n", result.json().dump().c_str());

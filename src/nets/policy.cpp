@@ -92,10 +92,17 @@ void save_policy(const std::string& folder, const Policy& policy, const Json& ru
   checkpoint.facts["action"] = common::config_to_json(policy.action);
   checkpoint.facts["goal"] = policy.goal;
   checkpoint.facts["metrics"] = metrics;
+  checkpoint.facts["provenance"] = policy.provenance;
   checkpoint.parts["actor"] = module_tensors(*policy.actor);
   Actor actor = policy.actor;
   const torch::Tensor observation = example_observations(task::ObservationEncoder(policy.encoder).size());
   checkpoint.parts["examples"] = {{"observation", observation}, {"action", actor->forward(observation)}};
+  save_checkpoint(folder, checkpoint);
+}
+
+void set_policy_provenance(const std::string& folder, const Json& provenance) {
+  Checkpoint checkpoint = load_checkpoint(folder, kKind);
+  checkpoint.facts["provenance"] = provenance;
   save_checkpoint(folder, checkpoint);
 }
 
@@ -108,6 +115,7 @@ Policy load_policy(const std::string& folder) {
     policy.encoder = common::config_from_json<task::EncoderConfig>(checkpoint.facts.at("encoder"), what);
     policy.action = common::config_from_json<task::ActionConfig>(checkpoint.facts.at("action"), what);
     policy.goal = checkpoint.facts.at("goal").get<std::string>();
+    policy.provenance = checkpoint.facts.value("provenance", Json::object());
   } catch (const Json::exception& error) {
     throw CheckpointError(what + ": facts are malformed: " + error.what());
   } catch (const common::ConfigError& error) {

@@ -50,11 +50,15 @@ struct Policy {
   task::EncoderConfig encoder;
   task::ActionConfig action;
   std::string goal = "point";  ///< task it was trained for
+  /// Figures of the run that made it ("collect", "dynamics", "policy"), which deploy repeats beside its own.
+  common::Json provenance = common::Json::object();
 };
 
 /// Checkpoint of kind "policy" with example inputs and outputs, which load_policy recomputes (within 1e-5).
 void save_policy(const std::string& folder, const Policy& policy, const common::Json& run_config,
                  const common::Json& metrics);
+/// Writes Policy::provenance into a policy checkpoint that is there.
+void set_policy_provenance(const std::string& folder, const common::Json& provenance);
 /// Throws CheckpointError.
 Policy load_policy(const std::string& folder);
 
