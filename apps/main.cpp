@@ -17,36 +17,16 @@ int run(int argc, char** argv) {
       "the rig with it. Start with scripts/quickstart, or see `lodestone VERB --help`.");
   program.require_subcommand(1);
   lodestone::apps::ConfigCatalogue catalogue;
-#ifdef LODESTONE_VERB_collect
   lodestone::apps::add_collect(program, catalogue);
-#endif
-#ifdef LODESTONE_VERB_import
   lodestone::apps::add_import(program, catalogue);
-#endif
-#ifdef LODESTONE_VERB_train_dynamics
   lodestone::apps::add_train_dynamics(program, catalogue);
-#endif
-#ifdef LODESTONE_VERB_train_policy
   lodestone::apps::add_train_policy(program, catalogue);
-#endif
-#ifdef LODESTONE_VERB_deploy
   lodestone::apps::add_deploy(program, catalogue);
-#endif
-#ifdef LODESTONE_VERB_evaluate
   lodestone::apps::add_evaluate(program, catalogue);
-#endif
-#ifdef LODESTONE_VERB_rig
   lodestone::apps::add_rig(program, catalogue);
-#endif
-#ifdef LODESTONE_VERB_bench
   lodestone::apps::add_bench(program, catalogue);
-#endif
-#ifdef LODESTONE_VERB_report
   lodestone::apps::add_report(program, catalogue);
-#endif
-#ifdef LODESTONE_VERB_config
   lodestone::apps::add_config(program, catalogue);
-#endif
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -16,13 +16,6 @@ endif()
 function(lodestone_module name)
   cmake_parse_arguments(ARG "TORCH" "" "SOURCES;DEPENDS;LIBRARIES;PRIVATE_LIBRARIES" ${ARGN})
   set(target lodestone_${name})
-  file(GLOB present RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} CONFIGURE_DEPENDS *.cpp)  # SCAFFOLD
-  foreach(source IN LISTS ARG_SOURCES)  # SCAFFOLD
-    if(NOT EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${source} AND NOT IS_ABSOLUTE ${source})  # SCAFFOLD
-      message(STATUS "${name}: ${source} is not there yet")  # SCAFFOLD
-      list(REMOVE_ITEM ARG_SOURCES ${source})  # SCAFFOLD
-    endif()  # SCAFFOLD
-  endforeach()  # SCAFFOLD
   if(ARG_SOURCES)
     add_library(${target} STATIC ${ARG_SOURCES})
     set(scope PUBLIC)
@@ -37,9 +30,7 @@ function(lodestone_module name)
   target_include_directories(${target} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
                              $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   foreach(dependency IN LISTS ARG_DEPENDS)
-    if(TARGET lodestone::${dependency})  # SCAFFOLD
     target_link_libraries(${target} ${scope} lodestone::${dependency})
-    endif()  # SCAFFOLD
   endforeach()
   target_link_libraries(${target} ${scope} ${ARG_LIBRARIES})
   if(ARG_TORCH)
