@@ -1,7 +1,7 @@
 #include "lodestone/rig/field_map.h"
 
 #include <algorithm>
-#include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -25,10 +25,12 @@ const char* const kCoilNames[] = {"+x", "-x", "+y", "-y"};
   throw common::DataError(file + ":" + std::to_string(line) + ":" + std::to_string(column) + ": " + what);
 }
 
+/// Shortest text that reads back as the same number.
 std::string full_precision(double value) {
   char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.17g", value);
-  return buffer;
+  const double plain = value == 0.0 ? 0.0 : value;  // no "-0"
+  const std::to_chars_result end = std::to_chars(buffer, buffer + sizeof buffer, plain);
+  return std::string(buffer, end.ptr);
 }
 
 /// One number that ends at `end`; `begin` counts from 0 within the line.
@@ -162,10 +164,9 @@ void write_field_plot(const std::string& file, const physics::CoilGeometry& geom
   }
   cv::rectangle(image, cv::Rect(kLeft, kTop, kSide, kSide), black, 1);
 
-  label(std::string("Field of coil ") + kCoilNames[coil] +
-            " per ampere in the dish plane (white circle: dish wall, arrows: direction" +
-            (points_m.empty() ? ")" : ", red: points asked for)"),
-        {kLeft, 36}, 0.6);
+  label(std::string("Coil ") + kCoilNames[coil] + ": field per ampere in the dish plane; circle: dish wall" +
+            (points_m.empty() ? "" : "; red: points asked for"),
+        {kLeft, 24}, 0.6);
   const int step_mm = reach_m > 0.1 ? 50 : reach_m > 0.03 ? 10 : 2;
   for (int mm = -static_cast<int>(reach_m * 1e3) / step_mm * step_mm; mm * 1e-3 <= reach_m; mm += step_mm) {
     const cv::Point below(pixel(mm * 1e-3, 0.0).x, kTop + kSide);
