@@ -40,11 +40,16 @@ check(["import", "missing.csv", "--out", "run.h5"], 1, "missing.csv")
 check(["evaluate", "dynamics", "--checkpoint", "missing", "--data", "missing.h5"], 1, "missing")
 check(["config", "--print", "nothing"], 2, "nothing", "collect")
 
-# Presets are read by their verbs without a complaint: --print shows them, and `check` would name an unknown key.
 for verb in ("collect", "train-dynamics", "train-policy", "deploy"):
     made = subprocess.run([program, "config", "--print", verb], capture_output=True, text=True)
     if made.returncode != 0 or "meaning" not in made.stdout or "seed" not in made.stdout:
         failures.append(f"config --print {verb}: {made.stdout!r} {made.stderr!r}")
+
+# Every preset is read without a complaint: the first thing missing is --out.
+for preset in sorted((source / "configs").glob("*/*.json")):
+    verb = {"collect": "collect", "dynamics": "train-dynamics", "policy": "train-policy", "deploy": "deploy"}[
+        preset.stem.split("_")[0]]
+    check([verb, "--config", str(preset)], 2, "--out")
 
 print("\n".join(failures) or "every bad input was reported in one line")
 sys.exit(bool(failures))

@@ -70,6 +70,9 @@ with tempfile.TemporaryDirectory() as name:
     deploy = ("deploy", "--config", configs / "deploy.json", "--task", "all", "--trials", "2", "--rig", "both",
               "--controller", "both")
     run(*deploy, "--policy", policy / "checkpoint", "--out", root / "deploy")
+    of_deploy = json.loads((root / "deploy" / "summary.json").read_text())
+    assert of_deploy["collect"]["transitions"] == 800 and of_deploy["policy"]["updates"] > 0, of_deploy.keys()
+    assert of_deploy["dynamics"]["position_rms_mm"] > 0.0
     run("report", "--run", root, "--out", root / "report.html")
     summary = json.loads((root / "summary.json").read_text())
     for task in ("centre", "point", "square", "circle"):
