@@ -10,11 +10,21 @@ namespace {
 
 constexpr int kUsageError = 2;
 
+/// Names a verb that does not exist, which the parser would only call missing.
+void check_verb(const CLI::App& program, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::string known;
+  for (const CLI::App* verb : program.get_subcommands([](const CLI::App*) { return true; })) {
+    if (verb->get_name() == argv[1]) return;
+    known += (known.empty() ? "" : ", ") + verb->get_name();
+  }
+  throw lodestone::common::ConfigError("unknown verb " + std::string(argv[1]) + "; verbs are " + known);
+}
+
 int run(int argc, char** argv) {
   CLI::App program(
-      "Lodestone: learns a simulator of a magnetic rig from recorded motion, trains a controller in it, and "
-      "drives\n"
-      "the rig with it. Start with scripts/quickstart, or see `lodestone VERB --help`.");
+      "Lodestone: learns a simulator of a magnetic rig from recorded motion, trains a controller in it,\n"
+      "and drives the rig with it. Start with scripts/quickstart, or see `lodestone VERB --help`.");
   program.require_subcommand(1);
   lodestone::apps::ConfigCatalogue catalogue;
   lodestone::apps::add_collect(program, catalogue);
@@ -27,6 +37,7 @@ int run(int argc, char** argv) {
   lodestone::apps::add_bench(program, catalogue);
   lodestone::apps::add_report(program, catalogue);
   lodestone::apps::add_config(program, catalogue);
+  check_verb(program, argc, argv);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

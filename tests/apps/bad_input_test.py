@@ -38,6 +38,7 @@ check(["train-policy", "--set", "td3.discount=2", "--out", "run"], 2, "td3.disco
 check(["deploy", "--policy", "missing", "--task", "centre", "--out", "run"], 1, "missing")
 check(["import", "missing.csv", "--out", "run.h5"], 1, "missing.csv")
 check(["evaluate", "dynamics", "--checkpoint", "missing", "--data", "missing.h5"], 1, "missing")
+check(["colect", "--out", "run"], 2, "unknown verb colect", "collect")
 check(["config", "--print", "nothing"], 2, "nothing", "collect")
 
 for verb in ("collect", "train-dynamics", "train-policy", "deploy"):
