@@ -30,7 +30,8 @@ struct LensConfig {
 
 CameraModel nominal_camera(const LensConfig& lens);
 
-/// What may differ from one bench, day or picture to the next. Every factor is drawn uniformly from its range.
+/// What may differ from one bench, day or picture to the next. Every factor is drawn uniformly from its
+/// range.
 struct SceneConfig {
   LensConfig lens;
   BenchGeometry bench;
