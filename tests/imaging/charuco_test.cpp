@@ -1,0 +1,107 @@
+#include "lodestone/imaging/charuco.h"
+
+#include <catch2/catch.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+#include "temporary_folder.h"
+
+using namespace lodestone;
+
+namespace {
+
+imaging::CameraModel true_camera() {
+  imaging::CameraModel camera;
+  camera.width_px = 640;
+  camera.height_px = 512;
+  camera.focal_px = 2300.0;
+  camera.centre_u_px = 325.0;
+  camera.centre_v_px = 251.0;
+  camera.k1 = 0.5;
+  camera.translation_m = {0.0, 0.0, 0.40};
+  return camera;
+}
+
+/// The board lying on the floor, seen by `camera`, on grey.
+cv::Mat picture_of_board(const imaging::CharucoConfig& config, const imaging::CameraModel& camera) {
+  imaging::CharucoConfig coarse = config;
+  coarse.dpi = 300.0;
+  const cv::Mat board = imaging::draw_charuco(coarse);
+  const double pixels_per_m = board.cols / (config.square_m * static_cast<double>(config.squares_x + 2));
+  cv::Mat map(static_cast<int>(camera.height_px), static_cast<int>(camera.width_px), CV_32FC2);
+  for (int v = 0; v < map.rows; ++v) {
+    for (int u = 0; u < map.cols; ++u) {
+      const geometry::Vector2 point = camera.to_dish({u, v});
+      map.at<cv::Vec2f>(v, u) = {static_cast<float>(0.5 * (board.cols - 1) + pixels_per_m * point.x()),
+                                 static_cast<float>(0.5 * (board.rows - 1) - pixels_per_m * point.y())};
+    }
+  }
+  cv::Mat soft;
+  cv::GaussianBlur(board, soft, {}, 1.0);
+  cv::Mat image;
+  cv::remap(soft, image, map, {}, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(128));
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("the printed board holds its resolution and reads back") {
+  const tests::TemporaryFolder folder;
+  const imaging::CharucoConfig config;
+  imaging::write_charuco(folder / "board.png", config);
+  const cv::Mat board = cv::imread(folder / "board.png", cv::IMREAD_GRAYSCALE);
+  REQUIRE(board.cols == 10 * 189);  // 8 mm at 600 dpi are 189 pixels
+  const std::string bytes = common::read_file(folder / "board.png");
+  const std::size_t at = bytes.find("pHYs");
+  REQUIRE(at != std::string::npos);
+  const auto byte = [&](std::size_t i) {
+    return static_cast<unsigned>(static_cast<unsigned char>(bytes[i]));
+  };
+  CHECK(((byte(at + 4) << 24) | (byte(at + 5) << 16) | (byte(at + 6) << 8) | byte(at + 7)) == 23625);
+}
+
+TEST_CASE("corners are named by their place on the print") {
+  const imaging::CharucoConfig config;
+  const imaging::CameraModel camera = true_camera();
+  const imaging::CharucoCorners corners = imaging::detect_charuco(picture_of_board(config, camera), config);
+  REQUIRE(corners.ids.size() == 35);
+  for (std::size_t i = 0; i < corners.ids.size(); ++i)
+    CHECK((camera.project_floor(corners.board_m[i]) - corners.pixels[i]).norm() < 0.15);
+}
+
+TEST_CASE("pictures of the board give intrinsics, distortion and pose") {
+  const imaging::CharucoConfig config;
+  const imaging::CameraModel camera = true_camera();
+  std::vector<cv::Mat> pictures;
+  std::vector<imaging::CameraModel> poses;
+  for (const Eigen::Vector3d& turn :
+       {Eigen::Vector3d(0.0, 0.0, 0.05), Eigen::Vector3d(0.45, 0.0, 0.0), Eigen::Vector3d(-0.45, 0.1, 0.3),
+        Eigen::Vector3d(0.0, 0.45, -0.2), Eigen::Vector3d(0.1, -0.45, 0.1), Eigen::Vector3d(0.3, 0.3, 0.8)}) {
+    poses.push_back(imaging::moved(camera, turn, {0.004 * turn.x(), 0.003, 0.01 * turn.z()}));
+    pictures.push_back(picture_of_board(config, poses.back()));
+  }
+  const imaging::CharucoFit fit = imaging::fit_charuco(pictures, config);
+  CHECK(fit.used.size() == pictures.size());
+  CHECK(fit.rms_px < 0.1);
+  CHECK(fit.camera.focal_px == Approx(camera.focal_px).epsilon(0.005));
+  CHECK(fit.camera.centre_u_px == Approx(camera.centre_u_px).margin(10.0));
+  CHECK(fit.camera.centre_v_px == Approx(camera.centre_v_px).margin(10.0));
+  CHECK(fit.camera.k1 == Approx(camera.k1).margin(0.1));
+  const imaging::CameraModel posed = imaging::charuco_pose(pictures[1], config, fit.camera);
+  for (const double x : {-0.03, 0.0, 0.03}) {
+    const geometry::Vector2 point(x, 0.02);
+    CHECK((posed.to_dish(poses[1].project_floor(point)) - point).norm() < 5e-5);
+  }
+}
+
+TEST_CASE("pictures without a board are refused with the remedy") {
+  const imaging::CharucoConfig config;
+  const std::vector<cv::Mat> empty(4, cv::Mat(512, 640, CV_8UC1, cv::Scalar(128)));
+  CHECK_THROWS_WITH(imaging::fit_charuco(empty, config), Catch::Contains("0 of 4 pictures"));
+  CHECK_THROWS_AS(imaging::charuco_pose(empty[0], config, {}), common::DataError);
+  imaging::CharucoConfig wrong;
+  wrong.marker_m = wrong.square_m;
+  CHECK_THROWS_AS(imaging::draw_charuco(wrong), common::ConfigError);
+}
