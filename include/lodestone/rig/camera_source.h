@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "lodestone/common/config.h"
+#include "lodestone/rig/camera.h"
+
+namespace lodestone::rig {
+
+/// Which camera looks at the dish, and how it is set.
+struct CameraSourceConfig {
+  std::string kind = "files";
+  std::string source;
+  std::int64_t width_px = 1280;
+  std::int64_t height_px = 1024;
+  double frame_rate_hz = 30.0;
+  double exposure_s = 0.008;
+  double gain = -1.0;
+  std::string pixel_format;
+  double latency_s = 0.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("kind", kind, "", "pictures or a video from disk, a USB (UVC) camera, or a GenICam camera",
+            {"files", "uvc", "genicam"});
+    v.field(
+        "source", source, "",
+        "files: folder, pattern, picture or video; uvc: number or /dev path; genicam: name, empty for the "
+        "first one found");
+    v.field("width_px", width_px, "px", "width of the picture", {16, 16384});
+    v.field("height_px", height_px, "px", "height of the picture", {16, 16384});
+    v.field("frame_rate_hz", frame_rate_hz, "Hz", "pictures per second", {0.1, 1000.0});
+    v.field("exposure_s", exposure_s, "s", "exposure; 0 leaves it to the camera", {0.0, 1.0});
+    v.field("gain", gain, "", "uvc: in the driver's units; genicam: in dB; below 0 leaves it to the camera",
+            {-1.0, 1000.0});
+    v.field("pixel_format", pixel_format, "",
+            "uvc: four letters such as MJPG; genicam: such as BayerRG8; empty chooses");
+    v.field("latency_s", latency_s, "s", "from the end of the exposure to the picture's arrival", {0.0, 1.0});
+  }
+};
+
+/// Opens the camera that `config` names. Throws ConfigError when this build has no such kind, IoError when a
+/// file is missing, HardwareError when a device is missing, busy, forbidden or refuses its settings.
+std::unique_ptr<Camera> open_camera(const CameraSourceConfig& config);
+
+}  // namespace lodestone::rig

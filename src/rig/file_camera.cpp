@@ -1,0 +1,133 @@
+#include "lodestone/rig/file_camera.h"
+
+#include <glob.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdint>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+#include <set>
+#include <vector>
+
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+
+namespace lodestone::rig {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_picture(const fs::path& file) {
+  static const std::set<std::string> kEndings = {".png",  ".jpg", ".jpeg", ".bmp", ".tif",
+                                                 ".tiff", ".ppm", ".pgm",  ".webp"};
+  std::string ending = file.extension().string();
+  for (char& letter : ending) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  return kEndings.count(ending) != 0;
+}
+
+std::vector<std::string> pictures_of_folder(const std::string& folder) {
+  std::vector<std::string> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.is_regular_file() && is_picture(entry.path())) files.push_back(entry.path().string());
+  }
+  std::sort(files.begin(), files.end());
+  if (files.empty())
+    throw common::IoError("no pictures in folder " + folder + " (png, jpg, bmp, tif, ppm, webp)");
+  return files;
+}
+
+std::vector<std::string> pictures_of_pattern(const std::string& pattern) {
+  glob_t found{};
+  std::vector<std::string> files;
+  if (::glob(pattern.c_str(), 0, nullptr, &found) == 0)
+    files.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
+  ::globfree(&found);
+  std::sort(files.begin(), files.end());
+  if (files.empty())
+    throw common::IoError("no file matches " + pattern + "; check the folder and the pattern");
+  return files;
+}
+
+/// Decodes one file as it is stored. Throws HardwareError: for a run, a picture that is broken is a camera
+/// that fails.
+cv::Mat decode(const std::string& file) {
+  cv::Mat image;
+  try {
+    const std::string bytes = common::read_file(file);
+    if (!bytes.empty()) {
+      const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+      image = cv::imdecode(raw, cv::IMREAD_UNCHANGED);
+    }
+  } catch (const cv::Exception&) {
+    image.release();
+  } catch (const common::IoError& error) {
+    throw common::HardwareError(error.what());
+  }
+  if (image.empty()) throw common::HardwareError("cannot decode the picture " + file + "; is it complete?");
+  if (image.channels() == 4) cv::cvtColor(image, image, cv::COLOR_BGRA2BGR);
+  return image;
+}
+
+}  // namespace
+
+struct FileCamera::Source {
+  std::string name;
+  std::vector<std::string> files;  ///< empty for a video
+  cv::VideoCapture video;
+  double frame_rate_hz = 0.0;
+  std::int64_t handed_out = 0;
+
+  void open() {
+    if (fs::is_directory(name)) {
+      files = pictures_of_folder(name);
+    } else if (!fs::exists(name)) {
+      if (name.find_first_of("*?[") == std::string::npos)
+        throw common::IoError("no such file or folder: '" + name + "', give pictures or a video to read");
+      files = pictures_of_pattern(name);
+    } else if (is_picture(name)) {
+      files = {name};
+    } else if (!video.open(name, cv::CAP_FFMPEG)) {
+      throw common::IoError("cannot read " + name +
+                            " as a video; give pictures, or a video such as .mp4 or .avi");
+    }
+  }
+
+  cv::Mat next() {
+    cv::Mat image;
+    if (!files.empty()) {
+      if (handed_out < static_cast<std::int64_t>(files.size())) image = decode(files[handed_out]);
+    } else {
+      video.read(image);
+    }
+    if (image.empty()) {
+      throw common::HardwareError("camera " + name + " has no more pictures after " +
+                                  std::to_string(handed_out));
+    }
+    return image;
+  }
+};
+
+FileCamera::FileCamera(const std::string& source, double frame_rate_hz)
+    : source_(std::make_unique<Source>()) {
+  if (!(frame_rate_hz > 0.0)) {
+    throw common::ConfigError("frame_rate_hz = " + std::to_string(frame_rate_hz) + ", must be positive");
+  }
+  source_->name = source;
+  source_->frame_rate_hz = frame_rate_hz;
+  source_->open();
+}
+
+FileCamera::~FileCamera() = default;
+
+imaging::Frame FileCamera::grab(double /*timeout_s*/) {
+  imaging::Frame frame;
+  frame.image = source_->next();
+  frame.stamp_s = static_cast<double>(source_->handed_out) / source_->frame_rate_hz;
+  ++source_->handed_out;
+  return frame;
+}
+
+}  // namespace lodestone::rig
