@@ -27,4 +27,9 @@ void MetricsLog::write(std::int64_t step, const Scalars& scalars) {
   events_->write(step, scalars);
 }
 
+void MetricsLog::write_image(std::int64_t step, const std::string& tag, std::string_view png,
+                             std::int64_t width, std::int64_t height) {
+  events_->write_image(step, tag, png, width, height);
+}
+
 }  // namespace lodestone::common

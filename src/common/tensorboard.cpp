@@ -50,8 +50,11 @@ std::string varint(std::uint64_t value) {
 std::string tag(int field, int wire_type) {
   return varint(static_cast<std::uint64_t>(field << 3 | wire_type));
 }
-std::string bytes_field(int field, const std::string& value) {
-  return tag(field, 2) + varint(value.size()) + value;
+std::string bytes_field(int field, std::string_view value) {
+  return (tag(field, 2) + varint(value.size())).append(value);
+}
+std::string number_field(int field, std::int64_t value) {
+  return tag(field, 0) + varint(static_cast<std::uint64_t>(value));
 }
 
 double unix_time_s() {
@@ -73,13 +76,27 @@ void TensorBoardWriter::write(std::int64_t step, const std::vector<std::pair<std
   for (const auto& [name, value] : scalars) {
     summary += bytes_field(1, bytes_field(1, name) + tag(2, 5) + little_endian(static_cast<float>(value)));
   }
-  write_record(tag(1, 1) + little_endian(unix_time_s()) + tag(2, 0) +
-               varint(static_cast<std::uint64_t>(step)) + bytes_field(5, summary));
+  write_summary(step, summary);
+}
+
+void TensorBoardWriter::write_image(std::int64_t step, const std::string& name, std::string_view png,
+                                    std::int64_t width, std::int64_t height) {
+  LODESTONE_CHECK(png.substr(0, 8) == "\x89PNG\r\n\x1a\n" && width > 0 && height > 0,
+                  "picture '" + name + "' must be a PNG of positive size");
+  // Summary.Image: height, width, colorspace (3 = RGB), encoded picture.
+  const std::string image =
+      number_field(1, height) + number_field(2, width) + number_field(3, 3) + bytes_field(4, png);
+  write_summary(step, bytes_field(1, bytes_field(1, name) + bytes_field(4, image)));
+}
+
+void TensorBoardWriter::write_summary(std::int64_t step, const std::string& summary) {
+  write_record(tag(1, 1) + little_endian(unix_time_s()) + number_field(2, step) + bytes_field(5, summary));
 }
 
 void TensorBoardWriter::write_record(const std::string& event) {
   const std::string length = little_endian<std::uint64_t>(event.size());
   file_ << length << masked_crc(length) << event << masked_crc(event) << std::flush;
+  if (!file_) throw IoError("cannot write the TensorBoard events: is the disk full?");
 }
 
 }  // namespace lodestone::common

@@ -3,20 +3,26 @@
 #include <cstdint>
 #include <fstream>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 namespace lodestone::common {
 
-/// Writes scalars as a TensorBoard event file (TFRecord framing with masked CRC-32C around Event messages;
-/// format: tensorflow/core/util/event.proto and lib/io/record_writer).
+/// Writes scalars and pictures as a TensorBoard event file (TFRecord framing with masked CRC-32C around Event
+/// messages; format: tensorflow/core/util/event.proto and lib/io/record_writer).
 class TensorBoardWriter {
  public:
   /// Creates `folder`/events.out.tfevents.<time>.lodestone. Throws IoError.
   explicit TensorBoardWriter(const std::string& folder);
+  /// Throws IoError when the disk is full, as write_image() does.
   void write(std::int64_t step, const std::vector<std::pair<std::string, double>>& scalars);
+  /// `png`: a whole PNG file of 8-bit RGB, `width` x `height` pixels. Throws LogicFault when it is no PNG.
+  void write_image(std::int64_t step, const std::string& tag, std::string_view png, std::int64_t width,
+                   std::int64_t height);
 
  private:
+  void write_summary(std::int64_t step, const std::string& summary);
   void write_record(const std::string& event);
   std::ofstream file_;
 };
