@@ -5,6 +5,7 @@
 #include "lodestone/nets/blas.h"
 #include "lodestone/nets/dynamics.h"
 #include "lodestone/rl/dynamics_evaluation.h"
+#include "lodestone/vision/segmenter_evaluation.h"
 #include "verb.h"
 
 namespace lodestone::apps {
@@ -24,6 +25,53 @@ void evaluate_dynamics(const EvaluateOptions& options) {
       rl::to_json(rl::evaluate_dynamics(model, rl::select_split(model, dataset, options.split)));
   json["split"] = options.split;
   std::printf("%s\n", json.dump(2).c_str());
+}
+
+struct SegmenterOptions {
+  std::string checkpoint;
+  std::int64_t frames = 1000;
+  std::int64_t seed = 1;
+  std::int64_t threads = 0;
+  double widen = 0.25;
+};
+
+void evaluate_segmenter(const SegmenterOptions& options) {
+  nets::use_one_blas_thread();
+  const auto segmenter = vision::Segmenter::load(options.checkpoint);
+  const imaging::SceneConfig scenes =
+      imaging::widened(vision::training_scenes(options.checkpoint), options.widen);
+  vision::LocaliserConfig localiser;
+  localiser.rod = vision::rod_of(scenes.bench);
+  common::ThreadPool pool(static_cast<std::size_t>(options.threads));
+  common::Json json = vision::to_json(vision::evaluate_segmenter(
+      segmenter, scenes, localiser, options.frames, static_cast<std::uint64_t>(options.seed), pool));
+  json["ranges_widened_by"] = options.widen;
+  std::printf("%s\n", json.dump(2).c_str());
+}
+
+void add_segmenter(CLI::App& verb) {
+  CLI::App* segmenter = verb.add_subcommand(
+      "segmenter",
+      "errors of whole localisation, in mm and degrees, over rendered pictures of benches unlike any "
+      "in training, clean and partly covered");
+  auto options = std::make_shared<SegmenterOptions>();
+  segmenter->add_option("--checkpoint", options->checkpoint, "folder of the segmenter checkpoint")
+      ->type_name("DIR")
+      ->required();
+  segmenter->add_option("--frames", options->frames, "scenes; each is seen clean and partly covered")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  segmenter->add_option("--seed", options->seed, "seed of the scenes")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  segmenter->add_option("--threads", options->threads, "threads; 0 means one per processor")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  segmenter
+      ->add_option("--widen", options->widen, "how much longer every range of the scenes is than in training")
+      ->check(CLI::Range(0.0, 2.0))
+      ->capture_default_str();
+  segmenter->callback([options] { evaluate_segmenter(*options); });
 }
 
 }  // namespace
@@ -47,6 +95,7 @@ void add_evaluate(CLI::App& program, ConfigCatalogue&) {
           "all rows, or the test rows that were set aside when the checkpoint was trained on this file")
       ->check(CLI::IsMember({"all", "test"}))
       ->capture_default_str();
+  add_segmenter(*verb);
   dynamics->callback([options] { evaluate_dynamics(*options); });
 }
 

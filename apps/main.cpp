@@ -29,6 +29,7 @@ int run(int argc, char** argv) {
   lodestone::apps::ConfigCatalogue catalogue;
   lodestone::apps::add_collect(program, catalogue);
   lodestone::apps::add_import(program, catalogue);
+  lodestone::apps::add_train_segmenter(program, catalogue);
   lodestone::apps::add_train_dynamics(program, catalogue);
   lodestone::apps::add_train_policy(program, catalogue);
   lodestone::apps::add_deploy(program, catalogue);

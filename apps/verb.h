@@ -47,6 +47,7 @@ using ConfigCatalogue = std::map<std::string, std::function<std::vector<common::
 /// common::describe_config<CollectConfig>(); }.
 void add_collect(CLI::App& program, ConfigCatalogue& catalogue);
 void add_import(CLI::App& program, ConfigCatalogue& catalogue);
+void add_train_segmenter(CLI::App& program, ConfigCatalogue& catalogue);
 void add_train_dynamics(CLI::App& program, ConfigCatalogue& catalogue);
 void add_train_policy(CLI::App& program, ConfigCatalogue& catalogue);
 void add_deploy(CLI::App& program, ConfigCatalogue& catalogue);

@@ -47,6 +47,21 @@ void SceneConfig::validate() const {
   copy.visit(checker);
 }
 
+SceneConfig widened(SceneConfig config, double share) {
+  struct Widener {
+    double share;
+    void field(const char*, std::vector<double>& range, const char*, const char*, common::Bounds bounds) {
+      const double extra = 0.5 * share * (range[1] - range[0]);
+      range[0] = std::max(range[0] - extra, bounds.min);
+      range[1] = std::min(range[1] + extra, bounds.max);
+    }
+    void group(const char*, LensConfig&, const char*) {}
+    void group(const char*, BenchGeometry&, const char*) {}
+  } widener{share};
+  config.visit(widener);
+  return config;
+}
+
 Scene draw_scene(const SceneConfig& config, std::uint64_t seed) {
   common::RandomStream random(seed, "scene");
   Scene scene;

@@ -17,10 +17,11 @@ LADDER = {
     "task": {"geometry"},
     "imaging": {"geometry"},
     "nets": {"geometry", "data", "task"},
+    "vision": {"nets", "imaging", "geometry"},
     "rig": {"physics", "imaging", "data", "geometry"},
     "env": {"physics", "task", "data", "nets", "geometry"},
     "rl": {"env", "nets", "data", "task", "geometry"},
-    "control": {"rig", "physics", "imaging", "data", "task", "nets", "geometry"},
+    "control": {"rig", "vision", "physics", "imaging", "data", "task", "nets", "geometry"},
     "report": {"data", "geometry"},
 }
 WITHOUT_TORCH = {"common", "geometry", "physics", "data", "task", "imaging", "rig", "report"}

@@ -94,6 +94,9 @@ struct SceneConfig {
   void validate() const;
 };
 
+/// Every range longer by `share` of its length, half of it on either side, as far as the keys' bounds allow.
+SceneConfig widened(SceneConfig config, double share);
+
 /// Colour as blue, green, red, 1 is white.
 using Colour = std::array<float, 3>;
 

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+
+#include "lodestone/imaging/dish_view.h"
+#include "lodestone/vision/rod_fit.h"
+#include "lodestone/vision/segmenter.h"
+
+namespace lodestone::vision {
+
+struct LocaliserConfig {
+  double crop_m = 0.0512;
+  RodConfig rod;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("crop_m", crop_m, "m", "side of the square around the last pose that is searched while tracking",
+            {0.001, 0.5});
+    v.group("rod", rod, "the needle, and what counts as seeing it");
+  }
+};
+
+struct Localisation : Rod {
+  bool tracked = false;  ///< found near the last pose; otherwise the whole dish was searched
+};
+
+/// Camera picture -> pose. Looks around the last pose first, and over the whole dish when it is not there.
+class Localiser {
+ public:
+  Localiser(std::shared_ptr<const Segmenter> segmenter, const imaging::CameraModel& camera,
+            double dish_radius_m, const LocaliserConfig& config);
+
+  /// `picture`: [height, width] 8-bit BGR of the calibrated camera. Throws DataError when it has another
+  /// size.
+  Localisation locate(const cv::Mat& picture);
+  /// The next picture is searched as a whole, or around `near_m`.
+  void forget() { last_m_.reset(); }
+  void expect(const geometry::Vector2& near_m) { last_m_ = near_m; }
+
+ private:
+  Localisation look(const cv::Mat& picture, const cv::Rect& area) const;
+  bool inside(const geometry::Pose2& pose, const cv::Rect& area) const;
+
+  std::shared_ptr<const Segmenter> segmenter_;
+  LocaliserConfig config_;
+  imaging::DishView view_;
+  std::optional<geometry::Vector2> last_m_;
+};
+
+}  // namespace lodestone::vision

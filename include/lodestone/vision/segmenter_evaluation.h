@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "lodestone/common/config.h"
+#include "lodestone/common/thread_pool.h"
+#include "lodestone/imaging/scene.h"
+#include "lodestone/vision/localiser.h"
+#include "lodestone/vision/segmenter.h"
+
+namespace lodestone::vision {
+
+/// How well poses are found over some pictures.
+struct LocalisationScore {
+  double position_rms_mm = 0.0;  ///< over pictures with a pose
+  double position_p95_mm = 0.0;
+  double position_max_mm = 0.0;
+  double heading_rms_deg = 0.0;  ///< over pictures with a pose that is not flipped
+  std::int64_t flips = 0;        ///< poses with head and tail the wrong way round
+  std::int64_t poses = 0;
+  std::int64_t n = 0;
+  /// Mean squared error over the covariance the localiser states, per dimension: 1 is honest, more is too
+  /// sure.
+  double normalised_error = 0.0;
+  std::map<std::string, std::int64_t> refusals;  ///< pictures without a pose, by reason
+};
+
+struct SegmenterEvaluation {
+  LocalisationScore clean;            ///< nothing covers the needle
+  LocalisationScore occluded;         ///< 5 to 40 % of its length covered
+  LocalisationScore tracked;          ///< clean, searched around a place up to 10 mm off
+  double ms_per_frame = 0.0;          ///< whole dish, processor time of one core, median
+  double ms_per_tracked_frame = 0.0;  ///< crop around the last pose, likewise
+  double ms_per_rendered_frame = 0.0;
+  double ms_per_scene = 0.0;  ///< rendering of what stays from frame to frame
+};
+
+/// Localises needles in rendered pictures: `frames` scenes from `scenes`, each once clean and once partly
+/// covered; the camera is known. Scenes have random streams of their own: results do not depend on threads.
+SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const Segmenter> segmenter,
+                                       const imaging::SceneConfig& scenes, const LocaliserConfig& localiser,
+                                       std::int64_t frames, std::uint64_t seed, common::ThreadPool& pool);
+
+/// Scenes that a segmenter was trained on. Throws CheckpointError.
+imaging::SceneConfig training_scenes(const std::string& checkpoint_folder);
+
+common::Json to_json(const SegmenterEvaluation& evaluation);
+
+}  // namespace lodestone::vision

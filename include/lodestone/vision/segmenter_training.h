@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "lodestone/common/config.h"
+#include "lodestone/imaging/scene.h"
+#include "lodestone/nets/unet.h"
+#include "lodestone/vision/segmenter.h"
+#include "lodestone/vision/segmenter_samples.h"
+
+namespace lodestone::vision {
+
+/// How the network learns.
+struct SegmenterTrainingConfig {
+  std::int64_t samples = 4000;
+  std::int64_t validation_samples = 400;
+  std::int64_t epochs = 30;
+  std::int64_t batch_size = 32;
+  double learning_rate = 3e-3;
+  double weight_decay = 1e-4;
+  double cross_entropy = 20.0;
+  double dice = 1.0;
+  double brightness_jitter = 0.15;
+  std::int64_t patience = 8;
+  double max_seconds = 0.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("samples", samples, "", "rendered training pictures", {8, 1000000});
+    v.field("validation_samples", validation_samples, "", "rendered pictures to choose weights by",
+            {1, 100000});
+    v.field("epochs", epochs, "", "passes over the training pictures", {1, 10000});
+    v.field("batch_size", batch_size, "pictures", "pictures per step; a multiple of 4", {4, 4096});
+    v.field("learning_rate", learning_rate, "", "largest step size of AdamW; falls along half a cosine",
+            {1e-7, 1.0});
+    v.field("weight_decay", weight_decay, "", "decoupled weight decay", {0.0, 1.0});
+    v.field("cross_entropy", cross_entropy, "", "weight of the cross-entropy of all pixels", {0.0, 1e4});
+    v.field("dice", dice, "", "weight of the Dice losses of needle and tape", {0.0, 1e4});
+    v.field("brightness_jitter", brightness_jitter, "",
+            "augmentation: gain of each colour, drawn for each picture at each use", {0.0, 0.9});
+    v.field("patience", patience, "epochs", "stop after so long without a better validation loss; 0: never",
+            {0, 10000});
+    v.field("max_seconds", max_seconds, "s",
+            "stop after this wall time (the result then depends on the machine); 0: never", {0.0, 1e7});
+  }
+};
+
+/// Everything `lodestone train-segmenter` is told.
+struct TrainSegmenterConfig {
+  std::int64_t seed = 1;
+  std::int64_t threads = 0;
+  SegmenterConfig segmenter;
+  SampleConfig pictures;
+  imaging::SceneConfig scenes;
+  SegmenterTrainingConfig training;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("seed", seed, "", "seed of every random stream of the run", {0, 9e15});
+    v.field("threads", threads, "", "threads; 0 means one per processor", {0, 1024});
+    v.group("segmenter", segmenter, "what is trained");
+    v.group("pictures", pictures, "what the pictures hold");
+    v.group("scenes", scenes, "benches, lights and cameras the pictures are drawn from");
+    v.group("training", training, "how it learns");
+  }
+  /// Throws ConfigError when sizes do not fit the network.
+  void validate() const;
+};
+
+struct SegmenterTrainingResult {
+  nets::UNet network{nullptr};
+  std::int64_t epochs = 0;
+  double train_loss = 0.0;
+  double validation_loss = 0.0;  ///< of the weights that were kept
+  double validation_dice = 0.0;  ///< overlap of predicted and true needle, 1 is perfect
+  double seconds = 0.0;          ///< wall time of this process, rendering included
+};
+
+/// Trains the U-Net on rendered pictures: cross-entropy plus Dice (Milletari et al., 2016), AdamW, flips and
+/// quarter turns and colour gains as augmentation. Each batch is cut into four fixed shards with a batch
+/// normalisation of their own, so that the result depends on the seed and not on threads. Writes metrics,
+/// TensorBoard pictures of predictions and, after every epoch, `folder`/training, from which `resume` goes on
+/// bitwise. Throws ConfigError, CheckpointError, IoError, and Interrupted after saving.
+SegmenterTrainingResult train_segmenter(const TrainSegmenterConfig& config, const std::string& folder,
+                                        bool resume);
+
+}  // namespace lodestone::vision

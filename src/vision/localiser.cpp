@@ -1,0 +1,62 @@
+#include "lodestone/vision/localiser.h"
+
+#include <cmath>
+
+#include "lodestone/common/error.h"
+
+namespace lodestone::vision {
+
+namespace {
+
+/// Both ends must be this far inside the area: what is cut off at its border may be longer than it looks.
+constexpr double kBorder_m = 0.8e-3;
+
+}  // namespace
+
+Localiser::Localiser(std::shared_ptr<const Segmenter> segmenter, const imaging::CameraModel& camera,
+                     double dish_radius_m, const LocaliserConfig& config)
+    : segmenter_(std::move(segmenter)), config_(config), view_(segmenter_->view_of(camera, dish_radius_m)) {}
+
+bool Localiser::inside(const geometry::Pose2& pose, const cv::Rect& area) const {
+  const geometry::Vector2 low = view_.to_dish(area.x, area.y + area.height - 1);
+  const geometry::Vector2 high = view_.to_dish(area.x + area.width - 1, area.y);
+  const geometry::Vector2 half = 0.5 * config_.rod.needle_length_m *
+                                 geometry::Vector2(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
+  for (const double sign : {-1.0, 1.0}) {
+    const geometry::Vector2 end = pose.position_m() + sign * half;
+    const bool seen = (end.array() > low.array() + kBorder_m).all() &&
+                      (end.array() < high.array() - kBorder_m).all() && view_.shows(end);
+    if (!seen) return false;
+  }
+  return true;
+}
+
+Localisation Localiser::look(const cv::Mat& picture, const cv::Rect& area) const {
+  const Evidence evidence = segmenter_->segment(view_.cut(picture, area));
+  Localisation found{fit_rod(evidence, segmenter_->grid_of(view_, area), config_.rod)};
+  if (found.found && !inside(found.pose, area)) {
+    found.found = false;
+    found.reason = "the needle leaves the view";
+  }
+  return found;
+}
+
+Localisation Localiser::locate(const cv::Mat& picture) {
+  if (last_m_) {
+    const int crop_px = static_cast<int>(std::lround(config_.crop_m / view_.pixel_m()));
+    const std::int64_t multiple = segmenter_->config().network.multiple();
+    const cv::Rect area = view_.around(*last_m_, static_cast<int>(crop_px / multiple * multiple));
+    Localisation near = look(picture, area);
+    if (near.found) {
+      near.tracked = true;
+      last_m_ = near.pose.position_m();
+      return near;
+    }
+  }
+  Localisation found = look(picture, view_.whole());
+  last_m_.reset();
+  if (found.found) last_m_ = found.pose.position_m();
+  return found;
+}
+
+}  // namespace lodestone::vision

@@ -1,0 +1,74 @@
+#include "lodestone/vision/segmenter.h"
+
+#include "lodestone/common/error.h"
+#include "lodestone/nets/checkpoint.h"
+
+namespace lodestone::vision {
+
+namespace {
+
+constexpr const char* kKind = "segmenter";
+constexpr const char* kPart = "network";
+
+cv::Mat to_mat(const torch::Tensor& map) {
+  const torch::Tensor values = map.contiguous();
+  return cv::Mat(static_cast<int>(map.size(0)), static_cast<int>(map.size(1)), CV_32F,
+                 values.data_ptr<float>())
+      .clone();
+}
+
+}  // namespace
+
+Segmenter::Segmenter(const SegmenterConfig& config, nets::UNet& network)
+    : config_(config), network_(nets::folded(network)) {}
+
+std::shared_ptr<const Segmenter> Segmenter::load(const std::string& folder) {
+  const nets::Checkpoint checkpoint = nets::load_checkpoint(folder, kKind);
+  const std::string what = "checkpoint " + folder;
+  try {
+    const auto config =
+        common::config_from_json<SegmenterConfig>(checkpoint.facts.at("segmenter"), what + ", segmenter");
+    nets::UNet network(config.network);
+    nets::load_module_tensors(*network, checkpoint.parts.at(kPart), what);
+    return std::make_shared<const Segmenter>(config, network);
+  } catch (const common::Json::exception& error) {
+    throw common::CheckpointError(what + ": facts are malformed: " + error.what());
+  } catch (const std::out_of_range&) {
+    throw common::CheckpointError(what + ": the network is missing");
+  }
+}
+
+Evidence Segmenter::segment(const cv::Mat& view) const {
+  LODESTONE_CHECK(view.type() == CV_8UC3 && view.isContinuous(), "a view of 8-bit BGR");
+  const torch::NoGradGuard no_grad;
+  // Rows of BGR pixels are what LibTorch calls channels last.
+  const torch::Tensor pixels =
+      torch::from_blob(view.data, {1, view.rows, view.cols, 3}, torch::kUInt8).permute({0, 3, 1, 2});
+  const torch::Tensor logits = network_->forward(pixels.to(torch::kFloat32));
+  return {to_mat(logits[0][0]), to_mat(logits[0][1])};
+}
+
+imaging::DishView Segmenter::view_of(const imaging::CameraModel& camera, double dish_radius_m) const {
+  return {camera, dish_radius_m, config_.view_margin_m, config_.view_pixel_m, config_.network.multiple()};
+}
+
+MaskGrid Segmenter::grid_of(const imaging::DishView& view, const cv::Rect& area) const {
+  // A mask pixel covers this many view pixels; its centre is in their middle.
+  const double covers =
+      static_cast<double>(config_.network.stem) / static_cast<double>(config_.network.upscale);
+  const double offset = 0.5 * (covers - 1.0);
+  return {view.to_dish(area.x + offset, area.y + offset), covers * view.pixel_m()};
+}
+
+void save_segmenter(const std::string& folder, const SegmenterConfig& config, const nets::UNet& network,
+                    const common::Json& training, const common::Json& metrics) {
+  nets::Checkpoint checkpoint;
+  checkpoint.kind = kKind;
+  checkpoint.config = training;
+  checkpoint.facts["segmenter"] = common::config_to_json(config);
+  checkpoint.facts["metrics"] = metrics;
+  checkpoint.parts[kPart] = nets::module_tensors(*network);
+  nets::save_checkpoint(folder, checkpoint);
+}
+
+}  // namespace lodestone::vision

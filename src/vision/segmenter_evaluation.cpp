@@ -1,0 +1,193 @@
+#include "lodestone/vision/segmenter_evaluation.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <vector>
+
+#include "lodestone/common/error.h"
+#include "lodestone/common/interrupt.h"
+#include "lodestone/imaging/scene_renderer.h"
+#include "lodestone/nets/checkpoint.h"
+#include "lodestone/vision/segmenter_samples.h"
+#include "lodestone/vision/segmenter_training.h"
+
+namespace lodestone::vision {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kLeastCovered = 0.05;
+constexpr double kMostCovered = 0.40;
+constexpr double kTrackedOff_m = 0.010;
+
+/// Processor time of this thread: what one core needs, whatever else the machine does.
+double thread_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+struct Attempt {
+  Localisation found;
+  geometry::Pose2 truth;
+  double ms = 0.0;
+};
+
+/// One scene's pictures.
+struct SceneResult {
+  Attempt clean;
+  Attempt occluded;
+  Attempt tracked;
+  double render_ms = 0.0;
+  double scene_ms = 0.0;
+};
+
+Attempt attempt(Localiser& localiser, const cv::Mat& picture, const geometry::Pose2& truth) {
+  Attempt out;
+  out.truth = truth;
+  const double start_ms = thread_ms();
+  out.found = localiser.locate(picture);
+  out.ms = thread_ms() - start_ms;
+  return out;
+}
+
+SceneResult run_scene(const std::shared_ptr<const Segmenter>& segmenter, const imaging::SceneConfig& scenes,
+                      const LocaliserConfig& config, std::uint64_t seed, std::uint64_t index) {
+  SceneResult result;
+  const double start_ms = thread_ms();
+  const imaging::SceneRenderer renderer(
+      imaging::draw_scene(scenes, common::derive_seed(seed, "evaluation scene", index)));
+  result.scene_ms = thread_ms() - start_ms;
+  common::RandomStream random(seed, "evaluation frames", index);
+  Localiser localiser(segmenter, renderer.scene().camera, scenes.bench.dish_radius_m, config);
+  const auto pose = [&] { return draw_needle_pose(scenes.bench, random); };
+
+  const geometry::Pose2 bare = pose();
+  const double render_start_ms = thread_ms();
+  const imaging::RenderedFrame frame = renderer.render({{bare}}, random);
+  result.render_ms = thread_ms() - render_start_ms;
+  result.clean = attempt(localiser, frame.image, bare);
+
+  const double off_m = kTrackedOff_m * std::sqrt(random.uniform());
+  const double angle = random.uniform(-kPi, kPi);
+  localiser.expect(bare.position_m() + off_m * geometry::Vector2(std::cos(angle), std::sin(angle)));
+  result.tracked = attempt(localiser, frame.image, bare);
+
+  localiser.forget();
+  const geometry::Pose2 hidden = pose();
+  const double share = random.uniform(kLeastCovered, kMostCovered);
+  result.occluded = attempt(localiser, renderer.render({{hidden, {0.0, 0.0}, share}}, random).image, hidden);
+  return result;
+}
+
+double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+LocalisationScore score(const std::vector<Attempt>& attempts) {
+  LocalisationScore out;
+  std::vector<double> errors_mm;
+  double square_mm2 = 0.0;
+  double heading_rad2 = 0.0;
+  double normalised = 0.0;
+  std::int64_t upright = 0;
+  for (const Attempt& attempt : attempts) {
+    ++out.n;
+    if (!attempt.found.found) {
+      ++out.refusals[attempt.found.reason];
+      continue;
+    }
+    ++out.poses;
+    const geometry::Vector2 error_m = attempt.found.pose.position_m() - attempt.truth.position_m();
+    errors_mm.push_back(1e3 * error_m.norm());
+    square_mm2 += 1e6 * error_m.squaredNorm();
+    const double turn_rad = geometry::wrap_angle(attempt.found.pose.heading_rad - attempt.truth.heading_rad);
+    if (std::abs(turn_rad) > 0.5 * kPi) {
+      ++out.flips;
+      continue;
+    }
+    ++upright;
+    heading_rad2 += turn_rad * turn_rad;
+    const Eigen::Vector3d error(error_m.x(), error_m.y(), turn_rad);
+    normalised += error.dot(attempt.found.covariance.inverse() * error) / 3.0;
+  }
+  const auto root_mean = [](double sum, std::int64_t count) {
+    return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
+  };
+  out.position_rms_mm = root_mean(square_mm2, out.poses);
+  out.position_p95_mm = percentile(errors_mm, 0.95);
+  out.position_max_mm = percentile(errors_mm, 1.0);
+  out.heading_rms_deg = 180.0 / kPi * root_mean(heading_rad2, upright);
+  out.normalised_error = upright > 0 ? normalised / static_cast<double>(upright) : 0.0;
+  return out;
+}
+
+common::Json score_to_json(const LocalisationScore& score) {
+  common::Json json;
+  json["position_rms_mm"] = score.position_rms_mm;
+  json["position_p95_mm"] = score.position_p95_mm;
+  json["position_max_mm"] = score.position_max_mm;
+  json["heading_rms_deg"] = score.heading_rms_deg;
+  json["flips"] = score.flips;
+  json["poses"] = score.poses;
+  json["n"] = score.n;
+  json["normalised_error"] = score.normalised_error;
+  json["refusals"] = common::Json::object();
+  for (const auto& [reason, count] : score.refusals) json["refusals"][reason] = count;
+  return json;
+}
+
+}  // namespace
+
+SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const Segmenter> segmenter,
+                                       const imaging::SceneConfig& scenes, const LocaliserConfig& localiser,
+                                       std::int64_t frames, std::uint64_t seed, common::ThreadPool& pool) {
+  std::vector<SceneResult> results(static_cast<std::size_t>(frames));
+  pool.for_each(results.size(), [&](std::size_t index) {
+    if (!common::interrupted()) results[index] = run_scene(segmenter, scenes, localiser, seed, index);
+  });
+  if (common::interrupted()) throw common::Interrupted("evaluation was interrupted");
+  std::vector<Attempt> clean, occluded, tracked;
+  std::vector<double> whole_ms, crop_ms, render_ms, scene_ms;
+  for (const SceneResult& result : results) {
+    clean.push_back(result.clean);
+    occluded.push_back(result.occluded);
+    tracked.push_back(result.tracked);
+    whole_ms.push_back(result.clean.ms);
+    if (result.tracked.found.tracked) crop_ms.push_back(result.tracked.ms);
+    render_ms.push_back(result.render_ms);
+    scene_ms.push_back(result.scene_ms);
+  }
+  SegmenterEvaluation evaluation;
+  evaluation.clean = score(clean);
+  evaluation.occluded = score(occluded);
+  evaluation.tracked = score(tracked);
+  evaluation.ms_per_frame = percentile(whole_ms, 0.5);
+  evaluation.ms_per_tracked_frame = percentile(crop_ms, 0.5);
+  evaluation.ms_per_rendered_frame = percentile(render_ms, 0.5);
+  evaluation.ms_per_scene = percentile(scene_ms, 0.5);
+  return evaluation;
+}
+
+imaging::SceneConfig training_scenes(const std::string& checkpoint_folder) {
+  const nets::Checkpoint checkpoint = nets::load_checkpoint(checkpoint_folder, "segmenter");
+  return common::config_from_json<TrainSegmenterConfig>(checkpoint.config, checkpoint_folder).scenes;
+}
+
+common::Json to_json(const SegmenterEvaluation& evaluation) {
+  common::Json json;
+  json["clean"] = score_to_json(evaluation.clean);
+  json["occluded"] = score_to_json(evaluation.occluded);
+  json["tracked"] = score_to_json(evaluation.tracked);
+  json["ms_per_frame"] = evaluation.ms_per_frame;
+  json["ms_per_tracked_frame"] = evaluation.ms_per_tracked_frame;
+  json["ms_per_rendered_frame"] = evaluation.ms_per_rendered_frame;
+  json["ms_per_scene"] = evaluation.ms_per_scene;
+  return json;
+}
+
+}  // namespace lodestone::vision

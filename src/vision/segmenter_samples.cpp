@@ -1,0 +1,120 @@
+#include "lodestone/vision/segmenter_samples.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "lodestone/common/error.h"
+#include "lodestone/common/interrupt.h"
+#include "lodestone/imaging/scene_renderer.h"
+
+namespace lodestone::vision {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Fills one row of the tensors.
+class SampleMaker {
+ public:
+  SampleMaker(const SampleConfig& config, const SegmenterConfig& segmenter, SegmenterSamples& out)
+      : config_(config), segmenter_(segmenter), out_(out) {}
+
+  void run(const imaging::SceneRenderer& renderer, const imaging::DishView& view,
+           common::RandomStream& random, std::int64_t row) const {
+    const imaging::BenchGeometry& bench = renderer.scene().bench;
+    const std::vector<imaging::NeedleView> needles = draw_needles(bench, random);
+    const imaging::RenderedFrame frame = renderer.render(needles, random, true);
+    geometry::Vector2 centre = draw_needle_pose(bench, random).position_m();
+    if (!needles.empty() && random.uniform() >= config_.elsewhere) {
+      const double room_m = 0.5 * config_.crop_px * view.pixel_m() - 0.25 * bench.needle_length_m;
+      centre = needles.front().pose.position_m() +
+               geometry::Vector2(random.uniform(-room_m, room_m), random.uniform(-room_m, room_m));
+    }
+    const cv::Rect area = view.around(centre, static_cast<int>(config_.crop_px));
+    store(view.cut(frame.image, area), row);
+    store_mask(view.cut(frame.needle_mask, area), row, 0);
+    store_mask(view.cut(frame.tape_mask, area), row, 1);
+  }
+
+ private:
+  std::vector<imaging::NeedleView> draw_needles(const imaging::BenchGeometry& bench,
+                                                common::RandomStream& random) const {
+    const double kind = random.uniform();
+    const int count = kind < config_.none ? 0 : kind < config_.none + config_.two ? 2 : 1;
+    std::vector<imaging::NeedleView> needles;
+    for (int i = 0; i < count; ++i) {
+      imaging::NeedleView needle;
+      needle.pose = draw_needle_pose(bench, random);
+      if (random.uniform() < config_.covered) needle.covered = random.uniform(0.03, config_.max_covered);
+      if (random.uniform() < config_.moving) {
+        const double way_m = random.uniform(0.0, 1e-3);
+        const double angle = random.uniform(-kPi, kPi);
+        needle.smear_m = {way_m * std::cos(angle), way_m * std::sin(angle)};
+      }
+      needles.push_back(needle);
+    }
+    return needles;
+  }
+
+  void store(const cv::Mat& picture, std::int64_t row) const {
+    const torch::Tensor pixels =
+        torch::from_blob(picture.data, {picture.rows, picture.cols, 3}, torch::kUInt8).permute({2, 0, 1});
+    out_.pictures[row].copy_(pixels);
+  }
+
+  void store_mask(const cv::Mat& mask, std::int64_t row, std::int64_t channel) const {
+    const auto side = static_cast<int>(out_.masks.size(2));
+    cv::Mat small;
+    cv::resize(mask, small, {side, side}, 0.0, 0.0, cv::INTER_AREA);
+    out_.masks[row][channel].copy_(torch::from_blob(small.data, {side, side}, torch::kUInt8));
+  }
+
+  const SampleConfig& config_;
+  const SegmenterConfig& segmenter_;
+  SegmenterSamples& out_;
+};
+
+}  // namespace
+
+geometry::Pose2 draw_needle_pose(const imaging::BenchGeometry& bench, common::RandomStream& random) {
+  const double half_m = 0.5 * bench.needle_length_m;
+  for (;;) {
+    const double r = bench.dish_radius_m * std::sqrt(random.uniform());
+    const double angle = random.uniform(-kPi, kPi);
+    const geometry::Pose2 pose{r * std::cos(angle), r * std::sin(angle), random.uniform(-kPi, kPi)};
+    const geometry::Vector2 half(half_m * std::cos(pose.heading_rad), half_m * std::sin(pose.heading_rad));
+    const double reach_m = bench.dish_radius_m - 0.5 * bench.needle_diameter_m;
+    if ((pose.position_m() + half).norm() < reach_m && (pose.position_m() - half).norm() < reach_m)
+      return pose;
+  }
+}
+
+SegmenterSamples render_samples(const imaging::SceneConfig& scenes, const SampleConfig& config,
+                                const SegmenterConfig& segmenter, std::int64_t count, std::uint64_t seed,
+                                common::ThreadPool& pool) {
+  const nets::UNetConfig& network = segmenter.network;
+  LODESTONE_CHECK(config.crop_px % network.multiple() == 0, "crops the network can take");
+  const std::int64_t mask_px = config.crop_px * network.upscale / network.stem;
+  SegmenterSamples samples;
+  samples.pictures = torch::empty({count, 3, config.crop_px, config.crop_px}, torch::kUInt8);
+  samples.masks = torch::empty({count, 2, mask_px, mask_px}, torch::kUInt8);
+  const std::int64_t scene_count = (count + config.frames_per_scene - 1) / config.frames_per_scene;
+  const SampleMaker maker(config, segmenter, samples);
+  pool.for_each(static_cast<std::size_t>(scene_count), [&](std::size_t index) {
+    if (common::interrupted()) return;
+    const imaging::SceneRenderer renderer(
+        imaging::draw_scene(scenes, common::derive_seed(seed, "training scene", index)));
+    const imaging::DishView view(renderer.scene().camera, scenes.bench.dish_radius_m, segmenter.view_margin_m,
+                                 segmenter.view_pixel_m, network.multiple());
+    common::RandomStream random(seed, "training frames", index);
+    const std::int64_t first = static_cast<std::int64_t>(index) * config.frames_per_scene;
+    const std::int64_t last = std::min(first + config.frames_per_scene, count);
+    for (std::int64_t row = first; row < last; ++row) maker.run(renderer, view, random, row);
+  });
+  if (common::interrupted()) throw common::Interrupted("rendering of training pictures was interrupted");
+  return samples;
+}
+
+}  // namespace lodestone::vision

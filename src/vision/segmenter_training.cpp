@@ -1,0 +1,366 @@
+#include "lodestone/vision/segmenter_training.h"
+
+#include <cmath>
+#include <filesystem>
+#include <numeric>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "lodestone/common/clock.h"
+#include "lodestone/common/error.h"
+#include "lodestone/common/interrupt.h"
+#include "lodestone/common/log.h"
+#include "lodestone/common/metrics.h"
+#include "lodestone/common/progress.h"
+#include "lodestone/nets/checkpoint.h"
+#include "lodestone/nets/flat_parameters.h"
+#include "prediction_picture.h"
+
+namespace lodestone::vision {
+
+void TrainSegmenterConfig::validate() const {
+  scenes.validate();
+  const nets::UNetConfig& network = segmenter.network;
+  if (pictures.crop_px % network.multiple() != 0)
+    throw common::ConfigError("pictures.crop_px = " + std::to_string(pictures.crop_px) +
+                              ", must be a multiple of " + std::to_string(network.multiple()) +
+                              " (segmenter.network.stem times 2 to the power of its depth)");
+  if (training.batch_size % 4 != 0)
+    throw common::ConfigError("training.batch_size = " + std::to_string(training.batch_size) +
+                              ", must be a multiple of 4");
+  if (training.samples < training.batch_size)
+    throw common::ConfigError(
+        "training.samples = " + std::to_string(training.samples) +
+        ", must be at least training.batch_size = " + std::to_string(training.batch_size));
+}
+
+namespace {
+
+using common::Json;
+using torch::Tensor;
+
+constexpr const char* kKind = "segmenter_training";
+constexpr std::size_t kShards = 4;  ///< fixed, so that results do not depend on threads
+constexpr double kBeta1 = 0.9;
+constexpr double kBeta2 = 0.999;
+constexpr double kEpsilon = 1e-8;
+
+/// Of probabilities and targets [N, C, H, W]: 1 is perfect overlap; per class, over the batch.
+Tensor dice(const Tensor& probability, const Tensor& target) {
+  const std::vector<std::int64_t> all = {0, 2, 3};
+  return (2.0 * (probability * target).sum(all) + 1.0) /
+         ((probability * probability).sum(all) + (target * target).sum(all) + 1.0);
+}
+
+Tensor loss_of(const SegmenterTrainingConfig& config, const Tensor& logits, const Tensor& target) {
+  const Tensor cross_entropy = torch::binary_cross_entropy_with_logits(logits, target);
+  return config.cross_entropy * cross_entropy +
+         config.dice * (1.0 - dice(torch::sigmoid(logits), target).mean());
+}
+
+/// One of the eight ways to lay a square on itself.
+Tensor turned(const Tensor& picture, std::uint64_t way) {
+  Tensor out = picture;
+  if ((way & 1U) != 0) out = out.flip(-1);
+  if ((way & 2U) != 0) out = out.flip(-2);
+  if ((way & 4U) != 0) out = out.transpose(-1, -2);
+  return out;
+}
+
+class Training {
+ public:
+  Training(const TrainSegmenterConfig& config, std::string folder)
+      : config_(config),
+        folder_(std::move(folder)),
+        seed_(static_cast<std::uint64_t>(config.seed)),
+        pool_(static_cast<std::size_t>(config.threads)) {
+    start_s_ = clock_.now_s();
+    train_ = render(config.training.samples, "train");
+    validation_ = render(config.training.validation_samples, "validation");
+    common::log_info("rendered " + std::to_string(train_.size() + validation_.size()) + " pictures");
+    for (std::size_t shard = 0; shard < kShards; ++shard) {
+      networks_.emplace_back(config.segmenter.network);
+      parameters_.push_back(std::make_unique<nets::FlatParameters>(*networks_.back()));
+    }
+    common::RandomStream random(seed_, "segmenter weights");
+    networks_[0]->initialise(random);
+    networks_[0]->fit_normaliser(train_.pictures.slice(0, 0, std::min<std::int64_t>(train_.size(), 256)));
+    share();
+    first_moment_ = torch::zeros_like(parameters_[0]->values());
+    second_moment_ = torch::zeros_like(parameters_[0]->values());
+    best_ = state();
+  }
+
+  void resume() {
+    const std::string where = folder_ + "/training";
+    if (!std::filesystem::exists(where)) {
+      common::log_info("there is no " + where + " yet: training from the start");
+      return;
+    }
+    const nets::Checkpoint checkpoint = nets::load_checkpoint(where, kKind);
+    const std::string what = "checkpoint " + where;
+    try {
+      if (checkpoint.config != settings())
+        throw common::ConfigError(what +
+                                  " was made with other settings; resume with the run's own config.json");
+      nets::load_module_tensors(*networks_[0], checkpoint.parts.at("network"), what);
+      best_ = checkpoint.parts.at("best");
+      first_moment_.copy_(checkpoint.parts.at("moments").at("first"));
+      second_moment_.copy_(checkpoint.parts.at("moments").at("second"));
+      epoch_ = checkpoint.facts.at("epoch").get<std::int64_t>();
+      stale_epochs_ = checkpoint.facts.at("stale_epochs").get<std::int64_t>();
+      best_loss_ = checkpoint.facts.at("best_loss").get<double>();
+      best_dice_ = checkpoint.facts.at("best_dice").get<double>();
+    } catch (const Json::exception& error) {
+      throw common::CheckpointError(what + ": facts are malformed: " + error.what());
+    } catch (const std::out_of_range&) {
+      throw common::CheckpointError(what + ": a part is missing");
+    }
+    share();
+  }
+
+  SegmenterTrainingResult run() {
+    const SegmenterTrainingConfig& training = config_.training;
+    common::MetricsLog metrics(folder_);
+    common::Progress progress("train segmenter", training.epochs * batches());
+    while (epoch_ < training.epochs && (training.patience == 0 || stale_epochs_ < training.patience)) {
+      run_epoch(progress);
+      if (common::interrupted())
+        throw common::Interrupted("training of the segmenter was interrupted after epoch " +
+                                  std::to_string(epoch_) + "; go on with --resume --out " + folder_);
+      validate();
+      ++epoch_;
+      metrics.write(epoch_, {{"train_loss", train_loss_},
+                             {"validation_loss", validation_loss_},
+                             {"validation_dice_needle", validation_dice_},
+                             {"validation_dice_tape", validation_dice_tape_}});
+      show(metrics);
+      save();
+      if (training.max_seconds > 0.0 && clock_.now_s() - start_s_ > training.max_seconds) break;
+    }
+    progress.finish(note());
+    SegmenterTrainingResult result;
+    nets::load_module_tensors(*networks_[0], best_, "best weights");
+    result.network = networks_[0];
+    result.epochs = epoch_;
+    result.train_loss = train_loss_;
+    result.validation_loss = best_loss_;
+    result.validation_dice = best_dice_;
+    result.seconds = clock_.now_s() - start_s_;
+    return result;
+  }
+
+ private:
+  SegmenterSamples render(std::int64_t count, const char* part) {
+    return render_samples(config_.scenes, config_.pictures, config_.segmenter, count,
+                          common::derive_seed(seed_, part), pool_);
+  }
+
+  std::int64_t batches() const { return train_.size() / config_.training.batch_size; }
+
+  Json settings() const {
+    Json json = common::config_to_json(config_);
+    json.erase("threads");
+    json["training"].erase("max_seconds");
+    return json;
+  }
+
+  nets::NamedTensors state() const {
+    nets::NamedTensors copy;
+    for (const auto& [name, tensor] : nets::module_tensors(*networks_[0]))
+      copy[name] = tensor.detach().clone();
+    return copy;
+  }
+
+  /// Gives every shard the parameters of the first, and the mean of all running statistics.
+  void share() {
+    const torch::NoGradGuard no_grad;
+    std::vector<std::vector<Tensor>> buffers;
+    for (nets::UNet& network : networks_) buffers.push_back(network->buffers());
+    for (std::size_t i = 0; i < buffers[0].size(); ++i) {
+      if (!buffers[0][i].is_floating_point()) continue;
+      if (shared_) {
+        Tensor sum = buffers[0][i].clone();
+        for (std::size_t shard = 1; shard < kShards; ++shard) sum += buffers[shard][i];
+        buffers[0][i].copy_(sum / static_cast<double>(kShards));
+      }
+      for (std::size_t shard = 1; shard < kShards; ++shard) buffers[shard][i].copy_(buffers[0][i]);
+    }
+    for (std::size_t shard = 1; shard < kShards; ++shard)
+      parameters_[shard]->values().copy_(parameters_[0]->values());
+    shared_ = true;
+  }
+
+  std::vector<std::int64_t> epoch_order() const {
+    std::vector<std::int64_t> order(static_cast<std::size_t>(train_.size()));
+    std::iota(order.begin(), order.end(), 0);
+    common::RandomStream random(seed_, "segmenter order", static_cast<std::uint64_t>(epoch_));
+    for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
+    return order;
+  }
+
+  void run_epoch(common::Progress& progress) {
+    const std::vector<std::int64_t> order = epoch_order();
+    const auto size = static_cast<std::size_t>(config_.training.batch_size);
+    double sum = 0.0;
+    for (std::int64_t batch = 0; batch < batches(); ++batch) {
+      if (common::interrupted()) return;
+      sum += run_batch(order.data() + static_cast<std::size_t>(batch) * size, size / kShards);
+      adam_step(epoch_ * batches() + batch);
+      share();
+      train_loss_ = sum / static_cast<double>(batch + 1);
+      progress.update(epoch_ * batches() + batch + 1, note());
+    }
+  }
+
+  double run_batch(const std::int64_t* rows, std::size_t per_shard) {
+    std::vector<double> losses(kShards);
+    pool_.for_each(kShards, [&](std::size_t shard) {
+      std::vector<Tensor> pictures;
+      std::vector<Tensor> targets;
+      for (std::size_t i = 0; i < per_shard; ++i) augment(rows[shard * per_shard + i], pictures, targets);
+      parameters_[shard]->zero_gradient();
+      networks_[shard]->train();
+      const Tensor logits =
+          networks_[shard]->forward(torch::stack(pictures).contiguous(torch::MemoryFormat::ChannelsLast));
+      Tensor loss = loss_of(config_.training, logits, torch::stack(targets));
+      loss.backward();
+      losses[shard] = loss.item<double>();
+    });
+    return std::accumulate(losses.begin(), losses.end(), 0.0) / static_cast<double>(kShards);
+  }
+
+  void augment(std::int64_t row, std::vector<Tensor>& pictures, std::vector<Tensor>& targets) const {
+    common::RandomStream random(seed_, "segmenter augmentation",
+                                static_cast<std::uint64_t>(epoch_ * train_.size() + row));
+    const std::uint64_t way = random.below(8);
+    const double jitter = config_.training.brightness_jitter;
+    const double all = random.uniform(1.0 - jitter, 1.0 + jitter);
+    std::vector<float> gains;
+    for (int i = 0; i < 3; ++i)
+      gains.push_back(static_cast<float>(all * random.uniform(1.0 - 0.5 * jitter, 1.0 + 0.5 * jitter)));
+    const Tensor gain = torch::tensor(gains).view({3, 1, 1});
+    pictures.push_back((turned(train_.pictures[row], way).to(torch::kFloat32) * gain).clamp_max(255.0));
+    targets.push_back(turned(train_.masks[row], way).to(torch::kFloat32) / 255.0);
+  }
+
+  /// AdamW on the mean of the shards' gradients (Loshchilov and Hutter, 2019), linear warm-up, half a cosine.
+  void adam_step(std::int64_t step) {
+    const torch::NoGradGuard no_grad;
+    Tensor gradient = parameters_[0]->gradient().clone();
+    for (std::size_t shard = 1; shard < kShards; ++shard) gradient += parameters_[shard]->gradient();
+    gradient /= static_cast<double>(kShards);
+    first_moment_.mul_(kBeta1).add_(gradient, 1.0 - kBeta1);
+    second_moment_.mul_(kBeta2).addcmul_(gradient, gradient, 1.0 - kBeta2);
+    const double total = static_cast<double>(config_.training.epochs * batches());
+    const double warm_up = std::min(1.0, static_cast<double>(step + 1) / 100.0);
+    const double rate = config_.training.learning_rate * warm_up * 0.5 *
+                        (1.0 + std::cos(3.14159265358979323846 * static_cast<double>(step) / total));
+    const double t = static_cast<double>(step + 1);
+    const double correct1 = 1.0 - std::pow(kBeta1, t);
+    const double correct2 = 1.0 - std::pow(kBeta2, t);
+    Tensor& values = parameters_[0]->values();
+    values.mul_(1.0 - rate * config_.training.weight_decay);
+    values.addcdiv_(first_moment_, (second_moment_ / correct2).sqrt_().add_(kEpsilon), -rate / correct1);
+  }
+
+  void validate() {
+    constexpr std::int64_t kBatch = 16;
+    const std::int64_t count = (validation_.size() + kBatch - 1) / kBatch;
+    std::vector<double> losses(static_cast<std::size_t>(count));
+    std::vector<Tensor> overlaps(static_cast<std::size_t>(count));
+    networks_[0]->eval();
+    pool_.for_each(static_cast<std::size_t>(count), [&](std::size_t batch) {
+      const torch::NoGradGuard no_grad;
+      const std::int64_t first = static_cast<std::int64_t>(batch) * kBatch;
+      const std::int64_t last = std::min(first + kBatch, validation_.size());
+      const Tensor target = validation_.masks.slice(0, first, last).to(torch::kFloat32) / 255.0;
+      const Tensor logits =
+          networks_[0]->forward(validation_.pictures.slice(0, first, last).to(torch::kFloat32));
+      losses[batch] =
+          loss_of(config_.training, logits, target).item<double>() * static_cast<double>(last - first);
+      overlaps[batch] = dice(torch::sigmoid(logits), target) * static_cast<double>(last - first);
+    });
+    const double size = static_cast<double>(validation_.size());
+    validation_loss_ = std::accumulate(losses.begin(), losses.end(), 0.0) / size;
+    Tensor overlap = torch::zeros({2});
+    for (const Tensor& part : overlaps) overlap += part;
+    validation_dice_ = overlap[0].item<double>() / size;
+    validation_dice_tape_ = overlap[1].item<double>() / size;
+    ++stale_epochs_;
+    if (epoch_ == 0 || validation_loss_ < best_loss_) {
+      best_loss_ = validation_loss_;
+      best_dice_ = validation_dice_;
+      best_ = state();
+      stale_epochs_ = 0;
+    }
+  }
+
+  /// Some validation pictures with the true and the predicted masks, for TensorBoard and as a file.
+  void show(common::MetricsLog& metrics) {
+    const torch::NoGradGuard no_grad;
+    const Tensor pictures = validation_.pictures.slice(0, 0, std::min<std::int64_t>(validation_.size(), 4));
+    const Tensor probability = torch::sigmoid(networks_[0]->forward(pictures.to(torch::kFloat32)));
+    const cv::Mat sheet = prediction_picture(pictures, validation_.masks, probability);
+    std::vector<unsigned char> png;
+    cv::imencode(".png", sheet, png);
+    metrics.write_image(epoch_, "predictions", std::string(png.begin(), png.end()), sheet.cols, sheet.rows);
+    cv::imwrite(folder_ + "/predictions.png", sheet);
+  }
+
+  void save() const {
+    nets::Checkpoint checkpoint;
+    checkpoint.kind = kKind;
+    checkpoint.config = settings();
+    checkpoint.facts["epoch"] = epoch_;
+    checkpoint.facts["stale_epochs"] = stale_epochs_;
+    checkpoint.facts["best_loss"] = best_loss_;
+    checkpoint.facts["best_dice"] = best_dice_;
+    checkpoint.parts["network"] = nets::module_tensors(*networks_[0]);
+    checkpoint.parts["best"] = best_;
+    checkpoint.parts["moments"] = {{"first", first_moment_}, {"second", second_moment_}};
+    nets::save_checkpoint(folder_ + "/training", checkpoint);
+  }
+
+  std::string note() const {
+    char text[96];
+    std::snprintf(text, sizeof text, "loss %.4f, validation %.4f, overlap %.3f", train_loss_,
+                  validation_loss_, validation_dice_);
+    return text;
+  }
+
+  TrainSegmenterConfig config_;
+  std::string folder_;
+  std::uint64_t seed_;
+  common::ThreadPool pool_;
+  common::SteadyClock clock_;
+  double start_s_ = 0.0;
+  SegmenterSamples train_;
+  SegmenterSamples validation_;
+  std::vector<nets::UNet> networks_;  ///< one per shard, with the same parameters
+  std::vector<std::unique_ptr<nets::FlatParameters>> parameters_;
+  Tensor first_moment_;
+  Tensor second_moment_;
+  nets::NamedTensors best_;
+  bool shared_ = false;
+  std::int64_t epoch_ = 0;
+  std::int64_t stale_epochs_ = 0;
+  double train_loss_ = 0.0;
+  double validation_loss_ = 0.0;
+  double validation_dice_ = 0.0;
+  double validation_dice_tape_ = 0.0;
+  double best_loss_ = 0.0;
+  double best_dice_ = 0.0;
+};
+
+}  // namespace
+
+SegmenterTrainingResult train_segmenter(const TrainSegmenterConfig& config, const std::string& folder,
+                                        bool resume) {
+  config.validate();
+  Training training(config, folder);
+  if (resume) training.resume();
+  return training.run();
+}
+
+}  // namespace lodestone::vision
