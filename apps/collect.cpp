@@ -11,6 +11,7 @@
 #include "lodestone/control/collection.h"
 #include "lodestone/data/coverage.h"
 #include "lodestone/data/dataset_file.h"
+#include "models.h"
 #include "verb.h"
 
 namespace lodestone::apps {
@@ -67,9 +68,10 @@ void report(const std::string& folder, const std::string& dataset_file) {
 }
 
 void collect(const CommonOptions& options) {
-  const auto config = resolve_config<CollectConfig>(options);
+  auto config = resolve_config<CollectConfig>(options);
   if (options.out.empty())
     throw common::ConfigError("collect: --out DIR is missing; name the folder to write into");
+  choose_segmenter(config.collection.sensor);
   const std::int64_t total = config.collection.transitions;
   const std::string dataset_file = options.out + "/transitions.h5";
   const std::string state_file = options.out + "/state.json";
@@ -131,6 +133,12 @@ void add_collect(CLI::App& program, ConfigCatalogue& catalogue) {
       program.add_subcommand("collect", "explore a virtual rig and record its transitions (phase 1)");
   auto options = std::make_shared<CommonOptions>();
   add_common_options(*verb, *options, true);
+  verb->add_option_function<std::string>(
+      "--sensor",
+      [options](const std::string& kind) {
+        options->overrides.push_back("sensor.kind=" + common::Json(kind).dump());
+      },
+      "camera or simulated");
   verb->callback([options] { collect(*options); });
 }
 

@@ -15,6 +15,7 @@
 #include "lodestone/control/recorder.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/nets/policy.h"
+#include "models.h"
 #include "verb.h"
 
 namespace lodestone::apps {
@@ -47,6 +48,9 @@ struct DeployConfig {
   }
   void validate() const {
     deployment.rig.validate();
+    if (deployment.record.enabled && deployment.sensor.kind != "camera")
+      throw common::ConfigError(
+          "record.enabled = true needs sensor.kind = \"camera\": there is nothing to film");
     if (!target_mm.empty() && target_mm.size() != 2)
       throw common::ConfigError("target_mm holds " + std::to_string(target_mm.size()) +
                                 " numbers, must be two: x and y in mm");
@@ -226,7 +230,7 @@ class Run {
       const std::size_t last = std::min(first + batch, plans.size());
       auto part = deployment_.run({plans.begin() + static_cast<std::ptrdiff_t>(first),
                                    plans.begin() + static_cast<std::ptrdiff_t>(last)},
-                                  kind, source, pool_, config_.realtime);
+                                  kind, source, pool_, config_.realtime, video_folder());
       if (common::interrupted())
         throw common::Interrupted("deploy: stopped by the user; the finished trials are in " + out_ +
                                   "/trajectories.csv");
@@ -243,6 +247,8 @@ class Run {
     }
     return results;
   }
+
+  std::string video_folder() const { return config_.deployment.record.enabled ? out_ + "/videos" : ""; }
 
   const DeployConfig& config_;
   const Job& job_;
@@ -264,13 +270,15 @@ void print_table(const common::Json& summary, const char* rig) {
 }
 
 void deploy(const CommonOptions& options) {
-  const auto config = resolve_config<DeployConfig>(options);
+  auto config = resolve_config<DeployConfig>(options);
   if (options.out.empty())
     throw common::ConfigError("deploy: --out DIR is missing; name the folder to write into");
   nets::use_one_blas_thread();
+  choose_segmenter(config.deployment.sensor);
   const Job job = plan_job(config);
   common::start_run_folder(options.out, "deploy", common::config_to_json(config), config.deployment.seed,
                            false);
+  if (config.deployment.record.enabled) common::make_folders(options.out + "/videos");
   Run run(config, job, options.out);
   const bool both = job.rigs.size() > 1;
   common::Json by_rig = common::Json::object();
@@ -299,7 +307,10 @@ void deploy(const CommonOptions& options) {
 }  // namespace
 
 void add_deploy(CLI::App& program, ConfigCatalogue& catalogue) {
-  catalogue["deploy"] = [] { return common::describe_config<DeployConfig>(); };
+  catalogue["deploy"] = [] {
+    DeployConfig defaults;
+    return common::describe_config(std::move(defaults));
+  };
   CLI::App* verb =
       program.add_subcommand("deploy", "drive a rig with a trained policy and a baseline (phase 3)");
   auto options = std::make_shared<CommonOptions>();
@@ -317,11 +328,15 @@ void add_deploy(CLI::App& program, ConfigCatalogue& catalogue) {
   shorthand("--task", "task", true, "centre, point, square, circle, all, or FILE.csv with columns x_m,y_m");
   shorthand("--trials", "trials.count", false, "trials per task");
   shorthand("--rig", "on_rig", true, "explored, unseen or both");
+  shorthand("--sensor", "sensor.kind", true, "camera or simulated");
   shorthand("--controller", "controller", true, "policy, baseline or both");
   verb->add_option_function<std::string>(
       "--target-mm",
       [options](const std::string& value) { options->overrides.push_back("target_mm=[" + value + "]"); },
       "X,Y of the target of `point` in mm");
+  verb->add_flag_callback(
+      "--record", [options] { options->overrides.push_back("record.enabled=true"); },
+      "film the first trial of every task, rig and controller");
   verb->add_flag_callback(
       "--realtime", [options] { options->overrides.push_back("realtime=true"); },
       "wait as long as a real rig would (one trial at a time)");

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lodestone/common/config.h"
@@ -35,8 +36,9 @@ Config resolve_config(const CommonOptions& options) {
   for (const std::string& assignment : options.overrides) common::apply_override(json, assignment);
   if (options.seed) json["seed"] = *options.seed;
   if (options.threads) json["threads"] = *options.threads;
-  return common::config_from_json<Config>(json,
-                                          options.config_file.empty() ? "command line" : options.config_file);
+  Config defaults;
+  return common::config_from_json<Config>(
+      json, options.config_file.empty() ? "command line" : options.config_file, std::move(defaults));
 }
 
 /// What `config --print VERB` shows: every key of a verb's configuration. Verbs enter themselves.

@@ -136,6 +136,17 @@ void ConfigReader::field(const char* key, std::vector<std::int64_t>& value, cons
   value = std::move(numbers);
 }
 
+void ConfigReader::field(const char* key, Range& value, const char*, const char*, Bounds bounds) {
+  const Json* json = find(key);
+  if (json == nullptr) return;
+  const bool pair =
+      json->is_array() && json->size() == 2 && json->at(0).is_number() && json->at(1).is_number();
+  if (!pair || json->at(0).get<double>() > json->at(1).get<double>())
+    fail(key, *json, "[low, high] with low <= high");
+  for (const Json& item : *json) check(key, *json, item.get<double>(), bounds);
+  value = {json->at(0).get<double>(), json->at(1).get<double>()};
+}
+
 void ConfigReader::finish() const {
   for (const auto& [key, value] : object_.items()) {
     if (known_.count(key) != 0) continue;
@@ -182,6 +193,10 @@ void ConfigDescriber::field(const char* key, std::vector<double>& value, const c
 void ConfigDescriber::field(const char* key, std::vector<std::int64_t>& value, const char* unit,
                             const char* meaning, Bounds bounds) {
   add(key, value, unit, meaning, bounds_text(bounds));
+}
+void ConfigDescriber::field(const char* key, Range& value, const char* unit, const char* meaning,
+                            Bounds bounds) {
+  add(key, {value.low, value.high}, unit, meaning, bounds_text(bounds));
 }
 
 Json read_json_file(const std::string& path) {

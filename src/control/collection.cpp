@@ -53,9 +53,10 @@ data::DatasetInfo dataset_info(const CollectionConfig& config) {
 Collection::Collection(const CollectionConfig& config)
     : config_(config),
       rig_(config.rig, static_cast<std::uint64_t>(config.rig_seed)),
-      sensor_([this] { return rig_.true_pose(); }, rig_.clock(), config.sensor,
-              draw_calibration_error(config.sensor, static_cast<std::uint64_t>(config.sensor_seed)),
-              common::RandomStream(static_cast<std::uint64_t>(config.seed), "collect/sensor noise")),
+      sensing_(config.sensor, config.rig),
+      sensor_(sensing_.make(
+          rig_, sensing_.calibrated_bench(static_cast<std::uint64_t>(config.sensor_seed)),
+          common::RandomStream(static_cast<std::uint64_t>(config.seed), "collect/sensor noise"))),
       coils_(rig_.coils(), config.safety),
       explorer_(config.explorer,
                 common::RandomStream(static_cast<std::uint64_t>(config.seed), "collect/explorer")) {}
@@ -65,10 +66,11 @@ data::Episode Collection::next_episode(std::int64_t max_steps) {
   LODESTONE_CHECK(max_steps >= 1, "at least one step in an episode");
   for (int attempts = 0; attempts < 1000; ++attempts) {
     rig_.place(explorer_.next_start([this](const geometry::Pose2& pose) { return rig_.fits(pose); }));
+    sensor_->reset();
     // Half a period less, as the loop counts time in sums of periods.
     UntilStuck reference(explorer_, (static_cast<double>(max_steps) - 0.5) * config_.loop.period_s());
     const task::ActionConfig action = action_config(config_);
-    ControlLoop loop(loop_config(config_), action, coils_, sensor_, rig_.clock());
+    ControlLoop loop(loop_config(config_), action, coils_, *sensor_, rig_.clock());
     const LoopOutcome outcome = loop.run(explorer_, reference);
     if (common::interrupted()) throw common::Interrupted("collection stopped by the user");
     const bool lost = !outcome.steps.empty() && !outcome.steps.back().estimate.valid;
@@ -94,13 +96,13 @@ data::Episode Collection::next_episode(std::int64_t max_steps) {
 }
 
 common::Json Collection::save() const {
-  return {{"rig", rig_.save()}, {"sensor", sensor_.save()}, {"explorer", explorer_.save()}};
+  return {{"rig", rig_.save()}, {"sensor", sensor_->save()}, {"explorer", explorer_.save()}};
 }
 
 void Collection::restore(const common::Json& state) {
   try {
     rig_.restore(state.at("rig"));
-    sensor_.restore(state.at("sensor").get<std::string>());
+    sensor_->restore(state.at("sensor").get<std::string>());
     explorer_.restore(state.at("explorer"));
   } catch (const common::Json::exception& error) {
     throw common::DataError(std::string("collection state is malformed: ") + error.what());

@@ -67,26 +67,27 @@ ControllerSource baseline_source(const DeploymentConfig& config) {
 
 Deployment::Deployment(const DeploymentConfig& config)
     : config_(config),
+      sensing_(config.sensor, config.rig),
+      explored_(sensing_.calibrated_bench(static_cast<std::uint64_t>(config.sensor_seed))),
       sample_rig_(
           std::make_unique<rig::VirtualRig>(config.rig, static_cast<std::uint64_t>(config.rig_seed))) {}
 
 std::vector<TrialResult> Deployment::run(const std::vector<TrialPlan>& plans, RigKind kind,
                                          const ControllerSource& source, common::ThreadPool& pool,
-                                         bool realtime) const {
+                                         bool realtime, const std::string& video_folder) const {
   std::vector<TrialResult> results(plans.size());
-  pool.for_each(plans.size(),
-                [&](std::size_t trial) { results[trial] = run_one(plans[trial], kind, source, realtime); });
+  pool.for_each(plans.size(), [&](std::size_t trial) {
+    results[trial] = run_one(plans[trial], kind, source, realtime, video_folder);
+  });
   return results;
 }
 
 TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const ControllerSource& source,
-                                bool realtime) const {
+                                bool realtime, const std::string& video_folder) const {
   const std::uint64_t seed = trial_seed(config_, plan);
   const bool explored = kind == RigKind::kExplored;
   const std::uint64_t rig_seed =
       explored ? static_cast<std::uint64_t>(config_.rig_seed) : common::derive_seed(seed, "unseen rig");
-  const std::uint64_t sensor_seed =
-      explored ? static_cast<std::uint64_t>(config_.sensor_seed) : common::derive_seed(seed, "unseen sensor");
   rig::VirtualRig rig(config_.rig, rig_seed, sample_rig_->field_table());
   // The scatter from pulse to pulse belongs to the trial, or trials on the explored rig would all see the
   // same.
@@ -95,17 +96,30 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   state["scatter"] = common::RandomStream(seed, "pulse scatter").save();
   rig.restore(state);
   rig.place(plan.start);
-  SimulatedPoseSensor sensor([&rig] { return rig.true_pose(); }, rig.clock(), config_.sensor,
-                             draw_calibration_error(config_.sensor, sensor_seed),
-                             common::RandomStream(seed, "sensor noise"));
+  const SeenBench bench =
+      explored ? explored_ : sensing_.new_bench(common::derive_seed(seed, "unseen sensor"));
+  const std::unique_ptr<RigSensor> sensor =
+      sensing_.make(rig, bench, common::RandomStream(seed, "sensor noise"));
   SafetySupervisor coils(rig.coils(), config_.safety);
   std::optional<common::PacedClock> paced;
   if (realtime) paced.emplace(rig.clock());
   common::Clock& clock = paced ? static_cast<common::Clock&>(*paced) : rig.clock();
-  ControlLoop loop(config_.loop, source.action, coils, sensor, clock);
+  ControlLoop loop(config_.loop, source.action, coils, *sensor, clock);
   const std::unique_ptr<Controller> controller = source.make();
+  std::optional<TrialVideo> video;
+  const bool filmed = config_.record.enabled && sensor->camera() != nullptr && !video_folder.empty() &&
+                      plan.index < config_.record.trials;
+  if (filmed)
+    video.emplace(video_folder + "/" + to_string(kind) + "-" + source.name + "-" + plan.task + "-" +
+                      std::to_string(plan.index),
+                  config_.record, config_.loop.period_s(), sensing_.bench(), source.action.scale, plan);
+  const auto watch = [&](const StepRecord& step) {
+    const CameraPoseSensor* camera = sensor->camera();
+    if (video && camera->calibration()) video->show(camera->frame(), camera->calibration()->camera, step);
+  };
   TrialResult result = run_trial(
-      plan, loop, *controller, [&rig] { return rig.true_pose(); }, config_.score);
+      plan, loop, *controller, [&rig] { return rig.true_pose(); }, config_.score, watch);
+  if (video) video->finish();
   result.rig = to_string(kind);
   result.controller = source.name;
   return result;

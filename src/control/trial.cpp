@@ -23,7 +23,8 @@ std::vector<ScoredSample> scored(const std::vector<TrialSample>& samples, bool t
 }  // namespace
 
 TrialResult run_trial(const TrialPlan& plan, ControlLoop& loop, Controller& controller,
-                      const std::function<geometry::Pose2()>& true_pose, const ScoreConfig& score) {
+                      const std::function<geometry::Pose2()>& true_pose, const ScoreConfig& score,
+                      const ControlLoop::Observer& watch) {
   TrialResult result;
   result.plan = plan;
   PointReference point(plan.target_m, plan.duration_s);
@@ -32,6 +33,7 @@ TrialResult run_trial(const TrialPlan& plan, ControlLoop& loop, Controller& cont
   Reference& reference = path ? static_cast<Reference&>(*path) : point;
   const LoopOutcome outcome = loop.run(controller, reference, [&](const StepRecord& step) {
     result.samples.push_back({step, true_pose(), path && path->approaching()});
+    if (watch) watch(step);
   });
   result.completed = outcome.completed;
   result.stop_reason = outcome.stop_reason;

@@ -32,28 +32,12 @@ CameraModel nominal_camera(const LensConfig& lens) {
   return camera;
 }
 
-void SceneConfig::validate() const {
-  // Visits the ranges as the configuration reader does; visit() wants an object that may be changed.
-  struct Checker {
-    void field(const char* key, std::vector<double>& bounds, const char*, const char*, common::Bounds) {
-      common::Range range(0.0, 0.0);
-      range.bounds = bounds;
-      range.validate(key);
-    }
-    void group(const char*, LensConfig&, const char*) {}
-    void group(const char*, BenchGeometry&, const char*) {}
-  } checker;
-  SceneConfig copy = *this;
-  copy.visit(checker);
-}
-
 SceneConfig widened(SceneConfig config, double share) {
   struct Widener {
     double share;
-    void field(const char*, std::vector<double>& range, const char*, const char*, common::Bounds bounds) {
-      const double extra = 0.5 * share * (range[1] - range[0]);
-      range[0] = std::max(range[0] - extra, bounds.min);
-      range[1] = std::min(range[1] + extra, bounds.max);
+    void field(const char*, common::Range& range, const char*, const char*, common::Bounds bounds) {
+      const double extra = 0.5 * share * (range.high - range.low);
+      range = {std::max(range.low - extra, bounds.min), std::min(range.high + extra, bounds.max)};
     }
     void group(const char*, LensConfig&, const char*) {}
     void group(const char*, BenchGeometry&, const char*) {}

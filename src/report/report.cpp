@@ -22,6 +22,7 @@ std::string report_html(const RunData& run, const std::optional<RunData>& record
   page.add_section("dynamics", "Learned simulator", dynamics_section(run, "dynamics"));
   page.add_section("policy", "Policy", policy_section(run, "policy"));
   page.add_section("deployment", "On the rig", deployment_section(run));
+  if (!run.filmed.empty()) page.add_section("camera", "What the camera saw", camera_section(run));
   if (recorded) page.add_section("recorded", "Real recordings", recorded_section(run, *recorded));
   return page.render();
 }

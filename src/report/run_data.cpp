@@ -1,5 +1,6 @@
 #include "lodestone/report/run_data.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <sstream>
@@ -65,6 +66,18 @@ void read_rig(const std::string& base, const std::string& rig, std::vector<Deplo
   if (!deploy.summary.is_null()) rigs.push_back(std::move(deploy));
 }
 
+std::vector<FilmedTrial> read_filmed(const std::string& folder) {
+  std::vector<std::string> files;
+  if (fs::is_directory(folder))
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+      if (entry.path().extension() == ".jpg") files.push_back(entry.path().string());
+  std::sort(files.begin(), files.end());
+  std::vector<FilmedTrial> filmed;
+  for (const std::string& file : files)
+    filmed.push_back({fs::path(file).stem().string(), common::read_file(file)});
+  return filmed;
+}
+
 }  // namespace
 
 RunData read_run(const std::string& folder) {
@@ -85,6 +98,7 @@ RunData read_run(const std::string& folder) {
     read_rig(folder + "/deploy", known ? run.deploy.config["on_rig"].get<std::string>() : "explored",
              run.rigs);
   }
+  run.filmed = read_filmed(folder + "/deploy/videos");
   return run;
 }
 

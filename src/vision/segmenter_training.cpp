@@ -19,7 +19,6 @@
 namespace lodestone::vision {
 
 void TrainSegmenterConfig::validate() const {
-  scenes.validate();
   const nets::UNetConfig& network = segmenter.network;
   if (pictures.crop_px % network.multiple() != 0)
     throw common::ConfigError("pictures.crop_px = " + std::to_string(pictures.crop_px) +
@@ -116,6 +115,7 @@ class Training {
     } catch (const std::out_of_range&) {
       throw common::CheckpointError(what + ": a part is missing");
     }
+    shared_ = false;  // the other shards' statistics are those of a fresh network
     share();
   }
 

@@ -10,6 +10,14 @@ namespace {
 
 using namespace lodestone::common;
 
+struct SceneConfig {
+  Range blur_px{0.5, 1.5};
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("blur_px", blur_px, "px", "blur", {0.0, 10.0});
+  }
+};
+
 struct DishConfig {
   double radius_m = 0.0425;
   template <class Visitor>
@@ -107,4 +115,17 @@ TEST_CASE("every key is described with default, unit and bounds") {
   CHECK(rows[4].value == "0.0425");
   CHECK(rows[4].unit == "m");
   CHECK(rows[4].bounds == "0.005 .. 0.5");
+}
+
+TEST_CASE("a range is two numbers in order, within the key's bounds") {
+  const auto read = [](const char* text) {
+    return config_from_json<SceneConfig>(Json::parse(text), "here").blur_px;
+  };
+  CHECK(read("{}").low == 0.5);
+  CHECK(read(R"({"blur_px": [1, 2]})").high == 2.0);
+  CHECK(config_to_json(SceneConfig{})["blur_px"] == Json({0.5, 1.5}));
+  for (const char* bad : {R"({"blur_px": 1})", R"({"blur_px": [2, 1]})", R"({"blur_px": [1]})",
+                          R"({"blur_px": [1, 11]})", R"({"blur_px": [1, "2"]})"})
+    CHECK_THROWS_WITH(read(bad), Catch::Contains("blur_px"));
+  CHECK(describe_config<SceneConfig>().front().value == "[0.5,1.5]");
 }

@@ -8,6 +8,12 @@ using namespace lodestone;
 
 namespace {
 
+control::CollectionConfig simulated() {
+  control::CollectionConfig config;
+  config.sensor.kind = "simulated";
+  return config;
+}
+
 void check_same(const data::Episode& a, const data::Episode& b) {
   CHECK(a.observations == b.observations);
   CHECK(a.actions == b.actions);
@@ -18,7 +24,7 @@ void check_same(const data::Episode& a, const data::Episode& b) {
 }  // namespace
 
 TEST_CASE("episodes are whole, within bounds, and marked where no current flowed") {
-  control::CollectionConfig config;
+  control::CollectionConfig config = simulated();
   config.explorer.zero_share = 0.3;
   control::Collection collection(config);
   int zero = 0;
@@ -42,7 +48,7 @@ TEST_CASE("episodes are whole, within bounds, and marked where no current flowed
 }
 
 TEST_CASE("collection goes on bitwise after a restart") {
-  control::CollectionConfig config;
+  control::CollectionConfig config = simulated();
   control::Collection straight(config);
   for (int i = 0; i < 3; ++i) straight.next_episode(10);
   const common::Json state = common::Json::parse(straight.save().dump());
@@ -53,8 +59,8 @@ TEST_CASE("collection goes on bitwise after a restart") {
 }
 
 TEST_CASE("a missing pose ends an episode without a gap") {
-  control::CollectionConfig config;
-  config.sensor.dropout = 0.2;
+  control::CollectionConfig config = simulated();
+  config.sensor.simulated.dropout = 0.2;
   control::Collection collection(config);
   for (int i = 0; i < 5; ++i) {
     const data::Episode episode = collection.next_episode(25);

@@ -10,6 +10,7 @@ namespace {
 
 control::DeploymentConfig quick_config() {
   control::DeploymentConfig config;
+  config.sensor.kind = "simulated";
   config.trials.point_seconds = 3.0;
   config.reference.speed_m_s = 0.03;
   config.reference.approach_limit_s = 1.0;

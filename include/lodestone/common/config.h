@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "lodestone/common/range.h"
+
 namespace lodestone::common {
 
 using Json = nlohmann::ordered_json;
@@ -51,6 +53,8 @@ class ConfigReader {
              Bounds bounds = {});
   void field(const char* key, std::vector<std::int64_t>& value, const char* unit, const char* meaning,
              Bounds bounds = {});
+  /// [low, high] with low <= high, both within `bounds`.
+  void field(const char* key, Range& value, const char* unit, const char* meaning, Bounds bounds = {});
 
   template <class Config>
   void group(const char* key, Config& value, const char* /*meaning*/) {
@@ -88,6 +92,9 @@ class ConfigWriter {
     json_[key] = value;
   }
   void field(const char* key, std::string& value, const char*, const char*, Choices) { json_[key] = value; }
+  void field(const char* key, Range& value, const char*, const char*, Bounds = {}) {
+    json_[key] = {value.low, value.high};
+  }
 
   template <class Config>
   void group(const char* key, Config& value, const char* /*meaning*/) {
@@ -124,6 +131,7 @@ class ConfigDescriber {
              Bounds bounds = {});
   void field(const char* key, std::vector<std::int64_t>& value, const char* unit, const char* meaning,
              Bounds bounds = {});
+  void field(const char* key, Range& value, const char* unit, const char* meaning, Bounds bounds = {});
   template <class Config>
   void group(const char* key, Config& value, const char* /*meaning*/) {
     ConfigDescriber nested(prefix_ + key + ".");

@@ -7,7 +7,7 @@
 #include "lodestone/control/control_loop.h"
 #include "lodestone/control/explorer.h"
 #include "lodestone/control/safety_supervisor.h"
-#include "lodestone/control/simulated_pose_sensor.h"
+#include "lodestone/control/sensing.h"
 #include "lodestone/data/dataset.h"
 #include "lodestone/rig/virtual_rig.h"
 
@@ -24,13 +24,13 @@ struct CollectionConfig {
   SafetyConfig safety;
   ExplorerConfig explorer;
   rig::VirtualRigConfig rig;
-  SensorErrorConfig sensor;
+  SensingConfig sensor;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("seed", seed, "", "seed of the exploration and of the sensor's noise", {0, 9e15});
     v.field("rig_seed", rig_seed, "", "seed of the rig's friction map", {0, 9e15});
-    v.field("sensor_seed", sensor_seed, "", "seed of the calibration error", {0, 9e15});
+    v.field("sensor_seed", sensor_seed, "", "seed of the camera's place and calibration", {0, 9e15});
     v.field("transitions", transitions, "", "transitions to record", {1, 1e9});
     v.field("episode_steps", episode_steps, "steps", "longest stretch between two resets by the operator",
             {1, 1e6});
@@ -38,7 +38,7 @@ struct CollectionConfig {
     v.group("safety", safety, "limits of the supervisor");
     v.group("explorer", explorer, "how the rig is explored");
     v.group("rig", rig, "the virtual rig");
-    v.group("sensor", sensor, "errors of the simulated localiser");
+    v.group("sensor", sensor, "how poses are sensed");
   }
 };
 
@@ -63,7 +63,8 @@ class Collection {
  private:
   CollectionConfig config_;
   rig::VirtualRig rig_;
-  SimulatedPoseSensor sensor_;
+  Sensing sensing_;
+  std::unique_ptr<RigSensor> sensor_;
   SafetySupervisor coils_;
   Explorer explorer_;
 };

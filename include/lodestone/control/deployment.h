@@ -13,8 +13,9 @@
 #include "lodestone/control/dipole_pull.h"
 #include "lodestone/control/reference.h"
 #include "lodestone/control/score.h"
-#include "lodestone/control/simulated_pose_sensor.h"
+#include "lodestone/control/sensing.h"
 #include "lodestone/control/trial.h"
+#include "lodestone/control/trial_video.h"
 #include "lodestone/rig/virtual_rig.h"
 
 namespace lodestone::control {
@@ -54,14 +55,14 @@ struct DeploymentConfig {
   DecoratorConfig decorators;
   DipolePullConfig baseline;
   rig::VirtualRigConfig rig;
-  SensorErrorConfig sensor;
+  SensingConfig sensor;
+  RecordingConfig record;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("seed", seed, "", "seed of starts, targets, sensor noise and unseen rigs", {0, 9e15});
     v.field("rig_seed", rig_seed, "", "seed of the explored rig's friction map, as in collect", {0, 9e15});
-    v.field("sensor_seed", sensor_seed, "", "seed of the explored rig's calibration error, as in collect",
-            {0, 9e15});
+    v.field("sensor_seed", sensor_seed, "", "seed of the explored rig's camera, as in collect", {0, 9e15});
     v.group("trials", trials, "the trials");
     v.group("score", score, "rules of scoring");
     v.group("reference", reference, "how a path is fed to the controller");
@@ -70,12 +71,13 @@ struct DeploymentConfig {
     v.group("decorators", decorators, "what is put around every controller");
     v.group("baseline", baseline, "the proportional baseline");
     v.group("rig", rig, "the virtual rig");
-    v.group("sensor", sensor, "errors of the simulated localiser");
+    v.group("sensor", sensor, "how poses are sensed");
+    v.group("record", record, "videos");
   }
 };
 
-/// A rig that was explored (friction map and calibration error of collect), or one never seen before (own
-/// friction map and calibration error in every trial).
+/// A rig that was explored (friction map and camera of collect), or one never seen before (own friction map
+/// and camera in every trial, calibrated from its first picture).
 enum class RigKind { kExplored, kUnseen };
 const char* to_string(RigKind kind);
 
@@ -104,19 +106,22 @@ class Deployment {
  public:
   explicit Deployment(const DeploymentConfig& config);
 
-  /// Results in the order of `plans`. With `realtime`, every trial takes as long as it says.
+  /// Results in the order of `plans`. With `realtime`, every trial takes as long as it says. Videos go into
+  /// `video_folder`, which exists; none are made when it is empty.
   std::vector<TrialResult> run(const std::vector<TrialPlan>& plans, RigKind kind,
                                const ControllerSource& source, common::ThreadPool& pool,
-                               bool realtime = false) const;
+                               bool realtime = false, const std::string& video_folder = "") const;
 
   /// Whether the needle lies inside the wall at a pose.
   bool fits(const geometry::Pose2& pose) const { return sample_rig_->fits(pose); }
 
  private:
-  TrialResult run_one(const TrialPlan& plan, RigKind kind, const ControllerSource& source,
-                      bool realtime) const;
+  TrialResult run_one(const TrialPlan& plan, RigKind kind, const ControllerSource& source, bool realtime,
+                      const std::string& video_folder) const;
 
   DeploymentConfig config_;
+  Sensing sensing_;
+  SeenBench explored_;
   std::unique_ptr<rig::VirtualRig> sample_rig_;  // lends its field table to the rigs of the trials
 };
 

@@ -41,8 +41,10 @@ struct TrialResult {
   TrialScore sensed;
 };
 
-/// Runs one trial and scores it. `true_pose` is for scoring only.
+/// Runs one trial and scores it. `true_pose` is for scoring only. `watch`, when given, sees every observation
+/// before its pulse.
 TrialResult run_trial(const TrialPlan& plan, ControlLoop& loop, Controller& controller,
-                      const std::function<geometry::Pose2()>& true_pose, const ScoreConfig& score);
+                      const std::function<geometry::Pose2()>& true_pose, const ScoreConfig& score,
+                      const ControlLoop::Observer& watch = {});
 
 }  // namespace lodestone::control

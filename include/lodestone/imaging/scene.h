@@ -63,35 +63,31 @@ struct SceneConfig {
   void visit(Visitor& v) {
     v.group("lens", lens, "the camera as it was meant to be mounted");
     v.group("bench", bench, "sizes of what is seen");
-    const auto range = [&v](const char* key, common::Range& value, const char* unit, const char* meaning,
-                            common::Bounds bounds) { v.field(key, value.bounds, unit, meaning, bounds); };
-    range("camera_shift_m", camera_shift_m, "m", "sideways error of the camera's place", {-0.1, 0.1});
-    range("camera_rise_m", camera_rise_m, "m", "error of the camera's height", {-0.1, 0.1});
-    range("camera_tilt_deg", camera_tilt_deg, "deg", "tilt about x and about y", {-45.0, 45.0});
-    range("camera_turn_deg", camera_turn_deg, "deg", "rotation of the picture", {-40.0, 40.0});
-    range("lens_k1", lens_k1, "", "radial distortion of the lens", {-5.0, 5.0});
-    range("brightness", brightness, "", "gain of the whole picture", {0.05, 5.0});
-    range("colour_cast", colour_cast, "", "gain of each colour", {0.3, 3.0});
-    range("vignetting", vignetting, "", "loss of light at the corners", {0.0, 0.9});
-    range("floor_grey", floor_grey, "", "brightness of the dish floor, 1 is white", {0.0, 1.0});
-    range("fluid_tint", fluid_tint, "", "depth of the fluid's colour", {0.0, 0.5});
-    range("glare", glare, "", "strength of the ring light's reflection", {0.0, 1.0});
-    range("needle_grey", needle_grey, "", "brightness of the steel", {0.0, 1.0});
-    range("needle_shine", needle_shine, "", "strength of the streak of light along the needle", {0.0, 1.0});
-    range("tape_hue_deg", tape_hue_deg, "deg", "hue of the tape on the needle's head", {0.0, 360.0});
-    range("tape_saturation", tape_saturation, "", "saturation of the tape", {0.0, 1.0});
-    range("tape_value", tape_value, "", "brightness of the tape", {0.0, 1.0});
-    range("blur_px", blur_px, "px", "standard deviation of the optical blur", {0.0, 10.0});
-    range("exposure_s", exposure_s, "s", "exposure; what moves is smeared", {1e-5, 1.0});
-    range("noise_grey", noise_grey, "grey levels", "standard deviation of the sensor's noise, of 255",
-          {0.0, 12.0});
-    range("threads", threads, "", "number of suture threads", {0.0, 20.0});
-    range("bubbles", bubbles, "", "number of bubbles", {0.0, 200.0});
-    range("scratches", scratches, "", "number of scratches of the dish", {0.0, 200.0});
-    range("stains", stains, "", "number of blood-like stains on the floor", {0.0, 50.0});
+    v.field("camera_shift_m", camera_shift_m, "m", "sideways error of the camera's place", {-0.1, 0.1});
+    v.field("camera_rise_m", camera_rise_m, "m", "error of the camera's height", {-0.1, 0.1});
+    v.field("camera_tilt_deg", camera_tilt_deg, "deg", "tilt about x and about y", {-45.0, 45.0});
+    v.field("camera_turn_deg", camera_turn_deg, "deg", "rotation of the picture", {-40.0, 40.0});
+    v.field("lens_k1", lens_k1, "", "radial distortion of the lens", {-5.0, 5.0});
+    v.field("brightness", brightness, "", "gain of the whole picture", {0.05, 5.0});
+    v.field("colour_cast", colour_cast, "", "gain of each colour", {0.3, 3.0});
+    v.field("vignetting", vignetting, "", "loss of light at the corners", {0.0, 0.9});
+    v.field("floor_grey", floor_grey, "", "brightness of the dish floor, 1 is white", {0.0, 1.0});
+    v.field("fluid_tint", fluid_tint, "", "depth of the fluid's colour", {0.0, 0.5});
+    v.field("glare", glare, "", "strength of the ring light's reflection", {0.0, 1.0});
+    v.field("needle_grey", needle_grey, "", "brightness of the steel", {0.0, 1.0});
+    v.field("needle_shine", needle_shine, "", "strength of the streak of light along the needle", {0.0, 1.0});
+    v.field("tape_hue_deg", tape_hue_deg, "deg", "hue of the tape on the needle's head", {0.0, 360.0});
+    v.field("tape_saturation", tape_saturation, "", "saturation of the tape", {0.0, 1.0});
+    v.field("tape_value", tape_value, "", "brightness of the tape", {0.0, 1.0});
+    v.field("blur_px", blur_px, "px", "standard deviation of the optical blur", {0.0, 10.0});
+    v.field("exposure_s", exposure_s, "s", "exposure; what moves is smeared", {1e-5, 1.0});
+    v.field("noise_grey", noise_grey, "grey levels", "standard deviation of the sensor's noise, of 255",
+            {0.0, 12.0});
+    v.field("threads", threads, "", "number of suture threads", {0.0, 20.0});
+    v.field("bubbles", bubbles, "", "number of bubbles", {0.0, 200.0});
+    v.field("scratches", scratches, "", "number of scratches of the dish", {0.0, 200.0});
+    v.field("stains", stains, "", "number of blood-like stains on the floor", {0.0, 50.0});
   }
-  /// Throws ConfigError naming the range that is out of order.
-  void validate() const;
 };
 
 /// Every range longer by `share` of its length, half of it on either side, as far as the keys' bounds allow.

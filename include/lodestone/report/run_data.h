@@ -35,6 +35,12 @@ struct DeployData {
   common::Json trials;   ///< trials.json
 };
 
+/// A trial of which there is a video.
+struct FilmedTrial {
+  std::string name;          ///< for example "unseen-policy-square-0"
+  std::string last_picture;  ///< JPEG
+};
+
 /// Everything found in a run folder: DIR/collect, DIR/dynamics, DIR/policy, DIR/deploy/{explored,unseen}.
 struct RunData {
   std::string folder;
@@ -44,6 +50,7 @@ struct RunData {
   StepData policy;
   StepData deploy;
   std::vector<DeployData> rigs;
+  std::vector<FilmedTrial> filmed;  ///< of DIR/deploy/videos, by name
 };
 
 /// Reads what is there; missing files are no fault. Throws DataError naming a file that is damaged, and

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "lodestone/common/random.h"
+#include "lodestone/imaging/bench.h"
+#include "lodestone/imaging/scene_renderer.h"
+#include "lodestone/rig/camera.h"
+#include "lodestone/rig/virtual_rig.h"
+
+namespace lodestone::rig {
+
+/// Sizes of what a camera over this rig sees; what the rig does not say is taken from `base`.
+imaging::BenchGeometry bench_of(const VirtualRigConfig& rig, imaging::BenchGeometry base = {});
+
+/// The virtual rig's own camera. A picture takes the scene's exposure on the rig's clock, and what moves
+/// meanwhile is smeared; its stamp is the middle of the exposure.
+class RenderedCamera final : public Camera {
+ public:
+  /// `rig` must outlive the camera; the renderer may be shared. `noise` draws the sensor's noise.
+  RenderedCamera(VirtualRig& rig, std::shared_ptr<const imaging::SceneRenderer> renderer,
+                 common::RandomStream noise);
+  /// Throws HardwareError when the exposure is longer than `timeout_s`.
+  imaging::Frame grab(double timeout_s) override;
+
+  /// State of the noise stream, for bitwise resumption.
+  std::string save() const { return noise_.save(); }
+  void restore(const std::string& state) { noise_.restore(state); }
+
+ private:
+  VirtualRig& rig_;
+  std::shared_ptr<const imaging::SceneRenderer> renderer_;
+  common::RandomStream noise_;
+};
+
+}  // namespace lodestone::rig

@@ -1,0 +1,41 @@
+#include "lodestone/rig/rendered_camera.h"
+
+#include "lodestone/common/error.h"
+
+namespace lodestone::rig {
+
+imaging::BenchGeometry bench_of(const VirtualRigConfig& rig, imaging::BenchGeometry base) {
+  base.dish_radius_m = rig.dish.radius_m;
+  base.coil_face_m = rig.coil.centre_distance_m - 0.5 * rig.coil.length_m;
+  base.coil_outer_radius_m = rig.coil.outer_radius_m;
+  base.coil_bore_radius_m = rig.coil.inner_radius_m;
+  base.coil_length_m = rig.coil.length_m;
+  base.needle_length_m = rig.needle.length_m;
+  base.needle_diameter_m = rig.needle.diameter_m;
+  return base;
+}
+
+RenderedCamera::RenderedCamera(VirtualRig& rig, std::shared_ptr<const imaging::SceneRenderer> renderer,
+                               common::RandomStream noise)
+    : rig_(rig), renderer_(std::move(renderer)), noise_(noise) {}
+
+imaging::Frame RenderedCamera::grab(double timeout_s) {
+  const double exposure_s = renderer_->scene().exposure_s;
+  if (exposure_s > timeout_s)
+    throw common::HardwareError("rendered camera: its exposure of " + std::to_string(exposure_s) +
+                                " s is longer than the timeout of " + std::to_string(timeout_s) +
+                                " s; shorten scene.exposure_s or raise the timeout");
+  common::Clock& clock = rig_.clock();
+  const double start_s = clock.now_s();
+  const geometry::Pose2 before = rig_.true_pose();
+  clock.sleep_until(start_s + exposure_s);
+  const geometry::Pose2 after = rig_.true_pose();
+  imaging::NeedleView needle;
+  needle.smear_m = after.position_m() - before.position_m();
+  const geometry::Vector2 middle_m = before.position_m() + 0.5 * needle.smear_m;
+  needle.pose = {middle_m.x(), middle_m.y(),
+                 before.heading_rad + 0.5 * geometry::wrap_angle(after.heading_rad - before.heading_rad)};
+  return {renderer_->render({needle}, noise_).image, start_s + 0.5 * exposure_s};
+}
+
+}  // namespace lodestone::rig

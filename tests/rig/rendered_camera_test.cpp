@@ -1,0 +1,54 @@
+#include "lodestone/rig/rendered_camera.h"
+
+#include <catch2/catch.hpp>
+#include <opencv2/core.hpp>
+
+#include "camera_conformance.h"
+#include "lodestone/common/error.h"
+
+using namespace lodestone;
+
+namespace {
+
+std::shared_ptr<const imaging::SceneRenderer> renderer_of(double noise_grey = 2.0) {
+  imaging::SceneConfig config;
+  config.bench = rig::bench_of({});
+  imaging::Scene scene = imaging::draw_scene(config, 1);
+  scene.noise_grey = noise_grey;
+  scene.exposure_s = 0.008;
+  return std::make_shared<const imaging::SceneRenderer>(scene);
+}
+
+}  // namespace
+
+TEST_CASE("the rendered camera keeps the contract of Camera") {
+  rig::VirtualRig rig({}, 1);
+  rig::RenderedCamera camera(rig, renderer_of(), common::RandomStream(1, "noise"));
+  tests::check_camera(camera);
+  CHECK_THROWS_AS(camera.grab(0.001), common::HardwareError);  // shorter than the exposure
+}
+
+TEST_CASE("a picture takes its exposure on the rig's clock and shows where the needle is") {
+  rig::VirtualRig rig({}, 1);
+  rig::RenderedCamera camera(rig, renderer_of(0.0), common::RandomStream(1, "noise"));
+  rig.place({0.01, 0.0, 0.0});
+  const double start_s = rig.clock().now_s();
+  const imaging::Frame here = camera.grab(1.0);
+  CHECK(rig.clock().now_s() == Approx(start_s + 0.008));
+  CHECK(here.stamp_s == Approx(start_s + 0.004));
+  rig.place({-0.01, 0.0, 0.0});
+  const imaging::Frame there = camera.grab(1.0);
+  cv::Mat difference;
+  cv::absdiff(here.image, there.image, difference);
+  CHECK(cv::countNonZero(difference.reshape(1) > 40) > 1000);
+}
+
+TEST_CASE("the bench in the picture has the rig's sizes") {
+  rig::VirtualRigConfig config;
+  config.needle.length_m = 0.018;
+  config.dish.radius_m = 0.04;
+  const imaging::BenchGeometry bench = rig::bench_of(config);
+  CHECK(bench.needle_length_m == 0.018);
+  CHECK(bench.dish_radius_m == 0.04);
+  CHECK(bench.coil_face_m == Approx(0.05));
+}
