@@ -11,6 +11,7 @@
 #include "lodestone/control/collection.h"
 #include "lodestone/data/coverage.h"
 #include "lodestone/data/dataset_file.h"
+#include "lodestone/nets/blas.h"
 #include "models.h"
 #include "verb.h"
 
@@ -71,6 +72,7 @@ void collect(const CommonOptions& options) {
   auto config = resolve_config<CollectConfig>(options);
   if (options.out.empty())
     throw common::ConfigError("collect: --out DIR is missing; name the folder to write into");
+  nets::use_one_blas_thread();
   choose_segmenter(config.collection.sensor);
   const std::int64_t total = config.collection.transitions;
   const std::string dataset_file = options.out + "/transitions.h5";

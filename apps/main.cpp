@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <exception>
+#include <opencv2/core/utility.hpp>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/interrupt.h"
@@ -51,6 +52,8 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   lodestone::common::install_interrupt_handler();
+  // Threads are for trials, scenes and shards; a picture's own operations are too short to be split.
+  cv::setNumThreads(1);
   try {
     return run(argc, argv);
   } catch (const lodestone::common::Error& error) {

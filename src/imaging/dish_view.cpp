@@ -16,9 +16,9 @@ DishView::DishView(const CameraModel& camera, double radius_m, double margin_m, 
   size_px_ = static_cast<int>(std::ceil(side_px / static_cast<double>(multiple_px)) *
                               static_cast<double>(multiple_px));
   shrink_ = std::max(1, static_cast<int>(std::lround(pixel_m / camera.pixel_size_m())));
-  lookup_.create(size_px_, size_px_, CV_32FC2);
+  cv::Mat places(size_px_, size_px_, CV_32FC2);
   for (int row = 0; row < size_px_; ++row) {
-    auto* out = lookup_.ptr<cv::Vec2f>(row);
+    auto* out = places.ptr<cv::Vec2f>(row);
     for (int column = 0; column < size_px_; ++column) {
       const Eigen::Vector2d pixel = camera.project_floor(to_dish(column, row));
       // Pixel k of the shrunk picture has its middle at shrink * k + (shrink - 1) / 2 of the picture.
@@ -27,6 +27,7 @@ DishView::DishView(const CameraModel& camera, double radius_m, double margin_m, 
                      static_cast<float>((pixel.y() - offset) / shrink_)};
     }
   }
+  cv::convertMaps(places, {}, lookup_, between_, CV_16SC2);
 }
 
 geometry::Vector2 DishView::to_dish(double column, double row) const {
@@ -60,24 +61,21 @@ cv::Mat DishView::cut(const cv::Mat& picture, const cv::Rect& area) const {
   const cv::Mat lookup = lookup_(area);
   // Only the part of the picture that the area shows is shrunk.
   // Straight lines are nearly straight in it, so that a few points of the border bound it.
-  cv::Point2f low(1e9F, 1e9F);
-  cv::Point2f high(-1e9F, -1e9F);
+  cv::Point low(1 << 20, 1 << 20);
+  cv::Point high(-(1 << 20), -(1 << 20));
   constexpr int kPieces = 8;
   for (int i = 0; i <= kPieces; ++i) {
     const int row = (area.height - 1) * i / kPieces;
     const int column = (area.width - 1) * i / kPieces;
     for (const cv::Point& at : {cv::Point(0, row), cv::Point(area.width - 1, row), cv::Point(column, 0),
                                 cv::Point(column, area.height - 1)}) {
-      const cv::Vec2f place = lookup.at<cv::Vec2f>(at);
-      low = {std::min(low.x, place[0]), std::min(low.y, place[1])};
-      high = {std::max(high.x, place[0]), std::max(high.y, place[1])};
+      const cv::Vec2s place = lookup.at<cv::Vec2s>(at);
+      low = {std::min<int>(low.x, place[0]), std::min<int>(low.y, place[1])};
+      high = {std::max<int>(high.x, place[0]), std::max<int>(high.y, place[1])};
     }
   }
   const cv::Rect all(0, 0, picture.cols / shrink_, picture.rows / shrink_);
-  const cv::Rect box =
-      cv::Rect(static_cast<int>(std::floor(low.x)) - 4, static_cast<int>(std::floor(low.y)) - 4,
-               static_cast<int>(high.x - low.x) + 10, static_cast<int>(high.y - low.y) + 10) &
-      all;
+  const cv::Rect box = cv::Rect(low.x - 4, low.y - 4, high.x - low.x + 10, high.y - low.y + 10) & all;
   cv::Mat out = cv::Mat::zeros(area.size(), picture.type());
   if (box.empty()) return out;
   const cv::Mat source(picture,
@@ -86,7 +84,7 @@ cv::Mat DishView::cut(const cv::Mat& picture, const cv::Rect& area) const {
   if (shrink_ > 1) cv::resize(source, shrunk, box.size(), 0.0, 0.0, cv::INTER_AREA);
   cv::Mat places;
   cv::subtract(lookup, cv::Scalar(box.x, box.y), places);
-  cv::remap(shrunk, out, places, {}, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
+  cv::remap(shrunk, out, places, between_(area), cv::INTER_LINEAR, cv::BORDER_CONSTANT);
   return out;
 }
 

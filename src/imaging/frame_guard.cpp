@@ -37,7 +37,7 @@ void FrameGuard::check(const Frame& frame) {
   check_format(frame.image);
   check_progress(frame);
   check_exposure(frame.image);
-  frame.image.copyTo(last_);  // a copy: callers may draw into their frames afterwards
+  last_ = frame.image;
   last_stamp_s_ = frame.stamp_s;
 }
 

@@ -209,11 +209,12 @@ void compose(const SceneLayers& layers, const cv::Mat& under, const cv::Rect& ar
     const auto* above = layers.over.ptr<cv::Vec3b>(v);
     const auto* alpha = layers.over_alpha.ptr<unsigned char>(v);
     const auto* shine = layers.glare.ptr<unsigned char>(v);
-    auto* out = image.ptr<cv::Vec3b>(v);
+    auto* out = image.ptr<cv::Vec3b>(v - area.y) - area.x;
     for (int u = area.x; u < area.x + area.width; ++u) {
       const int clear = 255 - alpha[u];
       for (int i = 0; i < 3; ++i) {
-        const int value = above[u][i] + (below[u - area.x][i] * clear + 127) / 255 + shine[u];
+        int value = below[u - area.x][i] + shine[u];
+        if (clear != 255) value = above[u][i] + (below[u - area.x][i] * clear + 127) / 255 + shine[u];
         out[u][i] = static_cast<unsigned char>(std::min(value, 255));
       }
     }

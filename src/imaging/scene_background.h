@@ -22,7 +22,8 @@ SceneLayers paint_layers(const Scene& scene);
 /// Light that reaches the camera from a white surface at a pixel: brightness and vignetting.
 float light_at(const Scene& scene, double u_px, double v_px);
 
-/// `under`, then `over` on it, then the glare, for one area of the picture.
+/// `under`, then `over` on it, then the glare, for one area of the picture; `under` and `image` are of the
+/// area's size.
 void compose(const SceneLayers& layers, const cv::Mat& under, const cv::Rect& area, cv::Mat& image);
 
 }  // namespace lodestone::imaging

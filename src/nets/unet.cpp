@@ -53,11 +53,13 @@ Tensor UNetImpl::run(Unit& unit, const Tensor& x) {
 }
 
 Tensor UNetImpl::forward(const Tensor& picture) {
+  return forward_normalised((picture - colour_mean) / colour_std);
+}
+
+Tensor UNetImpl::forward_normalised(Tensor x) {
   const std::int64_t multiple = config_.multiple();
-  LODESTONE_CHECK(picture.dim() == 4 && picture.size(1) == 3 && picture.size(2) % multiple == 0 &&
-                      picture.size(3) % multiple == 0,
+  LODESTONE_CHECK(x.dim() == 4 && x.size(1) == 3 && x.size(2) % multiple == 0 && x.size(3) % multiple == 0,
                   "pictures [N, 3, H, W] with sides that are multiples of " + std::to_string(multiple));
-  Tensor x = (picture - colour_mean) / colour_std;
   std::size_t next = 0;
   x = run(units_[next++], x);
   std::vector<Tensor> skipped;

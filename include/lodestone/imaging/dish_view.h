@@ -38,8 +38,9 @@ class DishView {
   double pixel_m_;
   std::int64_t multiple_px_;
   int size_px_;
-  int shrink_;      ///< the picture is first averaged over squares of this side
-  cv::Mat lookup_;  ///< [size, size] 2 x float: place in the shrunk picture
+  int shrink_;       ///< the picture is first averaged over squares of this side
+  cv::Mat lookup_;   ///< [size, size] 2 x short: place in the shrunk picture, whole pixels
+  cv::Mat between_;  ///< [size, size] unsigned short: the rest, as cv::remap wants it
 };
 
 }  // namespace lodestone::imaging

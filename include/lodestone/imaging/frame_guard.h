@@ -37,7 +37,8 @@ class FrameGuard {
 
   /// Throws common::HardwareError when the frame is empty, not 8-bit BGR, of another size, overexposed, or
   /// frozen (the very bytes of the frame before, or a stamp that is not newer). A real sensor's noise makes
-  /// two equal pictures impossible. A frame that was refused is not remembered.
+  /// two equal pictures impossible. A frame that was refused is not remembered. The guard shares the last
+  /// picture, because copying it would cost as much as straightening it: draw into a copy.
   void check(const Frame& frame);
 
   /// Forgets the last frame, for example after the camera was opened anew.

@@ -39,6 +39,8 @@ class UNetImpl : public torch::nn::Module {
   /// [N, 3, H, W] float32, BGR in 0..255, H and W multiples of config().multiple() -> logits
   /// [N, classes, H * upscale / stem, W * upscale / stem].
   torch::Tensor forward(const torch::Tensor& picture);
+  /// The same from (picture - colour_mean) / colour_std.
+  torch::Tensor forward_normalised(torch::Tensor x);
 
   /// Mean and standard deviation of each colour over training pictures [N, 3, H, W].
   void fit_normaliser(const torch::Tensor& pictures);

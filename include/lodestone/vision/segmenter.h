@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <string>
@@ -44,7 +45,11 @@ class Segmenter {
   const SegmenterConfig& config() const { return config_; }
 
  private:
+  void normalise(const cv::Mat& view, float* out) const;
+
   SegmenterConfig config_;
+  std::array<float, 3> gain_{};  ///< of each colour
+  std::array<float, 3> offset_{};
   mutable nets::UNet network_;  // LibTorch's forward() is not const; in evaluation mode it changes nothing
 };
 
