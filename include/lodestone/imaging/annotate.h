@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lodestone/geometry/pose2.h"
+#include "lodestone/imaging/bench.h"
+#include "lodestone/imaging/camera_model.h"
+
+namespace lodestone::imaging {
+
+/// What a person wants to see in a frame of a run. Everything is in the dish frame; what is left empty is not
+/// drawn.
+struct Annotation {
+  BenchGeometry bench;  ///< sizes of dish, coils and needle
+
+  std::optional<geometry::Pose2> pose;  ///< estimated, of the needle's middle
+  std::string no_pose_reason;           ///< shown when there is no pose
+  std::optional<geometry::Vector2> target_m;
+  std::vector<geometry::Vector2> reference_m;  ///< path to follow
+  std::vector<geometry::Vector2> travelled_m;  ///< path so far
+
+  /// Coil order +x, -x, +y, -y. A positive current pulls towards its coil: its arrow points outwards.
+  std::optional<std::array<double, 4>> coil_current_A;
+  double max_current_A = 15.0;  ///< full length of an arrow
+
+  std::string task;
+  std::optional<double> time_s;
+  std::optional<double> error_m;
+};
+
+/// Draws into `image` (8-bit BGR, of the camera's size), antialiased, in colours that the colour-blind can
+/// tell apart (Okabe and Ito 2008): dish rim white, reference blue, path so far orange, target purple cross,
+/// pose vermilion with a yellow head. Stroke widths follow the picture's height. Throws LogicFault when the
+/// picture is of another type or size.
+void annotate(cv::Mat& image, const CameraModel& camera, const Annotation& annotation);
+
+}  // namespace lodestone::imaging
