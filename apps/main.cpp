@@ -35,6 +35,7 @@ int run(int argc, char** argv) {
   lodestone::apps::add_train_policy(program, catalogue);
   lodestone::apps::add_deploy(program, catalogue);
   lodestone::apps::add_evaluate(program, catalogue);
+  lodestone::apps::add_calibrate(program, catalogue);
   lodestone::apps::add_rig(program, catalogue);
   lodestone::apps::add_bench(program, catalogue);
   lodestone::apps::add_report(program, catalogue);

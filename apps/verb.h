@@ -54,6 +54,7 @@ void add_train_dynamics(CLI::App& program, ConfigCatalogue& catalogue);
 void add_train_policy(CLI::App& program, ConfigCatalogue& catalogue);
 void add_deploy(CLI::App& program, ConfigCatalogue& catalogue);
 void add_evaluate(CLI::App& program, ConfigCatalogue& catalogue);
+void add_calibrate(CLI::App& program, ConfigCatalogue& catalogue);
 void add_rig(CLI::App& program, ConfigCatalogue& catalogue);
 void add_bench(CLI::App& program, ConfigCatalogue& catalogue);
 void add_report(CLI::App& program, ConfigCatalogue& catalogue);

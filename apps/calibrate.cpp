@@ -1,0 +1,243 @@
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+
+#include "lodestone/common/files.h"
+#include "lodestone/common/log.h"
+#include "lodestone/common/run_folder.h"
+#include "lodestone/common/thread_pool.h"
+#include "lodestone/imaging/calibration.h"
+#include "lodestone/imaging/calibration_overlay.h"
+#include "lodestone/imaging/charuco.h"
+#include "lodestone/imaging/frame_guard.h"
+#include "lodestone/imaging/scene_renderer.h"
+#include "lodestone/rig/camera_source.h"
+#include "verb.h"
+
+namespace lodestone::apps {
+namespace {
+
+struct CalibrateConfig {
+  std::int64_t seed = 1;
+  std::int64_t threads = 0;
+  std::int64_t pictures = 4;
+  rig::CameraSourceConfig camera;
+  imaging::CharucoConfig board;
+  imaging::CalibrationConfig fit;
+  imaging::SceneConfig scene;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("seed", seed, "", "seed of rendered benches", {0, 9e15});
+    v.field("threads", threads, "", "threads of --trials; 0 means one per processor", {0, 1024});
+    v.field("pictures", pictures, "", "pictures to average; the camera must stand still", {1, 1000});
+    v.group("camera", camera, "the camera");
+    v.group("board", board, "the printed ChArUco board");
+    v.group("fit", fit, "how the camera is fitted");
+    v.group("scene", scene, "lens and sizes of the bench; and the ranges of rendered benches");
+  }
+  void validate() const { board.validate(); }
+};
+
+struct CalibrateOptions {
+  CommonOptions common;
+  bool rendered = false;
+  std::int64_t trials = 0;
+  std::string check;
+  std::string print_board;
+  std::vector<std::string> board_files;
+};
+
+constexpr double kGetPicture_s = 5.0;
+
+std::vector<cv::Mat> grab(const CalibrateConfig& config) {
+  if (config.camera.source.empty() && config.camera.kind != "genicam")
+    throw common::ConfigError(
+        "calibrate: which camera? --camera PATH (picture, folder or video), --set camera.kind=uvc with "
+        "--camera 0, "
+        "--set camera.kind=genicam, or --rendered to try it without one");
+  const std::unique_ptr<rig::Camera> camera = rig::open_camera(config.camera);
+  std::vector<cv::Mat> images;
+  for (std::int64_t i = 0; i < config.pictures; ++i) {
+    // A folder may hold fewer.
+    try {
+      images.push_back(camera->grab(kGetPicture_s).image);
+    } catch (const common::HardwareError&) {
+      if (images.empty()) throw;
+      break;
+    }
+  }
+  return images;
+}
+
+cv::Mat render(const imaging::SceneRenderer& renderer) {
+  common::RandomStream random(renderer.scene().seed, "picture for calibration");
+  return renderer.render({}, random).image;
+}
+
+double thread_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+/// Calibrates many rendered benches, whose cameras are known, and prints the errors as JSON.
+void run_trials(const CalibrateConfig& config, std::int64_t trials) {
+  struct Trial {
+    bool failed = false;
+    imaging::FloorError error;
+    double ms = 0.0;
+  };
+  std::vector<Trial> results(static_cast<std::size_t>(trials));
+  common::ThreadPool pool(static_cast<std::size_t>(config.threads));
+  pool.for_each(results.size(), [&](std::size_t index) {
+    const imaging::SceneRenderer renderer(imaging::draw_scene(
+        config.scene,
+        common::derive_seed(static_cast<std::uint64_t>(config.seed), "calibration trial", index)));
+    const cv::Mat picture = render(renderer);
+    const double start_ms = thread_ms();
+    try {
+      const imaging::Calibration found =
+          imaging::calibrate_from_dish({picture}, config.scene.bench, config.scene.lens, config.fit);
+      results[index].error = imaging::floor_error(found.camera, renderer.scene().camera, config.scene.bench);
+    } catch (const common::DataError&) {
+      results[index].failed = true;
+    }
+    results[index].ms = thread_ms() - start_ms;
+  });
+  std::vector<double> rms_mm, max_mm, ms;
+  for (const Trial& trial : results) {
+    ms.push_back(trial.ms);
+    if (trial.failed) continue;
+    rms_mm.push_back(1e3 * trial.error.rms_m);
+    max_mm.push_back(1e3 * trial.error.max_m);
+  }
+  const auto spread = [](std::vector<double> values) -> common::Json {
+    if (values.empty()) return nullptr;
+    std::sort(values.begin(), values.end());
+    const auto at = [&](double share) {
+      return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+    };
+    return {{"median", at(0.5)}, {"p95", at(0.95)}, {"max", at(1.0)}};
+  };
+  common::Json json;
+  json["rms_mm"] = spread(rms_mm);
+  json["worst_point_mm"] = spread(max_mm);
+  json["ms"] = spread(ms);
+  json["failures"] = trials - static_cast<std::int64_t>(rms_mm.size());
+  json["n"] = trials;
+  std::printf("%s\n", json.dump(2).c_str());
+}
+
+/// 0 when the camera stands where it stood, 1 when it moved.
+void check_moved(const CalibrateConfig& config, const cv::Mat& picture, const std::string& file) {
+  const imaging::Calibration calibration = imaging::read_calibration(file);
+  const double moved_m = imaging::camera_moved_m(picture, calibration, config.scene.bench, config.fit);
+  std::printf("the picture has moved by %.3f mm since %s was made\n", 1e3 * moved_m, file.c_str());
+  if (moved_m > config.fit.moved_bound_m)
+    throw common::HardwareError("the camera has moved: " + std::to_string(1e3 * moved_m) + " mm, bound is " +
+                                std::to_string(1e3 * config.fit.moved_bound_m) + " mm; calibrate again");
+}
+
+imaging::DishFit fit(const CalibrateConfig& config, const CalibrateOptions& options,
+                     const std::vector<cv::Mat>& images) {
+  imaging::CameraModel start = imaging::nominal_camera(config.scene.lens);
+  if (options.board_files.empty()) return imaging::fit_dish(images, config.scene.bench, start, config.fit);
+  std::vector<cv::Mat> boards;
+  for (const std::string& file : options.board_files) {
+    boards.push_back(cv::imread(file));
+    if (boards.back().empty()) throw common::IoError("--board " + file + " is no picture that can be read");
+  }
+  const imaging::CharucoFit lens = imaging::fit_charuco(boards, config.board);
+  common::log_info("board: " + std::to_string(lens.used.size()) + " pictures, residual " +
+                   std::to_string(lens.rms_px) + " px, focal length " + std::to_string(lens.camera.focal_px) +
+                   " px");
+  // The height that the nominal lens and distance stand for, with the focal length measured.
+  const Eigen::Vector3d place = start.translation_m * (lens.camera.focal_px / start.focal_px);
+  start = lens.camera;
+  start.rotation = imaging::nominal_camera(config.scene.lens).rotation;
+  start.translation_m = place;
+  imaging::DishFit found = imaging::fit_dish(images, config.scene.bench, start, config.fit, true);
+  found.calibration.method = "charuco";
+  return found;
+}
+
+void calibrate(const CalibrateOptions& options) {
+  const auto config = resolve_config<CalibrateConfig>(options.common);
+  if (!options.print_board.empty()) {
+    imaging::write_charuco(options.print_board, config.board);
+    common::log_info("wrote " + options.print_board +
+                     ": print it in true size, measure a square, and set board.square_m");
+    return;
+  }
+  if (options.trials > 0) return run_trials(config, options.trials);
+  std::unique_ptr<imaging::SceneRenderer> renderer;
+  std::vector<cv::Mat> images;
+  if (options.rendered) {
+    renderer = std::make_unique<imaging::SceneRenderer>(
+        imaging::draw_scene(config.scene, static_cast<std::uint64_t>(config.seed)));
+    images.push_back(render(*renderer));
+  } else {
+    images = grab(config);
+  }
+  if (!options.check.empty()) return check_moved(config, images.front(), options.check);
+  if (options.common.out.empty())
+    throw common::ConfigError("calibrate: --out DIR is missing; name the folder to write into");
+  const imaging::DishFit found = fit(config, options, images);
+  common::start_run_folder(options.common.out, "calibrate", common::config_to_json(config), config.seed,
+                           false);
+  const imaging::Calibration& calibration = found.calibration;
+  imaging::write_calibration(options.common.out + "/calibration.json", calibration);
+  cv::imwrite(options.common.out + "/overlay.png",
+              imaging::calibration_overlay(images.front(), calibration.camera, config.scene.bench));
+  for (const imaging::EdgeUse& edge : found.edges)
+    if (edge.expected > 0)
+      std::printf("%-12s %4lld of %4lld points, %.3f px RMS\n", edge.name.c_str(),
+                  static_cast<long long>(edge.used), static_cast<long long>(edge.expected), edge.rms_px);
+  std::printf("reprojection error %.3f mm (%.3f px) RMS\n", 1e3 * calibration.reprojection_rms_m,
+              calibration.reprojection_rms_px);
+  if (renderer) {
+    const imaging::FloorError error =
+        imaging::floor_error(calibration.camera, renderer->scene().camera, config.scene.bench);
+    std::printf("true error over the dish %.3f mm RMS, %.3f mm at worst\n", 1e3 * error.rms_m,
+                1e3 * error.max_m);
+  }
+  std::printf("look at %s/overlay.png: the lines must lie on the edges\n", options.common.out.c_str());
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& program, ConfigCatalogue& catalogue) {
+  catalogue["calibrate"] = [] {
+    CalibrateConfig defaults;
+    return common::describe_config(std::move(defaults));
+  };
+  CLI::App* verb =
+      program.add_subcommand("calibrate", "find where the camera stands over the dish, from its picture");
+  auto options = std::make_shared<CalibrateOptions>();
+  add_common_options(*verb, options->common);
+  verb->add_option_function<std::string>(
+      "--camera",
+      [options](const std::string& source) {
+        options->common.overrides.push_back("camera.source=" + common::Json(source).dump());
+      },
+      "picture, folder, video; number of a USB camera; name of a GenICam camera (see camera.kind)");
+  verb->add_flag("--rendered", options->rendered, "try it on a rendered bench, where the truth is known");
+  verb->add_option("--trials", options->trials,
+                   "calibrate so many rendered benches and print the errors as JSON")
+      ->check(CLI::Range(0, 1000000));
+  verb->add_option("--check", options->check, "calibration.json: has the camera moved since? (exit code 1)")
+      ->type_name("FILE");
+  verb->add_option(
+          "--board", options->board_files,
+          "pictures of the printed ChArUco board, tilted this way and that: they give the lens, the dish "
+          "gives the place")
+      ->type_name("FILE...");
+  verb->add_option("--print-board", options->print_board, "write the board to print")->type_name("PNG");
+  verb->callback([options] { calibrate(*options); });
+}
+
+}  // namespace lodestone::apps
