@@ -8,6 +8,7 @@
 #include "lodestone/common/log.h"
 #include "lodestone/common/progress.h"
 #include "lodestone/common/run_folder.h"
+#include "lodestone/common/thread_pool.h"
 #include "lodestone/control/collection.h"
 #include "lodestone/data/coverage.h"
 #include "lodestone/data/dataset_file.h"
@@ -21,30 +22,56 @@ namespace {
 
 struct CollectConfig {
   control::CollectionConfig collection;
-  std::int64_t threads = 1;
+  std::int64_t threads = 0;
 
   template <class Visitor>
   void visit(Visitor& v) {
     collection.visit(v);
-    v.field("threads", threads, "", "one rig is explored by one thread; kept for uniformity", {0, 1024});
+    v.field("threads", threads, "", "sessions explored at the same time; 0 means one per processor",
+            {0, 1024});
   }
   void validate() const { collection.rig.validate(); }
 };
 
-/// Between two writes of the state this many episodes may have to be explored again by --resume: about a
-/// second.
-constexpr std::int64_t kEpisodesPerState = 100;
+/// All sessions explore so many episodes, then their records are written, then the next round begins.
+constexpr std::int64_t kEpisodesPerRound = 4;
+/// Between two writes of the state this many rounds may have to be explored again by --resume.
+constexpr std::int64_t kRoundsPerState = 10;
+
+using Sessions = std::vector<std::unique_ptr<control::Collection>>;
+
+Sessions make_sessions(const control::CollectionConfig& config) {
+  Sessions sessions;
+  for (std::int64_t session = 0; session < config.sessions; ++session)
+    sessions.push_back(std::make_unique<control::Collection>(config, session));
+  return sessions;
+}
+
+/// Episodes of one round, in the order of the sessions.
+std::vector<data::Episode> explore(const Sessions& sessions, std::int64_t episode_steps,
+                                   common::ThreadPool& pool) {
+  std::vector<std::vector<data::Episode>> found(sessions.size());
+  pool.for_each(sessions.size(), [&](std::size_t session) {
+    for (std::int64_t i = 0; i < kEpisodesPerRound; ++i)
+      found[session].push_back(sessions[session]->next_episode(episode_steps));
+  });
+  std::vector<data::Episode> episodes;
+  for (std::vector<data::Episode>& of_session : found)
+    for (data::Episode& episode : of_session) episodes.push_back(std::move(episode));
+  return episodes;
+}
 
 /// The part of a configuration that decides the data.
 common::Json deciding(CollectConfig config) {
-  config.threads = 1;
+  config.threads = 0;
   return common::config_to_json(config);
 }
 
-void write_state(const std::string& file, const control::Collection& collection, std::int64_t episodes,
+void write_state(const std::string& file, const Sessions& sessions, std::int64_t episodes,
                  std::int64_t transitions) {
-  const common::Json state = {
-      {"episodes", episodes}, {"transitions", transitions}, {"collection", collection.save()}};
+  common::Json state = {{"episodes", episodes}, {"transitions", transitions}};
+  state["sessions"] = common::Json::array();
+  for (const auto& session : sessions) state["sessions"].push_back(session->save());
   common::write_file_atomically(file, state.dump());
 }
 
@@ -84,19 +111,19 @@ void collect(const CommonOptions& options) {
     report(options.out, dataset_file);
     return;
   }
-  control::Collection collection(config.collection);
+  const Sessions sessions = make_sessions(config.collection);
   std::int64_t episodes = 0;
   std::int64_t transitions = 0;
   if (going_on) {
     check_same_run(options.out, config);
     const common::Json state = common::read_json_file(state_file);
-    collection.restore(state.at("collection"));
+    for (std::size_t i = 0; i < sessions.size(); ++i) sessions[i]->restore(state.at("sessions").at(i));
     episodes = state.at("episodes").get<std::int64_t>();
     transitions = state.at("transitions").get<std::int64_t>();
   } else {
     common::start_run_folder(options.out, "collect", common::config_to_json(config), config.collection.seed,
                              false);
-    write_state(state_file, collection, 0, 0);
+    write_state(state_file, sessions, 0, 0);
   }
   auto writer = std::make_unique<data::DatasetWriter>(dataset_file, control::dataset_info(config.collection),
                                                       going_on && std::filesystem::exists(dataset_file));
@@ -108,12 +135,17 @@ void collect(const CommonOptions& options) {
                             std::to_string(episodes) + "; start again in another folder");
   common::Progress progress("collect", total);
   try {
-    while (transitions < total) {
-      const data::Episode episode = collection.next_episode(total - transitions);
-      if (episodes >= stored) writer->write(episode);
-      ++episodes;
-      transitions += episode.length();
-      if (episodes % kEpisodesPerState == 0) write_state(state_file, collection, episodes, transitions);
+    common::ThreadPool pool(static_cast<std::size_t>(config.threads));
+    for (std::int64_t round = 1; transitions < total; ++round) {
+      for (data::Episode& episode : explore(sessions, config.collection.episode_steps, pool)) {
+        if (transitions >= total) break;
+        if (transitions + episode.length() > total)
+          episode = control::first_steps(episode, total - transitions);
+        if (episodes >= stored) writer->write(episode);
+        ++episodes;
+        transitions += episode.length();
+      }
+      if (round % kRoundsPerState == 0) write_state(state_file, sessions, episodes, transitions);
       progress.update(transitions, std::to_string(episodes) + " episodes");
     }
   } catch (const common::Interrupted&) {

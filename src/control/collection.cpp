@@ -50,16 +50,38 @@ data::DatasetInfo dataset_info(const CollectionConfig& config) {
   return info;
 }
 
-Collection::Collection(const CollectionConfig& config)
+data::Episode first_steps(const data::Episode& episode, std::int64_t steps) {
+  LODESTONE_CHECK(steps >= 1 && steps <= episode.length(), "a part of the episode");
+  const auto n = static_cast<std::size_t>(steps);
+  data::Episode part = episode;
+  part.observations.resize(episode.observations.size() / (episode.terminations.size() + 1) * (n + 1));
+  part.actions.resize(data::kActionSize * n);
+  part.terminations.resize(n);
+  part.truncations.resize(n);
+  part.zero_current.resize(n);
+  if (part.terminations.back() == 0) part.truncations.back() = 1;
+  return part;
+}
+
+Collection::Collection(const CollectionConfig& config, std::int64_t session)
     : config_(config),
       rig_(config.rig, static_cast<std::uint64_t>(config.rig_seed)),
       sensing_(config.sensor, config.rig),
-      sensor_(sensing_.make(
-          rig_, sensing_.calibrated_bench(static_cast<std::uint64_t>(config.sensor_seed)),
-          common::RandomStream(static_cast<std::uint64_t>(config.seed), "collect/sensor noise"))),
+      sensor_(
+          sensing_.make(rig_, sensing_.calibrated_bench(static_cast<std::uint64_t>(config.sensor_seed)),
+                        common::RandomStream(static_cast<std::uint64_t>(config.seed), "collect/sensor noise",
+                                             static_cast<std::uint64_t>(session)))),
       coils_(rig_.coils(), config.safety),
       explorer_(config.explorer,
-                common::RandomStream(static_cast<std::uint64_t>(config.seed), "collect/explorer")) {}
+                common::RandomStream(static_cast<std::uint64_t>(config.seed), "collect/explorer",
+                                     static_cast<std::uint64_t>(session))) {
+  if (session == 0) return;  // a single session is as it always was
+  common::Json state = rig_.save();
+  state["scatter"] = common::RandomStream(static_cast<std::uint64_t>(config.seed), "collect/scatter",
+                                          static_cast<std::uint64_t>(session))
+                         .save();
+  rig_.restore(state);
+}
 
 data::Episode Collection::next_episode(std::int64_t max_steps) {
   max_steps = std::min(max_steps, config_.episode_steps);

@@ -1,5 +1,6 @@
 #include "lodestone/vision/localiser.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "lodestone/common/error.h"
@@ -41,21 +42,32 @@ Localisation Localiser::look(const cv::Mat& picture, const cv::Rect& area) const
   return found;
 }
 
-Localisation Localiser::locate(const cv::Mat& picture) {
-  if (last_m_) {
-    const int crop_px = static_cast<int>(std::lround(config_.crop_m / view_.pixel_m()));
-    const std::int64_t multiple = segmenter_->config().network.multiple();
-    const cv::Rect area = view_.around(*last_m_, static_cast<int>(crop_px / multiple * multiple));
-    Localisation near = look(picture, area);
-    if (near.found) {
-      near.tracked = true;
-      last_m_ = near.pose.position_m();
-      return near;
-    }
+/// A square around the last pose.
+Localisation Localiser::look_near(const cv::Mat& picture, double side_m) const {
+  const std::int64_t multiple = segmenter_->config().network.multiple();
+  const auto side_px = static_cast<std::int64_t>(std::lround(side_m / view_.pixel_m()));
+  const std::int64_t fitting_px = std::max<std::int64_t>(1, side_px / multiple) * multiple;
+  Localisation found = look(picture, view_.around(*last_m_, static_cast<int>(fitting_px)));
+  found.tracked = found.found;
+  return found;
+}
+
+void Localiser::remember(const Localisation& found) {
+  if (!found.found) {
+    last_m_.reset();
+    return;
   }
-  Localisation found = look(picture, view_.whole());
-  last_m_.reset();
-  if (found.found) last_m_ = found.pose.position_m();
+  const geometry::Vector2 now_m = found.pose.position_m();
+  still_ = last_m_ && (now_m - *last_m_).norm() < config_.still_m;
+  last_m_ = now_m;
+}
+
+Localisation Localiser::locate(const cv::Mat& picture) {
+  Localisation found;
+  if (last_m_ && still_) found = look_near(picture, config_.still_crop_m);
+  if (last_m_ && !found.found) found = look_near(picture, config_.crop_m);
+  if (!found.found) found = look(picture, view_.whole());
+  remember(found);
   return found;
 }
 

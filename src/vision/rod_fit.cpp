@@ -16,6 +16,7 @@ using geometry::Vector2;
 
 constexpr int kTrials = 96;  ///< of RANSAC
 constexpr int kRefinements = 5;
+constexpr int kMostRods = 4;  ///< lines that are tried
 constexpr double kProfileStep_m = 0.1e-3;
 constexpr float kMaxLogOdds = 5.0F;  ///< a pixel says no more than this
 constexpr int kMinClusterPixels = 3;
@@ -61,14 +62,13 @@ class RodFitter {
     find_clusters();
     if (static_cast<double>(points_.size()) < config_.min_visible * needle_pixels_)
       return nothing("no needle in view");
-    Line line = consensus();
-    for (int i = 0; i < kRefinements; ++i) refine(line);
+    const std::vector<Line> rods = find_rods();
+    if (rods.empty()) return nothing("no needle in view: what is there is no straight rod");
+    if (rods.size() > 1) return nothing("more than one needle in view, or something like one");
+    Line line = rods.front();
+    refine(line);  // once more, so that weight and spread are this line's
     Rod rod;
     rod.support = support(line);
-    if (rod.support < config_.min_support)
-      return nothing("no needle in view: what is there is no straight rod");
-    if (others(line) > config_.max_other * needle_pixels_)
-      return nothing("more than one needle in view, or something like one");
     find_head(line, rod);
     if (rod.head_certainty < config_.min_head_certainty)
       return nothing("head and tail cannot be told apart: the tape is not seen");
@@ -101,6 +101,20 @@ class RodFitter {
         points_.push_back({grid_.at(column, row), probability(evidence_.needle.at<float>(row, column))});
       }
     }
+  }
+
+  /// Straight rods of the needle's length, one after the other: what a line explains is taken away before the
+  /// next is looked for. Threads and stains that the network took for needle leave lines without support.
+  std::vector<Line> find_rods() {
+    std::vector<Line> rods;
+    for (int i = 0; i < kMostRods; ++i) {
+      if (static_cast<double>(points_.size()) < config_.min_visible * needle_pixels_) break;
+      Line line = consensus();
+      for (int step = 0; step < kRefinements; ++step) refine(line);
+      if (support(line) >= config_.min_support) rods.push_back(line);
+      take_away(line);
+    }
+    return rods;
   }
 
   /// The line through two mask pixels that most others lie on, within one needle's length.
@@ -259,17 +273,15 @@ class RodFitter {
     return sum / steps;
   }
 
-  /// Mask pixels that the rod does not explain.
-  double others(const Line& line) const {
+  /// Drops the mask pixels that a line explains.
+  void take_away(const Line& line) {
     const double side_m = 0.5 * config_.needle_diameter_m + 2.5 * grid_.pixel_m;
     const double reach_m = 0.5 * config_.needle_length_m + 4.0 * grid_.pixel_m;
-    double count = 0.0;
-    for (const MaskPoint& point : points_) {
+    const auto explained = [&](const MaskPoint& point) {
       const Vector2 offset = point.at_m - line.centre_m;
-      if (std::abs(line.across().dot(offset)) > side_m || std::abs(line.along().dot(offset)) > reach_m)
-        count += 1.0;
-    }
-    return count;
+      return std::abs(line.across().dot(offset)) <= side_m && std::abs(line.along().dot(offset)) <= reach_m;
+    };
+    points_.erase(std::remove_if(points_.begin(), points_.end(), explained), points_.end());
   }
 
   /// Turns the line so that it points to the head.

@@ -92,7 +92,7 @@ TEST_CASE("a spoiled picture stops the coils, names the fault, and keeps what wa
   cv::Mat first;
   const std::vector<Fault> faults = {
       {"empty", [](imaging::Frame& frame) { frame.image.release(); }},
-      {"320 x 240", [](imaging::Frame& frame) { frame.image = cv::Mat::zeros(240, 320, CV_8UC3); }},
+      {"320x240", [](imaging::Frame& frame) { frame.image = cv::Mat::zeros(240, 320, CV_8UC3); }},
       {"channel", [](imaging::Frame& frame) { frame.image = cv::Mat::zeros(1024, 1280, CV_8U); }},
       {"overexposed", [](imaging::Frame& frame) { frame.image.setTo(cv::Scalar::all(255)); }},
       {"frozen",

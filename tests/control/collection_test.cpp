@@ -68,3 +68,25 @@ TEST_CASE("a missing pose ends an episode without a gap") {
     CHECK(episode.truncations.back() == 1);
   }
 }
+
+TEST_CASE("sessions explore the same rig in ways of their own, and the first is as a single one") {
+  const control::CollectionConfig config = simulated();
+  control::Collection alone(config);
+  control::Collection first(config, 0);
+  control::Collection second(config, 1);
+  const data::Episode one = alone.next_episode(20);
+  check_same(one, first.next_episode(20));
+  CHECK(second.next_episode(20).observations != one.observations);
+}
+
+TEST_CASE("the first steps of an episode are an episode") {
+  control::Collection collection(simulated());
+  data::Episode episode = collection.next_episode(25);
+  while (episode.length() < 4) episode = collection.next_episode(25);
+  const data::Episode part = control::first_steps(episode, 3);
+  CHECK(part.length() == 3);
+  CHECK(part.observations.size() == 12);
+  CHECK(part.actions.size() == 6);
+  CHECK(part.truncations.back() == 1);
+  CHECK(std::equal(part.observations.begin(), part.observations.end(), episode.observations.begin()));
+}

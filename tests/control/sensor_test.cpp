@@ -21,7 +21,12 @@ TEST_CASE("the simulated sensor keeps the contract of a pose sensor") {
 TEST_CASE("the simulated sensor has the localiser's RMS error") {
   tests::ManualClock clock;
   const geometry::Pose2 truth{0.01, -0.02, 3.13};
-  control::SimulatedPoseSensor sensor([&] { return truth; }, clock, {}, {}, common::RandomStream(3, "noise"));
+  control::SensorErrorConfig config;
+  config.position_rms_m = 0.00061;
+  config.heading_rms_deg = 0.81;
+  config.dropout = 0.0;
+  control::SimulatedPoseSensor sensor([&] { return truth; }, clock, config, {},
+                                      common::RandomStream(3, "noise"));
   double square_m2 = 0.0;
   double square_rad2 = 0.0;
   constexpr int kCount = 20000;

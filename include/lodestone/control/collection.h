@@ -20,6 +20,7 @@ struct CollectionConfig {
   std::int64_t sensor_seed = 1;
   std::int64_t transitions = 34742;  // section V-A
   std::int64_t episode_steps = 25;
+  std::int64_t sessions = 1;
   ControlLoopConfig loop;
   SafetyConfig safety;
   ExplorerConfig explorer;
@@ -34,6 +35,11 @@ struct CollectionConfig {
     v.field("transitions", transitions, "", "transitions to record", {1, 1e9});
     v.field("episode_steps", episode_steps, "steps", "longest stretch between two resets by the operator",
             {1, 1e6});
+    v.field("sessions", sessions, "",
+            "explorations of the same rig that know nothing of each other and run side by side on threads; a "
+            "real "
+            "bench has them one after the other",
+            {1, 64});
     v.group("loop", loop, "timing of the control loop");
     v.group("safety", safety, "limits of the supervisor");
     v.group("explorer", explorer, "how the rig is explored");
@@ -45,10 +51,14 @@ struct CollectionConfig {
 /// What the dataset's attributes say.
 data::DatasetInfo dataset_info(const CollectionConfig& config);
 
+/// The first `steps` steps of an episode, truncated there.
+data::Episode first_steps(const data::Episode& episode, std::int64_t steps);
+
 /// Explores one virtual rig, one episode at a time, through the same control loop as deployment.
 class Collection {
  public:
-  explicit Collection(const CollectionConfig& config);
+  /// `session`: explorer, sensor noise and pulse scatter have random streams of their own in every session.
+  explicit Collection(const CollectionConfig& config, std::int64_t session = 0);
 
   /// The next episode, of at most `max_steps` steps: from where the operator laid the needle until the step
   /// limit, a stuck needle, or a missing pose. Observations are sensed poses, actions signed axis currents in

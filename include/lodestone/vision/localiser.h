@@ -13,12 +13,17 @@ namespace lodestone::vision {
 
 struct LocaliserConfig {
   double crop_m = 0.0512;
+  double still_crop_m = 0.032;
+  double still_m = 0.003;
   RodConfig rod;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("crop_m", crop_m, "m", "side of the square around the last pose that is searched while tracking",
             {0.001, 0.5});
+    v.field("still_crop_m", still_crop_m, "m",
+            "side of a smaller one, searched first while the needle hardly moves", {0.001, 0.5});
+    v.field("still_m", still_m, "m", "a shorter way between two pictures is hardly moving", {0.0, 0.1});
     v.group("rod", rod, "the needle, and what counts as seeing it");
   }
 };
@@ -27,7 +32,8 @@ struct Localisation : Rod {
   bool tracked = false;  ///< found near the last pose; otherwise the whole dish was searched
 };
 
-/// Camera picture -> pose. Looks around the last pose first, and over the whole dish when it is not there.
+/// Camera picture -> pose. Looks around the last pose first, and over the whole dish when the needle is not
+/// there.
 class Localiser {
  public:
   Localiser(std::shared_ptr<const Segmenter> segmenter, const imaging::CameraModel& camera,
@@ -38,16 +44,22 @@ class Localiser {
   Localisation locate(const cv::Mat& picture);
   /// The next picture is searched as a whole, or around `near_m`.
   void forget() { last_m_.reset(); }
-  void expect(const geometry::Vector2& near_m) { last_m_ = near_m; }
+  void expect(const geometry::Vector2& near_m) {
+    last_m_ = near_m;
+    still_ = false;
+  }
 
  private:
   Localisation look(const cv::Mat& picture, const cv::Rect& area) const;
+  Localisation look_near(const cv::Mat& picture, double side_m) const;
+  void remember(const Localisation& found);
   bool inside(const geometry::Pose2& pose, const cv::Rect& area) const;
 
   std::shared_ptr<const Segmenter> segmenter_;
   LocaliserConfig config_;
   imaging::DishView view_;
   std::optional<geometry::Vector2> last_m_;
+  bool still_ = false;
 };
 
 }  // namespace lodestone::vision

@@ -34,7 +34,6 @@ struct RodConfig {
   double inlier_m = 0.6e-3;
   double min_visible = 0.35;
   double min_support = 0.60;
-  double max_other = 0.45;
   double min_head_certainty = 0.95;
   double sigma_scale = 1.0;
 
@@ -47,8 +46,6 @@ struct RodConfig {
     v.field("min_visible", min_visible, "", "a smaller share of the needle's area is no needle", {0.0, 1.0});
     v.field("min_support", min_support, "", "mean probability along the rod below which it is no needle",
             {0.0, 1.0});
-    v.field("max_other", max_other, "",
-            "share of a needle's area that may lie elsewhere; more is two needles", {0.0, 10.0});
     v.field("min_head_certainty", min_head_certainty, "",
             "probability that head and tail are told apart rightly, below which there is no pose",
             {0.5, 1.0});
