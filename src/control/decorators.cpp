@@ -1,5 +1,6 @@
 #include "lodestone/control/decorators.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -13,9 +14,21 @@ constexpr double kDegPerRad = 180.0 / 3.14159265358979323846;
 AdaptiveGain::AdaptiveGain(std::unique_ptr<Controller> inner, const DecoratorConfig& config)
     : inner_(std::move(inner)), config_(config) {}
 
+/// To one side, to the other, twice as far to the first, and so on up to a right angle.
+geometry::Vector2 AdaptiveGain::swung(const geometry::Vector2& action) const {
+  const double turns = 0.5 * (full_stalls_ + 1);
+  const double size_deg = std::min(std::floor(turns) * config_.stall_swing_deg, 90.0);
+  const double angle_rad = (full_stalls_ % 2 == 1 ? 1.0 : -1.0) * size_deg / kDegPerRad;
+  // Scaled up again: a swing of the full command is a full command.
+  const geometry::Vector2 turned = Eigen::Rotation2Dd(angle_rad) * action;
+  return turned / std::min(1.0, turned.cwiseAbs().maxCoeff());
+}
+
 void AdaptiveGain::reset() {
   inner_->reset();
   gain_ = 1.0;
+  full_stalls_ = 0;
+  full_ = false;
   acted_ = false;
 }
 
@@ -28,12 +41,16 @@ geometry::Vector2 AdaptiveGain::act(const task::Observation& observation) {
     const bool moved = observation.last_displacement_m.norm() >= config_.stall_threshold_m ||
                        turn_deg >= config_.stall_threshold_deg;
     gain_ = moved ? 1.0 : std::min(gain_ * config_.stall_gain, config_.stall_gain_max);
+    full_stalls_ = moved || !full_ ? 0 : full_stalls_ + 1;
   }
   acted_ = true;
   last_pose_ = observation.pose;
-  const geometry::Vector2 action = gain_ * inner_->act(observation);
+  geometry::Vector2 action = gain_ * inner_->act(observation);
+  if (full_stalls_ > 0) action = swung(action);
+  const double largest = action.cwiseAbs().maxCoeff();
+  full_ = largest >= 1.0;
   // Scaled as a whole, so that the direction of the pull survives the limit.
-  return action / std::max(1.0, action.cwiseAbs().maxCoeff());
+  return action / std::max(1.0, largest);
 }
 
 geometry::Vector2 Hold::act(const task::Observation& observation) {

@@ -21,6 +21,7 @@ PoseEstimate RigSensor::observe() { return by_camera_ ? by_camera_->observe() : 
 
 void RigSensor::reset() {
   if (by_camera_) by_camera_->reset();
+  if (simulated_) simulated_->reset();
 }
 
 std::string RigSensor::save() const { return camera_ ? camera_->save() : simulated_->save(); }

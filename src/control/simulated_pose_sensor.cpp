@@ -7,6 +7,9 @@ namespace lodestone::control {
 
 namespace {
 constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
+// A needle that has moved by less lies still: its picture errs as before.
+constexpr double kStill_m = 0.1e-3;
+constexpr double kStill_rad = 0.002;
 // An RMS distance in the plane is spread over two axes.
 const double kPerAxis = std::sqrt(0.5);
 }  // namespace
@@ -38,6 +41,18 @@ SimulatedPoseSensor::SimulatedPoseSensor(std::function<geometry::Pose2()> true_p
       calibration_(calibration),
       noise_(std::move(noise)) {}
 
+/// The error of one picture of the needle; it is another once the needle lies elsewhere.
+void SimulatedPoseSensor::draw_error(const geometry::Pose2& truth) {
+  const bool moved = (truth.position_m() - drawn_at_.position_m()).norm() > kStill_m ||
+                     std::abs(geometry::wrap_angle(truth.heading_rad - drawn_at_.heading_rad)) > kStill_rad;
+  if (drawn_ && !moved) return;
+  drawn_ = true;
+  drawn_at_ = truth;
+  error_ = {kPerAxis * config_.position_rms_m * noise_.normal(),
+            kPerAxis * config_.position_rms_m * noise_.normal(),
+            kRadPerDeg * config_.heading_rms_deg * noise_.normal()};
+}
+
 PoseEstimate SimulatedPoseSensor::observe() {
   PoseEstimate estimate;
   estimate.stamp_s = clock_.now_s();
@@ -45,14 +60,17 @@ PoseEstimate SimulatedPoseSensor::observe() {
     estimate.reason = "the simulated localiser found no needle";
     return estimate;
   }
-  const double sigma_m = kPerAxis * config_.position_rms_m;
-  const double sigma_rad = kRadPerDeg * config_.heading_rms_deg;
-  estimate.pose = calibration_.apply(true_pose_());
-  estimate.pose.x_m += sigma_m * noise_.normal();
-  estimate.pose.y_m += sigma_m * noise_.normal();
-  estimate.pose.heading_rad = geometry::wrap_angle(estimate.pose.heading_rad + sigma_rad * noise_.normal());
-  estimate.position_sigma_m = sigma_m;
-  estimate.heading_sigma_rad = sigma_rad;
+  const geometry::Pose2 truth = true_pose_();
+  draw_error(truth);
+  const double jitter_m = kPerAxis * config_.repeatability_m;
+  const double jitter_rad = kRadPerDeg * config_.repeatability_deg;
+  estimate.pose = calibration_.apply(truth);
+  estimate.pose.x_m += error_.x_m + jitter_m * noise_.normal();
+  estimate.pose.y_m += error_.y_m + jitter_m * noise_.normal();
+  estimate.pose.heading_rad =
+      geometry::wrap_angle(estimate.pose.heading_rad + error_.heading_rad + jitter_rad * noise_.normal());
+  estimate.position_sigma_m = std::hypot(config_.position_rms_m, config_.repeatability_m);
+  estimate.heading_sigma_rad = kRadPerDeg * std::hypot(config_.heading_rms_deg, config_.repeatability_deg);
   estimate.valid = true;
   return estimate;
 }

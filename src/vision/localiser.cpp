@@ -34,7 +34,7 @@ bool Localiser::inside(const geometry::Pose2& pose, const cv::Rect& area) const 
 
 Localisation Localiser::look(const cv::Mat& picture, const cv::Rect& area) const {
   const Evidence evidence = segmenter_->segment(view_.cut(picture, area));
-  Localisation found{fit_rod(evidence, segmenter_->grid_of(view_, area), config_.rod)};
+  Localisation found{fit_rod(evidence, segmenter_->grid_of(view_, area), config_.rod, last_heading_rad_)};
   if (found.found && !inside(found.pose, area)) {
     found.found = false;
     found.reason = "the needle leaves the view";
@@ -54,12 +54,13 @@ Localisation Localiser::look_near(const cv::Mat& picture, double side_m) const {
 
 void Localiser::remember(const Localisation& found) {
   if (!found.found) {
-    last_m_.reset();
+    forget();
     return;
   }
   const geometry::Vector2 now_m = found.pose.position_m();
   still_ = last_m_ && (now_m - *last_m_).norm() < config_.still_m;
   last_m_ = now_m;
+  last_heading_rad_ = found.pose.heading_rad;
 }
 
 Localisation Localiser::locate(const cv::Mat& picture) {

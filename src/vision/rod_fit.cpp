@@ -17,6 +17,9 @@ using geometry::Vector2;
 constexpr int kTrials = 96;  ///< of RANSAC
 constexpr int kRefinements = 5;
 constexpr int kMostRods = 4;  ///< lines that are tried
+// A second needle is suspected sooner than a first is believed.
+constexpr double kSuspectSupport = 0.35;
+constexpr double kSuspectVisible = 0.2;
 constexpr double kProfileStep_m = 0.1e-3;
 constexpr float kMaxLogOdds = 5.0F;  ///< a pixel says no more than this
 constexpr int kMinClusterPixels = 3;
@@ -52,10 +55,12 @@ float log_odds_at(const cv::Mat& map, double column, double row) {
 
 class RodFitter {
  public:
-  RodFitter(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config)
+  RodFitter(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config,
+            const std::optional<double>& last_heading_rad)
       : evidence_(evidence),
         grid_(grid),
         config_(config),
+        last_heading_rad_(last_heading_rad),
         needle_pixels_(config.needle_length_m * config.needle_diameter_m / (grid.pixel_m * grid.pixel_m)) {}
 
   Rod fit() {
@@ -108,10 +113,11 @@ class RodFitter {
   std::vector<Line> find_rods() {
     std::vector<Line> rods;
     for (int i = 0; i < kMostRods; ++i) {
-      if (static_cast<double>(points_.size()) < config_.min_visible * needle_pixels_) break;
+      const double needed = rods.empty() ? config_.min_visible : kSuspectVisible;
+      if (static_cast<double>(points_.size()) < needed * needle_pixels_) break;
       Line line = consensus();
       for (int step = 0; step < kRefinements; ++step) refine(line);
-      if (support(line) >= config_.min_support) rods.push_back(line);
+      if (support(line) >= (rods.empty() ? config_.min_support : kSuspectSupport)) rods.push_back(line);
       take_away(line);
     }
     return rods;
@@ -293,7 +299,11 @@ class RodFitter {
         sum += core(evidence_.tape, line, sign * (0.5 * config_.needle_length_m - (i + 1) * kProfileStep_m));
       return sum / std::max(steps, 1);
     };
-    const double ahead = mean(1.0) - mean(-1.0);
+    double ahead = mean(1.0) - mean(-1.0);
+    if (last_heading_rad_) {
+      const double turned = std::cos(line.angle_rad - *last_heading_rad_);
+      if (std::abs(turned) > 0.5) ahead += turned > 0.0 ? config_.continuity : -config_.continuity;
+    }
     if (ahead < 0.0) line.angle_rad += 3.14159265358979323846;
     rod.head_certainty = probability(std::abs(ahead));
   }
@@ -313,6 +323,7 @@ class RodFitter {
   const Evidence& evidence_;
   const MaskGrid& grid_;
   const RodConfig& config_;
+  const std::optional<double>& last_heading_rad_;
   double needle_pixels_;
   std::vector<MaskPoint> points_;
   double weight_ = 0.0;
@@ -329,8 +340,9 @@ RodConfig rod_of(const imaging::BenchGeometry& bench, RodConfig config) {
   return config;
 }
 
-Rod fit_rod(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config) {
-  return RodFitter(evidence, grid, config).fit();
+Rod fit_rod(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config,
+            const std::optional<double>& last_heading_rad) {
+  return RodFitter(evidence, grid, config, last_heading_rad).fit();
 }
 
 }  // namespace lodestone::vision

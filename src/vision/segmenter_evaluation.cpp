@@ -40,6 +40,9 @@ struct SceneResult {
   Attempt clean;
   Attempt occluded;
   Attempt tracked;
+  Attempt again;  ///< another picture of the needle that was tracked
+  bool found_in_none = false;
+  bool found_in_two = false;
   double render_ms = 0.0;
   double scene_ms = 0.0;
 };
@@ -74,6 +77,13 @@ SceneResult run_scene(const std::shared_ptr<const Segmenter>& segmenter, const i
   const double angle = random.uniform(-kPi, kPi);
   localiser.expect(bare.position_m() + off_m * geometry::Vector2(std::cos(angle), std::sin(angle)));
   result.tracked = attempt(localiser, frame.image, bare);
+
+  result.again = attempt(localiser, renderer.render({{bare}}, random).image, bare);
+
+  localiser.forget();
+  result.found_in_none = localiser.locate(renderer.render({}, random).image).found;
+  localiser.forget();
+  result.found_in_two = localiser.locate(renderer.render({{bare}, {pose()}}, random).image).found;
 
   localiser.forget();
   const geometry::Pose2 hidden = pose();
@@ -153,16 +163,33 @@ SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const Segmenter> segmente
   if (common::interrupted()) throw common::Interrupted("evaluation was interrupted");
   std::vector<Attempt> clean, occluded, tracked;
   std::vector<double> whole_ms, crop_ms, render_ms, scene_ms;
+  SegmenterEvaluation evaluation;
+  double apart_m2 = 0.0;
+  double apart_rad2 = 0.0;
+  std::int64_t pairs = 0;
   for (const SceneResult& result : results) {
     clean.push_back(result.clean);
     occluded.push_back(result.occluded);
     tracked.push_back(result.tracked);
     whole_ms.push_back(result.clean.ms);
     if (result.tracked.found.tracked) crop_ms.push_back(result.tracked.ms);
+    evaluation.poses_of_none += result.found_in_none ? 1 : 0;
+    evaluation.poses_of_two += result.found_in_two ? 1 : 0;
+    if (result.tracked.found.found && result.again.found.found) {
+      const geometry::Pose2& first = result.tracked.found.pose;
+      const geometry::Pose2& second = result.again.found.pose;
+      ++pairs;
+      apart_m2 += (second.position_m() - first.position_m()).squaredNorm();
+      const double turn_rad = geometry::wrap_angle(second.heading_rad - first.heading_rad);
+      apart_rad2 += turn_rad * turn_rad;
+    }
     render_ms.push_back(result.render_ms);
     scene_ms.push_back(result.scene_ms);
   }
-  SegmenterEvaluation evaluation;
+  // Two pictures differ by the error of both, hence the half.
+  const double count = 2.0 * static_cast<double>(std::max<std::int64_t>(pairs, 1));
+  evaluation.repeatability_mm = 1e3 * std::sqrt(apart_m2 / count);
+  evaluation.repeatability_deg = 180.0 / kPi * std::sqrt(apart_rad2 / count);
   evaluation.clean = score(clean);
   evaluation.occluded = score(occluded);
   evaluation.tracked = score(tracked);
@@ -183,6 +210,10 @@ common::Json to_json(const SegmenterEvaluation& evaluation) {
   json["clean"] = score_to_json(evaluation.clean);
   json["occluded"] = score_to_json(evaluation.occluded);
   json["tracked"] = score_to_json(evaluation.tracked);
+  json["poses_of_none"] = evaluation.poses_of_none;
+  json["poses_of_two"] = evaluation.poses_of_two;
+  json["repeatability_mm"] = evaluation.repeatability_mm;
+  json["repeatability_deg"] = evaluation.repeatability_deg;
   json["ms_per_frame"] = evaluation.ms_per_frame;
   json["ms_per_tracked_frame"] = evaluation.ms_per_tracked_frame;
   json["ms_per_rendered_frame"] = evaluation.ms_per_rendered_frame;

@@ -133,3 +133,25 @@ TEST_CASE("the policy controller computes what the network computes") {
   CHECK(action.x() == Approx(expected[0][0].item<double>()));
   CHECK(action.y() == Approx(expected[0][1].item<double>()));
 }
+
+TEST_CASE("a full command that moves nothing swings from side to side until something moves") {
+  control::DecoratorConfig config;
+  config.stall_gain = 2.0;
+  config.stall_swing_deg = 30.0;
+  control::AdaptiveGain controller(constant(0.8, 0.0), config);
+  controller.reset();
+  task::Observation observation;
+  const auto angle_deg = [&] {
+    const geometry::Vector2 action = controller.act(observation);
+    observation.last_action = action;
+    return std::atan2(action.y(), action.x()) * 180.0 / 3.14159265358979323846;
+  };
+  CHECK(angle_deg() == Approx(0.0).margin(1e-9));  // 0.8
+  CHECK(angle_deg() == Approx(0.0).margin(1e-9));  // grown to the full command
+  CHECK(angle_deg() == Approx(30.0));
+  CHECK(angle_deg() == Approx(-30.0));
+  CHECK(angle_deg() == Approx(60.0));
+  CHECK(angle_deg() == Approx(-60.0));
+  observation.last_displacement_m = {0.01, 0.0};
+  CHECK(angle_deg() == Approx(0.0).margin(1e-9));
+}

@@ -20,7 +20,7 @@ TEST_CASE("the simulated sensor keeps the contract of a pose sensor") {
 
 TEST_CASE("the simulated sensor has the localiser's RMS error") {
   tests::ManualClock clock;
-  const geometry::Pose2 truth{0.01, -0.02, 3.13};
+  geometry::Pose2 truth{0.01, -0.02, 3.13};
   control::SensorErrorConfig config;
   config.position_rms_m = 0.00061;
   config.heading_rms_deg = 0.81;
@@ -31,6 +31,7 @@ TEST_CASE("the simulated sensor has the localiser's RMS error") {
   double square_rad2 = 0.0;
   constexpr int kCount = 20000;
   for (int i = 0; i < kCount; ++i) {
+    truth.x_m = i % 2 == 0 ? 0.01 : 0.012;  // every picture is of another place
     const auto estimate = sensor.observe();
     square_m2 += (estimate.pose.position_m() - truth.position_m()).squaredNorm();
     square_rad2 += std::pow(geometry::wrap_angle(estimate.pose.heading_rad - truth.heading_rad), 2);
@@ -54,4 +55,20 @@ TEST_CASE("a calibration error moves, scales and turns the picture") {
   CHECK(first.offset_m == again.offset_m);
   CHECK(first.rotation_rad == again.rotation_rad);
   CHECK(first.offset_m != other.offset_m);
+}
+
+TEST_CASE("the error stays while the needle lies still") {
+  tests::ManualClock clock;
+  geometry::Pose2 truth{0.01, -0.02, 0.5};
+  control::SensorErrorConfig config;
+  config.dropout = 0.0;
+  config.position_rms_m = 1e-3;
+  config.repeatability_m = 1e-5;
+  control::SimulatedPoseSensor sensor([&] { return truth; }, clock, config, {},
+                                      common::RandomStream(3, "noise"));
+  const geometry::Vector2 first_m = sensor.observe().pose.position_m();
+  for (int i = 0; i < 20; ++i) CHECK((sensor.observe().pose.position_m() - first_m).norm() < 1e-4);
+  truth.x_m += 0.005;
+  const geometry::Vector2 shift_m = sensor.observe().pose.position_m() - first_m;
+  CHECK((shift_m - geometry::Vector2(0.005, 0.0)).norm() > 1e-4);
 }

@@ -133,3 +133,19 @@ TEST_CASE("a blob is no needle") {
   blob.needle(cv::Rect(50, 50, 14, 14)).setTo(5.0);
   CHECK_FALSE(vision::fit_rod(blob, kGrid, {}).found);
 }
+
+TEST_CASE(
+    "the last heading speaks for the head where the tape is hidden, and the tape against it where it is "
+    "seen") {
+  Evidence seen;
+  seen.add({0.0, 0.0, 0.2});
+  const vision::Evidence hidden{seen.maps().needle, cv::Mat(kSide, kSide, CV_32F, cv::Scalar(-3.0))};
+  CHECK_FALSE(vision::fit_rod(hidden, kGrid, {}).found);
+  const vision::Rod tracked = vision::fit_rod(hidden, kGrid, {}, 0.5);
+  REQUIRE(tracked.found);
+  CHECK(tracked.pose.heading_rad == Approx(0.2).margin(0.01));
+  CHECK_FALSE(vision::fit_rod(hidden, kGrid, {}, 0.2 + 1.57).found);  // it has turned too far to tell
+  const vision::Rod flipped = vision::fit_rod(seen.maps(), kGrid, {}, 0.2 + 3.1);
+  REQUIRE(flipped.found);
+  CHECK(flipped.pose.heading_rad == Approx(0.2).margin(0.01));
+}

@@ -12,6 +12,7 @@ struct DecoratorConfig {
   double stall_gain_max = 8.0;
   double stall_threshold_m = 0.0015;
   double stall_threshold_deg = 6.0;
+  double stall_swing_deg = 0.0;
   double hold_radius_m = 0.0;
 
   template <class Visitor>
@@ -20,10 +21,15 @@ struct DecoratorConfig {
             {1.0, 4.0});
     v.field("stall_gain_max", stall_gain_max, "", "largest factor that may build up", {1.0, 1000.0});
     v.field("stall_threshold_m", stall_threshold_m, "m",
-            "a sensed step shorter than this is no motion (about 2.5 times the RMS noise of a position)",
+            "a sensed step shorter than this is no motion (above the noise from picture to picture)",
             {0.0, 0.1});
     v.field("stall_threshold_deg", stall_threshold_deg, "deg", "nor is a turn smaller than this",
             {0.0, 180.0});
+    v.field(
+        "stall_swing_deg", stall_swing_deg, "deg",
+        "a needle that the full command does not move is pulled this much to one side, then the other, then "
+        "further; 0 is off",
+        {0.0, 90.0});
     v.field("hold_radius_m", hold_radius_m, "m",
             "no current while sensed within this of the target; 0 is off", {0.0, 0.1});
   }
@@ -31,6 +37,8 @@ struct DecoratorConfig {
 
 /// Multiplies the command by a factor that grows with every step without motion and returns to 1 after
 /// motion: a memoryless policy below the break-away current would repeat itself for ever (rig-physics.md).
+/// Where even the full command moves nothing (the dead zones between two coils), its direction swings: that
+/// turns the needle.
 class AdaptiveGain final : public Controller {
  public:
   AdaptiveGain(std::unique_ptr<Controller> inner, const DecoratorConfig& config);
@@ -39,10 +47,14 @@ class AdaptiveGain final : public Controller {
   double gain() const { return gain_; }
 
  private:
+  geometry::Vector2 swung(const geometry::Vector2& action) const;
+
   std::unique_ptr<Controller> inner_;
   DecoratorConfig config_;
   double gain_ = 1.0;
-  bool acted_ = false;  // the last step gave a command, so a lack of motion means a stall
+  int full_stalls_ = 0;  // steps in a row that the full command did not move the needle
+  bool full_ = false;    // the last command was the full one
+  bool acted_ = false;   // the last step gave a command, so a lack of motion means a stall
   geometry::Pose2 last_pose_;
 };
 

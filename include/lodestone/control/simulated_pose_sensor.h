@@ -19,13 +19,21 @@ struct SensorErrorConfig {
   double calibration_offset_m = 1e-6;
   double calibration_scale = 2e-5;
   double calibration_rotation_deg = 0.001;
+  double repeatability_m = 2.1e-5;
+  double repeatability_deg = 0.018;
   double dropout = 0.003;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("position_rms_m", position_rms_m, "m",
-            "RMS of the distance between sensed and true position, white", {0.0, 0.1});
-    v.field("heading_rms_deg", heading_rms_deg, "deg", "RMS of the heading error, white", {0.0, 180.0});
+    v.field(
+        "position_rms_m", position_rms_m, "m",
+        "RMS of the distance between sensed and true position; the error stays while the needle lies still",
+        {0.0, 0.1});
+    v.field("heading_rms_deg", heading_rms_deg, "deg", "RMS of the heading error, which stays likewise",
+            {0.0, 180.0});
+    v.field("repeatability_m", repeatability_m, "m",
+            "RMS by which a position differs from picture to picture", {0.0, 0.1});
+    v.field("repeatability_deg", repeatability_deg, "deg", "the same of a heading", {0.0, 180.0});
     v.field("calibration_offset_m", calibration_offset_m, "m",
             "RMS offset of the whole picture, fixed per run", {0.0, 0.1});
     v.field("calibration_scale", calibration_scale, "",
@@ -48,7 +56,8 @@ struct CalibrationError {
 /// Normal errors with the spreads of `config`; the same seed always gives the same error.
 CalibrationError draw_calibration_error(const SensorErrorConfig& config, std::uint64_t seed);
 
-/// True pose of a virtual rig as a localiser would report it: calibration error, then white noise.
+/// True pose of a virtual rig as a localiser would report it: calibration error, then an error that changes
+/// when the needle moves (what a picture shows of it), then a little white noise.
 class SimulatedPoseSensor final : public PoseSensor {
  public:
   /// `true_pose` and `clock` must outlive the sensor.
@@ -57,16 +66,26 @@ class SimulatedPoseSensor final : public PoseSensor {
                       common::RandomStream noise);
   PoseEstimate observe() override;
 
-  /// State of the noise stream, for bitwise resumption.
+  /// The needle has been laid elsewhere: the next error is drawn anew.
+  void reset() { drawn_ = false; }
+  /// State of the noise stream, for bitwise resumption after reset().
   std::string save() const { return noise_.save(); }
-  void restore(const std::string& state) { noise_.restore(state); }
+  void restore(const std::string& state) {
+    noise_.restore(state);
+    reset();
+  }
 
  private:
+  void draw_error(const geometry::Pose2& truth);
+
   std::function<geometry::Pose2()> true_pose_;
   const common::Clock& clock_;
   SensorErrorConfig config_;
   CalibrationError calibration_;
   common::RandomStream noise_;
+  bool drawn_ = false;
+  geometry::Pose2 drawn_at_;  ///< true pose for which the error was drawn
+  geometry::Pose2 error_;
 };
 
 }  // namespace lodestone::control

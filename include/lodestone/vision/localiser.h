@@ -43,9 +43,13 @@ class Localiser {
   /// size.
   Localisation locate(const cv::Mat& picture);
   /// The next picture is searched as a whole, or around `near_m`.
-  void forget() { last_m_.reset(); }
+  void forget() {
+    last_m_.reset();
+    last_heading_rad_.reset();
+  }
   void expect(const geometry::Vector2& near_m) {
     last_m_ = near_m;
+    last_heading_rad_.reset();
     still_ = false;
   }
 
@@ -59,6 +63,7 @@ class Localiser {
   LocaliserConfig config_;
   imaging::DishView view_;
   std::optional<geometry::Vector2> last_m_;
+  std::optional<double> last_heading_rad_;
   bool still_ = false;
 };
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <string>
 
 #include "lodestone/common/config.h"
@@ -35,6 +36,7 @@ struct RodConfig {
   double min_visible = 0.35;
   double min_support = 0.60;
   double min_head_certainty = 0.95;
+  double continuity = 3.0;
   double sigma_scale = 1.0;
 
   template <class Visitor>
@@ -49,6 +51,11 @@ struct RodConfig {
     v.field("min_head_certainty", min_head_certainty, "",
             "probability that head and tail are told apart rightly, below which there is no pose",
             {0.5, 1.0});
+    v.field("continuity", continuity, "log-odds",
+            "how much the last heading speaks for the head being where it was, when the needle has turned by "
+            "less than "
+            "60 degrees or by more than 120; counts beside the tape",
+            {0.0, 20.0});
     v.field("sigma_scale", sigma_scale, "", "factor on the standard deviations of the result", {0.01, 100.0});
   }
 };
@@ -70,6 +77,8 @@ struct Rod {
 /// along the line where a rod of the needle's length explains the log-odds best -> head by the tape (section
 /// IV-B1 of the paper; the rod's place and the covariance are additions). Sub-pixel: pixels count by their
 /// probability. The same input always gives the same result.
-Rod fit_rod(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config);
+/// `last_heading_rad`, when given, is the needle's heading in the picture before.
+Rod fit_rod(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config,
+            const std::optional<double>& last_heading_rad = std::nullopt);
 
 }  // namespace lodestone::vision

@@ -29,9 +29,13 @@ struct LocalisationScore {
 };
 
 struct SegmenterEvaluation {
-  LocalisationScore clean;            ///< nothing covers the needle
-  LocalisationScore occluded;         ///< 5 to 40 % of its length covered
-  LocalisationScore tracked;          ///< clean, searched around a place up to 10 mm off
+  LocalisationScore clean;         ///< nothing covers the needle
+  LocalisationScore occluded;      ///< 5 to 40 % of its length covered
+  LocalisationScore tracked;       ///< clean, searched around a place up to 10 mm off
+  std::int64_t poses_of_none = 0;  ///< poses given for pictures without a needle; each is a guess
+  std::int64_t poses_of_two = 0;   ///< poses given for pictures with two needles, likewise
+  double repeatability_mm = 0.0;   ///< RMS between two pictures of a needle that lies still
+  double repeatability_deg = 0.0;
   double ms_per_frame = 0.0;          ///< whole dish, processor time of one core, median
   double ms_per_tracked_frame = 0.0;  ///< crop around the last pose, likewise
   double ms_per_rendered_frame = 0.0;
