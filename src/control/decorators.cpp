@@ -9,16 +9,19 @@ namespace lodestone::control {
 
 namespace {
 constexpr double kDegPerRad = 180.0 / 3.14159265358979323846;
-}
+// Friction differs from pulse to pulse: what did not move may yet.
+constexpr int kPatience = 2;
+}  // namespace
 
 AdaptiveGain::AdaptiveGain(std::unique_ptr<Controller> inner, const DecoratorConfig& config)
     : inner_(std::move(inner)), config_(config) {}
 
 /// To one side, to the other, twice as far to the first, and so on up to a right angle.
 geometry::Vector2 AdaptiveGain::swung(const geometry::Vector2& action) const {
-  const double turns = 0.5 * (full_stalls_ + 1);
+  const int swings = full_stalls_ - kPatience;
+  const double turns = 0.5 * (swings + 1);
   const double size_deg = std::min(std::floor(turns) * config_.stall_swing_deg, 90.0);
-  const double angle_rad = (full_stalls_ % 2 == 1 ? 1.0 : -1.0) * size_deg / kDegPerRad;
+  const double angle_rad = (swings % 2 == 1 ? 1.0 : -1.0) * size_deg / kDegPerRad;
   // Scaled up again: a swing of the full command is a full command.
   const geometry::Vector2 turned = Eigen::Rotation2Dd(angle_rad) * action;
   return turned / std::min(1.0, turned.cwiseAbs().maxCoeff());
@@ -46,7 +49,7 @@ geometry::Vector2 AdaptiveGain::act(const task::Observation& observation) {
   acted_ = true;
   last_pose_ = observation.pose;
   geometry::Vector2 action = gain_ * inner_->act(observation);
-  if (full_stalls_ > 0) action = swung(action);
+  if (full_stalls_ > kPatience && config_.stall_swing_deg > 0.0) action = swung(action);
   const double largest = action.cwiseAbs().maxCoeff();
   full_ = largest >= 1.0;
   // Scaled as a whole, so that the direction of the pull survives the limit.

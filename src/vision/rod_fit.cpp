@@ -18,7 +18,7 @@ constexpr int kTrials = 96;  ///< of RANSAC
 constexpr int kRefinements = 5;
 constexpr int kMostRods = 4;  ///< lines that are tried
 // A second needle is suspected sooner than a first is believed.
-constexpr double kSuspectSupport = 0.35;
+constexpr double kSuspectSupport = 0.42;
 constexpr double kSuspectVisible = 0.2;
 constexpr double kProfileStep_m = 0.1e-3;
 constexpr float kMaxLogOdds = 5.0F;  ///< a pixel says no more than this

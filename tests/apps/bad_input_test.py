@@ -38,17 +38,27 @@ check(["train-policy", "--set", "td3.discount=2", "--out", "run"], 2, "td3.disco
 check(["deploy", "--policy", "missing", "--task", "centre", "--out", "run"], 1, "missing")
 check(["import", "missing.csv", "--out", "run.h5"], 1, "missing.csv")
 check(["evaluate", "dynamics", "--checkpoint", "missing", "--data", "missing.h5"], 1, "missing")
+check(["evaluate", "segmenter", "--checkpoint", "missing"], 1, "missing")
+check(["train-segmenter", "--set", "pictures.crop_px=100", "--out", "run"], 2, "pictures.crop_px = 100", "multiple of 32")
+check(["train-segmenter", "--set", "scenes.glare=[0.5,0.1]", "--out", "run"], 2, "scenes.glare", "low <= high")
+check(["collect", "--set", "sensor.segmenter=missing", "--out", "run"], 1, "missing")
+check(["deploy", "--controller", "baseline", "--sensor", "simulated", "--record", "--out", "run"], 2, "record.enabled", "camera")
+check(["calibrate", "--out", "run"], 2, "which camera", "--rendered")
+check(["calibrate", "--camera", "missing.png", "--out", "run"], 1, "missing.png")
+check(["calibrate", "--set", "camera.kind=uvc", "--camera", "99", "--out", "run"], 1, "99")
+check(["calibrate", "--rendered", "--check", "missing.json"], 2, "missing.json", "does not exist")
 check(["colect", "--out", "run"], 2, "unknown verb colect", "collect")
 check(["config", "--print", "nothing"], 2, "nothing", "collect")
 
-for verb in ("collect", "train-dynamics", "train-policy", "deploy"):
+for verb in ("collect", "train-dynamics", "train-policy", "deploy", "train-segmenter", "calibrate"):
     made = subprocess.run([program, "config", "--print", verb], capture_output=True, text=True)
     if made.returncode != 0 or "meaning" not in made.stdout or "seed" not in made.stdout:
         failures.append(f"config --print {verb}: {made.stdout!r} {made.stderr!r}")
 
 # Every preset is read without a complaint: the first thing missing is --out.
 for preset in sorted((source / "configs").glob("*/*.json")):
-    verb = {"collect": "collect", "dynamics": "train-dynamics", "policy": "train-policy", "deploy": "deploy"}[
+    verb = {"collect": "collect", "dynamics": "train-dynamics", "policy": "train-policy", "deploy": "deploy",
+            "segmenter": "train-segmenter"}[
         preset.stem.split("_")[0]]
     check([verb, "--config", str(preset)], 2, "--out")
 

@@ -147,7 +147,8 @@ TEST_CASE("a full command that moves nothing swings from side to side until some
     return std::atan2(action.y(), action.x()) * 180.0 / 3.14159265358979323846;
   };
   CHECK(angle_deg() == Approx(0.0).margin(1e-9));  // 0.8
-  CHECK(angle_deg() == Approx(0.0).margin(1e-9));  // grown to the full command
+  for (int i = 0; i < 3; ++i)
+    CHECK(angle_deg() == Approx(0.0).margin(1e-9));  // the full command, tried thrice
   CHECK(angle_deg() == Approx(30.0));
   CHECK(angle_deg() == Approx(-30.0));
   CHECK(angle_deg() == Approx(60.0));

@@ -15,7 +15,7 @@ namespace lodestone::control {
 /// own figures, 0.61 mm and 0.81 degrees with a manual calibration, are in configs/paper.
 struct SensorErrorConfig {
   double position_rms_m = 0.000104;
-  double heading_rms_deg = 0.144;
+  double heading_rms_deg = 0.154;
   double calibration_offset_m = 1e-6;
   double calibration_scale = 2e-5;
   double calibration_rotation_deg = 0.001;

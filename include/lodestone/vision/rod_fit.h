@@ -34,8 +34,8 @@ struct RodConfig {
   double tape_length_m = 0.003;
   double inlier_m = 0.6e-3;
   double min_visible = 0.35;
-  double min_support = 0.60;
-  double min_head_certainty = 0.95;
+  double min_support = 0.50;
+  double min_head_certainty = 0.90;
   double continuity = 3.0;
   double sigma_scale = 1.0;
 
