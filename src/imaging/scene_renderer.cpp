@@ -32,7 +32,9 @@ const std::vector<signed char>& noise_bank() {
 
 /// out = clean + gain / 256 * noise, clamped. Built for the widest vectors the processor has: this is most of
 /// a frame's time.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+// Sanitizers are not yet up when the loader chooses between the versions.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
 __attribute__((target_clones("arch=skylake-avx512", "avx2", "default")))
 #endif
 void add_noise(const unsigned char* clean, const signed char* noise, short gain, std::size_t count,

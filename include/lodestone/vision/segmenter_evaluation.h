@@ -25,6 +25,7 @@ struct LocalisationScore {
   /// Mean squared error over the covariance the localiser states, per dimension: 1 is honest, more is too
   /// sure.
   double normalised_error = 0.0;
+  double ms_per_frame = 0.0;  ///< processor time of one core, median over pictures with a pose
   std::map<std::string, std::int64_t> refusals;  ///< pictures without a pose, by reason
 };
 
@@ -36,8 +37,6 @@ struct SegmenterEvaluation {
   std::int64_t poses_of_two = 0;   ///< poses given for pictures with two needles, likewise
   double repeatability_mm = 0.0;   ///< RMS between two pictures of a needle that lies still
   double repeatability_deg = 0.0;
-  double ms_per_frame = 0.0;          ///< whole dish, processor time of one core, median
-  double ms_per_tracked_frame = 0.0;  ///< crop around the last pose, likewise
   double ms_per_rendered_frame = 0.0;
   double ms_per_scene = 0.0;  ///< rendering of what stays from frame to frame
 };
