@@ -117,7 +117,8 @@ double td3_update_flop(const rl::Td3Config& td3) {
 
 Rate measure_td3(const BenchConfig& config, const rl::Td3Config& td3, std::int64_t threads) {
   constexpr int kUpdates = 20;
-  rl::Td3 learner(td3, kObservationSize, kActionSize, static_cast<std::uint64_t>(config.seed), threads);
+  const auto learner =
+      rl::make_td3(td3, kObservationSize, kActionSize, static_cast<std::uint64_t>(config.seed), threads);
   rl::Batch batch(td3.batch_size, kObservationSize, kActionSize);
   torch::manual_seed(config.seed);
   for (torch::Tensor* tensor : {&batch.observation, &batch.action, &batch.reward, &batch.next_observation}) {
@@ -126,7 +127,7 @@ Rate measure_td3(const BenchConfig& config, const rl::Td3Config& td3, std::int64
   batch.not_done.fill_(1.0);
   const torch::Tensor noise = 0.2 * torch::randn({td3.batch_size, kActionSize});
   return measure(config, kUpdates, [&] {
-    for (int i = 0; i < kUpdates; ++i) learner.update(batch, noise);
+    for (int i = 0; i < kUpdates; ++i) learner->update(batch, noise);
   });
 }
 

@@ -1,6 +1,8 @@
 #include "lodestone/common/thread_pool.h"
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
@@ -21,20 +23,53 @@ void flush_denormals_to_zero() {
 #endif
 }
 
+/// How long a thread looks again and again before it sleeps: waking one takes longer than a short shard.
+constexpr std::chrono::microseconds kSpin{50};
+
+void pause_a_moment() {
+#if defined(__SSE3__) || defined(__x86_64__)
+  _mm_pause();
+#endif
+}
+
+/// True as soon as `condition` holds, false when it does not within kSpin.
+template <class Condition>
+bool spin_until(const Condition& condition) {
+  constexpr int kLooksPerClock = 16;
+  const auto end = std::chrono::steady_clock::now() + kSpin;
+  do {
+    for (int look = 0; look < kLooksPerClock; ++look) {
+      if (condition()) return true;
+      pause_a_moment();
+    }
+  } while (std::chrono::steady_clock::now() < end);
+  return condition();
+}
+
 }  // namespace
 
 struct ThreadPool::State {
   std::vector<std::thread> workers;
+  bool spin = true;  // where every thread has a processor of its own
   std::mutex mutex;
   std::condition_variable wake;
   std::condition_variable done;
+  // written before `generation` counts up, read after
   const std::function<void(std::size_t)>* body = nullptr;
   std::size_t shards = 0;
   std::atomic<std::size_t> next{0};
-  std::size_t busy = 0;
-  std::size_t generation = 0;
-  bool stopping = false;
+  std::atomic<std::size_t> busy{0};
+  std::atomic<std::size_t> generation{0};
+  std::atomic<bool> stopping{false};
   std::exception_ptr failure;
+
+  /// Returns when `condition` holds, which is announced through `announced` under the mutex.
+  template <class Condition>
+  void wait(std::condition_variable& announced, const Condition& condition) {
+    if (spin && spin_until(condition)) return;
+    std::unique_lock<std::mutex> lock(mutex);
+    announced.wait(lock, condition);
+  }
 
   void work(const std::function<void(std::size_t)>& run, std::size_t count) {
     try {
@@ -49,24 +84,24 @@ struct ThreadPool::State {
   void loop() {
     flush_denormals_to_zero();
     std::size_t seen = 0;
-    std::unique_lock<std::mutex> lock(mutex);
     while (true) {
-      wake.wait(lock, [&] { return stopping || generation != seen; });
+      wait(wake, [&] { return stopping || generation != seen; });
       if (stopping) return;
       seen = generation;
-      const auto* run = body;
-      const std::size_t count = shards;
-      lock.unlock();
-      work(*run, count);
-      lock.lock();
-      if (--busy == 0) done.notify_one();
+      work(*body, shards);
+      if (busy.fetch_sub(1) == 1) {
+        const std::lock_guard<std::mutex> lock(mutex);
+        done.notify_one();
+      }
     }
   }
 };
 
 ThreadPool::ThreadPool(std::size_t threads) : state_(std::make_unique<State>()) {
-  if (threads == 0) threads = std::max(1U, std::thread::hardware_concurrency());
+  const std::size_t processors = std::max(1U, std::thread::hardware_concurrency());
+  if (threads == 0) threads = processors;
   flush_denormals_to_zero();
+  state_->spin = threads <= processors;
   for (std::size_t i = 1; i < threads; ++i) state_->workers.emplace_back([this] { state_->loop(); });
 }
 
@@ -90,15 +125,14 @@ void ThreadPool::for_each(std::size_t shards, const std::function<void(std::size
     const std::lock_guard<std::mutex> lock(state_->mutex);
     state_->body = &body;
     state_->shards = shards;
-    state_->next.store(0);
+    state_->next = 0;
     state_->busy = state_->workers.size();
     state_->failure = nullptr;
     ++state_->generation;
   }
   state_->wake.notify_all();
   state_->work(body, shards);
-  std::unique_lock<std::mutex> lock(state_->mutex);
-  state_->done.wait(lock, [&] { return state_->busy == 0; });
+  state_->wait(state_->done, [this] { return state_->busy == 0; });
   if (state_->failure) std::rethrow_exception(state_->failure);
 }
 

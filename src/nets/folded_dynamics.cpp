@@ -59,17 +59,6 @@ class Folder {
   bool after_linear_ = false;
 };
 
-void add_bias(float* values, const float* bias, std::int64_t rows, std::int64_t width, bool relu) {
-  for (std::int64_t row = 0; row < rows; ++row) {
-    float* __restrict out = values + row * width;
-    if (relu) {
-      for (std::int64_t i = 0; i < width; ++i) out[i] = std::max(out[i] + bias[i], 0.0f);
-    } else {
-      for (std::int64_t i = 0; i < width; ++i) out[i] += bias[i];
-    }
-  }
-}
-
 }  // namespace
 
 FoldedDynamics::FoldedDynamics(DynamicsNetwork& network)
@@ -91,7 +80,8 @@ FoldedDynamics::FoldedDynamics(DynamicsNetwork& network)
   }
   folder.affine(network->output_std.to(torch::kFloat64), network->output_mean.to(torch::kFloat64));
   for (std::size_t i = 0; i < folder.weights().size(); ++i) {
-    layers_.push_back({folder.weights()[i].t().to(torch::kFloat32).contiguous(),
+    const torch::Tensor weight = folder.weights()[i].to(torch::kFloat32).contiguous();
+    layers_.push_back({PackedMatrix<float>({weight.data_ptr<float>(), weight.size(1), weight.size(0), true}),
                        folder.biases()[i].to(torch::kFloat32).contiguous()});
   }
 }
@@ -124,23 +114,20 @@ void FoldedDynamics::write_next(const double* state, const float* output, std::i
 void FoldedDynamics::predict(const double* state, const double* drive, std::int64_t rows, double* next,
                              Workspace& workspace) const {
   if (rows == 0) return;
-  const torch::NoGradGuard no_grad;
   std::vector<torch::Tensor>& buffers = workspace.activations_;
   if (workspace.rows_ < rows || buffers.size() != layers_.size() + 1) {
-    buffers.assign(1, torch::empty({rows, layers_.front().weight.size(0)}));
-    for (const Layer& layer : layers_) buffers.push_back(torch::empty({rows, layer.weight.size(1)}));
+    buffers.assign(1, torch::empty({rows, layers_.front().weight.k()}));
+    for (const Layer& layer : layers_) buffers.push_back(torch::empty({rows, layer.weight.n()}));
     workspace.rows_ = rows;
   }
   write_features(state, drive, rows, buffers.front().data_ptr<float>());
-  torch::Tensor input = buffers.front().narrow(0, 0, rows);
   for (std::size_t i = 0; i < layers_.size(); ++i) {
-    torch::Tensor output = buffers[i + 1].narrow(0, 0, rows);
-    at::mm_out(output, input, layers_[i].weight);
-    add_bias(output.data_ptr<float>(), layers_[i].bias.data_ptr<float>(), rows, output.size(1),
-             i + 1 < layers_.size());
-    input = output;
+    const Layer& layer = layers_[i];
+    multiply<float>({buffers[i].data_ptr<float>(), rows, layer.weight.k()}, layer.weight,
+                    buffers[i + 1].data_ptr<float>(),
+                    {layer.bias.data_ptr<float>(), i + 1 < layers_.size(), nullptr});
   }
-  write_next(state, input.data_ptr<float>(), rows, next);
+  write_next(state, buffers.back().data_ptr<float>(), rows, next);
 }
 
 }  // namespace lodestone::nets

@@ -1,5 +1,6 @@
 #include "lodestone/rl/flat_network.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "lodestone/common/error.h"
@@ -11,108 +12,125 @@ constexpr std::int64_t kAlignment = 16;  // numbers: each matrix starts on a cac
 
 std::int64_t padded(std::int64_t count) { return (count + kAlignment - 1) / kAlignment * kAlignment; }
 
+template <class Real>
+constexpr torch::ScalarType kType = torch::CppTypeToScalarType<Real>::value;
+
+template <class Real>
+Real* data(const torch::Tensor& tensor) {
+  return tensor.data_ptr<Real>();
+}
+
 }  // namespace
 
-FlatNetwork::FlatNetwork(std::vector<std::int64_t> widths, torch::ScalarType type)
-    : widths_(std::move(widths)) {
+template <class Real>
+FlatNetwork<Real>::FlatNetwork(std::vector<std::int64_t> widths) : widths_(std::move(widths)) {
   LODESTONE_CHECK(widths_.size() >= 2, "a network needs an input and an output width");
   std::int64_t total = 0;
   for (std::size_t i = 0; i + 1 < widths_.size(); ++i) {
-    offsets_.push_back(total);
-    total += padded(widths_[i] * widths_[i + 1]);
-    offsets_.push_back(total);
-    total += padded(widths_[i + 1]);
+    const std::int64_t bias = total + padded(widths_[i] * widths_[i + 1]);
+    layers_.push_back({widths_[i], widths_[i + 1], total, bias});
+    total = bias + padded(widths_[i + 1]);
   }
-  parameters_ = torch::zeros({total}, type);
-  weights_ = views(parameters_, true);
-  biases_ = views(parameters_, false);
+  parameters_ = torch::zeros({total}, kType<Real>);
 }
 
-FlatNetwork FlatNetwork::clone() const {
-  FlatNetwork copy(widths_, parameters_.scalar_type());
+template <class Real>
+FlatNetwork<Real> FlatNetwork<Real>::clone() const {
+  FlatNetwork copy(widths_);
   copy.parameters_.copy_(parameters_);
   return copy;
 }
 
-std::vector<torch::Tensor> FlatNetwork::views(const torch::Tensor& flat, bool weights) const {
-  std::vector<torch::Tensor> result;
-  for (std::size_t i = 0; i + 1 < widths_.size(); ++i) {
-    const std::int64_t in = widths_[i];
-    const std::int64_t out = widths_[i + 1];
-    result.push_back(weights ? flat.narrow(0, offsets_[2 * i], in * out).view({out, in})
-                             : flat.narrow(0, offsets_[2 * i + 1], out));
-  }
-  return result;
-}
-
-void FlatNetwork::initialise(common::RandomStream& random) {
-  for (std::size_t i = 0; i < weights_.size(); ++i) {
-    const double bound = 1.0 / std::sqrt(static_cast<double>(widths_[i]));
-    for (torch::Tensor* tensor : {&weights_[i], &biases_[i]}) {
-      torch::Tensor drawn = torch::empty(tensor->sizes(), torch::kFloat64);
-      double* values = drawn.data_ptr<double>();
-      for (std::int64_t k = 0; k < drawn.numel(); ++k) values[k] = random.uniform(-bound, bound);
-      tensor->copy_(drawn);
-    }
+template <class Real>
+void FlatNetwork<Real>::initialise(common::RandomStream& random) {
+  Real* parameters = data<Real>(parameters_);
+  for (const Layer& layer : layers_) {
+    const double bound = 1.0 / std::sqrt(static_cast<double>(layer.in));
+    const auto draw = [&](Real* values, std::int64_t count) {
+      std::generate_n(values, count, [&] { return static_cast<Real>(random.uniform(-bound, bound)); });
+    };
+    draw(parameters + layer.weight, layer.in * layer.out);
+    draw(parameters + layer.bias, layer.out);
   }
 }
 
-FlatNetwork::Workspace FlatNetwork::workspace(std::int64_t rows) const {
-  const auto type = parameters_.scalar_type();
+template <class Real>
+typename FlatNetwork<Real>::Workspace FlatNetwork<Real>::workspace(std::int64_t rows) const {
   Workspace result;
+  result.rows = rows;
   for (std::size_t i = 1; i + 1 < widths_.size(); ++i) {
-    result.hidden.push_back(torch::zeros({rows, widths_[i]}, type));
-    result.delta.push_back(torch::zeros({rows, widths_[i]}, type));
+    result.hidden.push_back(torch::zeros({rows, widths_[i]}, kType<Real>));
+    result.delta.push_back(torch::zeros({rows, widths_[i]}, kType<Real>));
   }
-  result.output = torch::zeros({rows, widths_.back()}, type);
-  result.input_gradient = torch::zeros({rows, widths_.front()}, type);
+  result.output = torch::zeros({rows, widths_.back()}, kType<Real>);
+  result.input_gradient = torch::zeros({rows, widths_.front()}, kType<Real>);
   result.gradient = torch::zeros_like(parameters_);
-  result.weight_gradient = views(result.gradient, true);
-  result.bias_gradient = views(result.gradient, false);
+  result.scratch = std::make_shared<Scratch>();
   return result;
 }
 
-const torch::Tensor& FlatNetwork::forward(const torch::Tensor& input, Workspace& workspace) const {
-  const torch::Tensor* layer_input = &input;
-  for (std::size_t i = 0; i < weights_.size(); ++i) {
-    const bool last = i + 1 == weights_.size();
-    torch::Tensor& out = last ? workspace.output : workspace.hidden[i];
-    at::addmm_out(out, biases_[i], *layer_input, weights_[i].t());
-    if (!last) out.clamp_min_(0.0);
-    layer_input = &out;
-  }
-  return workspace.output;
-}
-
-void FlatNetwork::backward(const torch::Tensor& input, const torch::Tensor& output_gradient,
-                           Workspace& workspace, Wanted wanted) const {
-  const torch::Tensor* delta = &output_gradient;
-  for (std::size_t i = weights_.size(); i-- > 0;) {
-    if (wanted == Wanted::kParameters) {
-      at::mm_out(workspace.weight_gradient[i], delta->t(), i == 0 ? input : workspace.hidden[i - 1]);
-      at::sum_out(workspace.bias_gradient[i], *delta, {0});
-    }
-    if (i > 0) {
-      torch::Tensor& below = workspace.delta[i - 1];
-      at::mm_out(below, *delta, weights_[i]);
-      at::threshold_backward_out(below, below, workspace.hidden[i - 1], 0.0);
-      delta = &below;
-    } else if (wanted == Wanted::kInput) {
-      at::mm_out(workspace.input_gradient, *delta, weights_[0]);
-    }
+template <class Real>
+void FlatNetwork<Real>::forward(const Real* input, Workspace& workspace) const {
+  const Real* parameters = data<Real>(parameters_);
+  for (std::size_t i = 0; i < layers_.size(); ++i) {
+    const Layer& layer = layers_[i];
+    const bool last = i + 1 == layers_.size();
+    Real* output = data<Real>(last ? workspace.output : workspace.hidden[i]);
+    nets::multiply<Real>({input, workspace.rows, layer.in},
+                         {parameters + layer.weight, layer.in, layer.out, /*transposed=*/true},
+                         workspace.scratch->panel, output, {parameters + layer.bias, !last, nullptr});
+    input = output;
   }
 }
 
-nets::NamedTensors FlatNetwork::named(const torch::Tensor& flat, const std::string& prefix, int first) const {
+template <class Real>
+void FlatNetwork<Real>::parameter_gradient(const Layer& layer, const Real* input, const Real* delta,
+                                           Workspace& workspace) const {
+  Real* gradient = data<Real>(workspace.gradient);
+  const std::int64_t stride = nets::padded_stride(workspace.rows);
+  Real* transposed = workspace.scratch->transposed.at_least(layer.out * stride);
+  nets::transpose(delta, workspace.rows, layer.out, transposed, stride);
+  nets::multiply<Real>({transposed, layer.out, stride}, {input, workspace.rows, layer.in},
+                       workspace.scratch->panel, gradient + layer.weight);
+  Real* __restrict bias = gradient + layer.bias;
+  std::fill_n(bias, layer.out, Real(0));
+  for (std::int64_t row = 0; row < workspace.rows; ++row) {
+    const Real* __restrict from = delta + row * layer.out;
+    for (std::int64_t j = 0; j < layer.out; ++j) bias[j] += from[j];
+  }
+}
+
+template <class Real>
+void FlatNetwork<Real>::backward(const Real* input, const Real* output_gradient, Workspace& workspace,
+                                 Wanted wanted) const {
+  const Real* parameters = data<Real>(parameters_);
+  const Real* delta = output_gradient;
+  for (std::size_t i = layers_.size(); i-- > 0;) {
+    const Layer& layer = layers_[i];
+    const Real* below = i == 0 ? input : data<Real>(workspace.hidden[i - 1]);
+    if (wanted == Wanted::kParameters) parameter_gradient(layer, below, delta, workspace);
+    if (i == 0 && wanted == Wanted::kParameters) return;
+    Real* passed_on = data<Real>(i == 0 ? workspace.input_gradient : workspace.delta[i - 1]);
+    nets::multiply<Real>({delta, workspace.rows, layer.out}, {parameters + layer.weight, layer.out, layer.in},
+                         workspace.scratch->panel, passed_on, {nullptr, false, i == 0 ? nullptr : below});
+    delta = passed_on;
+  }
+}
+
+template <class Real>
+nets::NamedTensors FlatNetwork<Real>::named(const torch::Tensor& flat, const std::string& prefix,
+                                            int first) const {
   nets::NamedTensors result;
-  const auto weights = views(flat, true);
-  const auto biases = views(flat, false);
-  for (std::size_t i = 0; i < weights.size(); ++i) {
+  for (std::size_t i = 0; i < layers_.size(); ++i) {
+    const Layer& at = layers_[i];
     const std::string layer = prefix + "l" + std::to_string(first + static_cast<int>(i));
-    result[layer + ".weight"] = weights[i];
-    result[layer + ".bias"] = biases[i];
+    result[layer + ".weight"] = flat.narrow(0, at.weight, at.in * at.out).view({at.out, at.in});
+    result[layer + ".bias"] = flat.narrow(0, at.bias, at.out);
   }
   return result;
 }
+
+template class FlatNetwork<float>;
+template class FlatNetwork<double>;
 
 }  // namespace lodestone::rl

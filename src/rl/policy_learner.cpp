@@ -33,7 +33,8 @@ PolicyLearner::PolicyLearner(const LearningConfig& learning, const Td3Config& td
     : learning_(learning),
       learning_rate_(td3.learning_rate),
       environments_(environments),
-      td3_(td3, environments.spec().observation_size, environments.spec().action_size, seed, threads),
+      td3_(make_td3(td3, environments.spec().observation_size, environments.spec().action_size, seed,
+                    threads)),
       buffer_(buffer_capacity(learning, environments.spec().count), environments.spec().observation_size,
               environments.spec().action_size),
       noise_(noise, environments.spec().count, environments.spec().action_size, seed) {
@@ -44,7 +45,7 @@ PolicyLearner::PolicyLearner(const LearningConfig& learning, const Td3Config& td
 
 torch::Tensor PolicyLearner::choose_actions() {
   if (env_steps_ < learning_.warm_up_steps) return noise_.uniform_actions();
-  torch::Tensor action = td3_.act(observation_);
+  torch::Tensor action = td3_->act(observation_);
   saturation_.add((action.abs() > kSaturated).to(torch::kFloat32).mean().item<double>());
   const double done = static_cast<double>(env_steps_) / static_cast<double>(learning_.env_steps);
   const double scale = 1.0 - (1.0 - learning_.final_noise) * std::min(1.0, done);
@@ -63,11 +64,11 @@ void PolicyLearner::step() {
   env_steps_ += environments_.spec().count;
   if (warming_up) return;
   const double done = static_cast<double>(env_steps_) / static_cast<double>(learning_.env_steps);
-  td3_.set_learning_rate(learning_rate_ *
-                         (1.0 - (1.0 - learning_.final_learning_rate) * std::min(1.0, done)));
+  td3_->set_learning_rate(learning_rate_ *
+                          (1.0 - (1.0 - learning_.final_learning_rate) * std::min(1.0, done)));
   due_updates_ += learning_.updates_per_step * static_cast<double>(environments_.spec().count);
   for (; due_updates_ >= 1.0; due_updates_ -= 1.0) {
-    const UpdateResult update = td3_.update(buffer_);
+    const UpdateResult update = td3_->update(buffer_);
     critic_loss_.add(update.critic_loss);
     q_.add(update.q_mean);
     if (update.policy_updated) actor_loss_.add(update.actor_loss);
@@ -109,7 +110,7 @@ common::Scalars PolicyLearner::take_statistics() {
 }
 
 void PolicyLearner::save(nets::Checkpoint& checkpoint) {
-  td3_.save(checkpoint);
+  td3_->save(checkpoint);
   checkpoint.parts["buffer"] = buffer_.save();
   env::EnvState state;
   environments_.exchange_state(state, false);
@@ -133,7 +134,7 @@ void PolicyLearner::load(const nets::Checkpoint& checkpoint) {
       throw common::CheckpointError(std::string("training checkpoint: fact \"") + fact + "\" is missing");
     }
   }
-  td3_.load(checkpoint);
+  td3_->load(checkpoint);
   buffer_.load(checkpoint.parts.at("buffer"));
   noise_.load(checkpoint.facts["noise"]);
   const nets::NamedTensors& running = checkpoint.parts.at("running");

@@ -6,13 +6,14 @@
 #include "lodestone/common/config.h"
 #include "lodestone/common/error.h"
 #include "lodestone/nets/policy.h"
+#include "lodestone/rl/flat_network.h"
 
 using lodestone::common::Json;
 using lodestone::common::RandomStream;
 using lodestone::nets::NamedTensors;
 using lodestone::rl::Batch;
+using lodestone::rl::make_td3;
 using lodestone::rl::ReplayBuffer;
-using lodestone::rl::Td3;
 using lodestone::rl::Td3Config;
 using lodestone::rl::UpdateResult;
 
@@ -26,6 +27,7 @@ torch::Tensor wave(double phase, torch::IntArrayRef shape) {
 
 // The file's own recipe for parameters: see its "description".
 void set_reference_parameters(const NamedTensors& networks) {
+  const torch::NoGradGuard no_grad;
   const std::vector<std::pair<const char*, int>> starts = {
       {"actor.", 0}, {"critic.", 10}, {"actor_target.", 30}, {"critic_target.", 40}};
   for (const auto& [prefix, start] : starts) {
@@ -99,41 +101,45 @@ TEST_CASE("Two updates agree with the reference implementation to 1e-9", "[rl]")
       lodestone::common::read_json_file(LODESTONE_SOURCE_DIR "/tests/rl/td3_reference_update.json");
   Td3Config config;
   config.batch_size = 16;
-  Td3 td3(config, 5, 2, 1, 2, torch::kFloat64);
-  set_reference_parameters(td3.networks());
-  Batch batch(16, 5, 2, torch::kFloat64);
-  batch.observation.copy_(wave(1, {16, 5}));
-  batch.action.copy_(wave(2, {16, 2}));
-  batch.next_observation.copy_(wave(3, {16, 5}));
-  batch.reward.copy_(wave(4, {16}));
-  batch.not_done.fill_(1.0);
-  for (std::int64_t row = 3; row < 16; row += 4) batch.not_done[row] = 0.0;
-  const torch::Tensor noise = 0.3 * wave(5, {16, 2});
-  REQUIRE(reference["after_update"].size() == 2);
-  int update = 0;
-  for (const Json& expected : reference["after_update"]) {
-    const UpdateResult result = td3.update(batch, noise);
-    CHECK(result.policy_updated == (++update == 2));
-    CHECK(std::abs(result.critic_loss - expected["critic_loss_before"].get<double>()) < 1e-9);
-    for (std::size_t i = 0; i < expected["target_q_first"].size(); ++i) {
-      const double target = result.target_q[static_cast<std::int64_t>(i)].item<double>();
-      CHECK(std::abs(target - expected["target_q_first"][i].get<double>()) < 1e-9);
-    }
-    std::size_t compared = 0;
-    for (const char* network : {"actor", "critic", "actor_target", "critic_target"}) {
-      for (const auto& [name, numbers] : expected[network].items()) {
-        const std::string full = std::string(network) + "." + name;
-        check_tensor(full, td3.networks().at(full), numbers);
-        ++compared;
+  for (const char* backend : {"fused", "autograd"}) {
+    INFO(backend);
+    config.backend = backend;
+    const auto td3 = make_td3(config, 5, 2, 1, 2, torch::kFloat64);
+    set_reference_parameters(td3->networks());
+    Batch batch(16, 5, 2, torch::kFloat64);
+    batch.observation.copy_(wave(1, {16, 5}));
+    batch.action.copy_(wave(2, {16, 2}));
+    batch.next_observation.copy_(wave(3, {16, 5}));
+    batch.reward.copy_(wave(4, {16}));
+    batch.not_done.fill_(1.0);
+    for (std::int64_t row = 3; row < 16; row += 4) batch.not_done[row] = 0.0;
+    const torch::Tensor noise = 0.3 * wave(5, {16, 2});
+    REQUIRE(reference["after_update"].size() == 2);
+    int update = 0;
+    for (const Json& expected : reference["after_update"]) {
+      const UpdateResult result = td3->update(batch, noise);
+      CHECK(result.policy_updated == (++update == 2));
+      CHECK(std::abs(result.critic_loss - expected["critic_loss_before"].get<double>()) < 1e-9);
+      for (std::size_t i = 0; i < expected["target_q_first"].size(); ++i) {
+        const double target = result.target_q[static_cast<std::int64_t>(i)].item<double>();
+        CHECK(std::abs(target - expected["target_q_first"][i].get<double>()) < 1e-9);
       }
+      std::size_t compared = 0;
+      for (const char* network : {"actor", "critic", "actor_target", "critic_target"}) {
+        for (const auto& [name, numbers] : expected[network].items()) {
+          const std::string full = std::string(network) + "." + name;
+          check_tensor(full, td3->networks().at(full), numbers);
+          ++compared;
+        }
+      }
+      CHECK(compared == td3->networks().size());
     }
-    CHECK(compared == td3.networks().size());
   }
 }
 
 TEST_CASE("Hand-written gradients equal LibTorch's", "[rl]") {
   using lodestone::rl::FlatNetwork;
-  FlatNetwork network({7, 32, 16, 3}, torch::kFloat64);
+  FlatNetwork<double> network({7, 32, 16, 3});
   RandomStream random(3, "init");
   network.initialise(random);
   torch::nn::Sequential module(torch::nn::Linear(7, 32), torch::nn::ReLU(), torch::nn::Linear(32, 16),
@@ -155,10 +161,12 @@ TEST_CASE("Hand-written gradients equal LibTorch's", "[rl]") {
   (output * weight).sum().backward();
 
   const torch::NoGradGuard no_grad;
-  FlatNetwork::Workspace work = network.workspace(9);
-  CHECK(torch::allclose(network.forward(input.detach(), work), output, 0, 1e-14));
-  network.backward(input.detach(), weight, work, FlatNetwork::Wanted::kParameters);
-  network.backward(input.detach(), weight, work, FlatNetwork::Wanted::kInput);
+  auto work = network.workspace(9);
+  const double* rows = input.data_ptr<double>();
+  network.forward(rows, work);
+  CHECK(torch::allclose(work.output, output, 0, 1e-14));
+  network.backward(rows, weight.data_ptr<double>(), work, FlatNetwork<double>::Wanted::kParameters);
+  network.backward(rows, weight.data_ptr<double>(), work, FlatNetwork<double>::Wanted::kInput);
   CHECK(torch::allclose(work.input_gradient, input.grad(), 0, 1e-13));
   const NamedTensors gradient = network.named(work.gradient, "");
   for (int i = 0; i < 3; ++i) {
@@ -168,20 +176,103 @@ TEST_CASE("Hand-written gradients equal LibTorch's", "[rl]") {
   }
 }
 
+namespace {
+
+/// Largest difference of two networks' moments or parameters, relative to the largest number of each tensor.
+double largest_relative_difference(const NamedTensors& one, const NamedTensors& two) {
+  REQUIRE(one.size() == two.size());
+  double largest = 0.0;
+  for (const auto& [name, tensor] : one) {
+    const double size = two.at(name).abs().max().item<double>();
+    largest = std::max(largest, (tensor - two.at(name)).abs().max().item<double>() / size);
+  }
+  return largest;
+}
+
+/// The gradients of one update of each backend from the same networks, batch and noise. After the first step
+/// Adam's first moments are a tenth of the gradients, so they show the gradients of every parameter.
+double gradient_difference(torch::ScalarType type) {
+  Td3Config config;
+  config.batch_size = 100;
+  config.policy_frequency = 1;
+  std::vector<NamedTensors> moments;
+  for (const char* backend : {"fused", "autograd"}) {
+    config.backend = backend;
+    const auto td3 = make_td3(config, 6, 2, 4, 2, type);
+    Batch batch(100, 6, 2, type);
+    batch.observation.copy_(wave(1, {100, 6}));
+    batch.action.copy_(wave(2, {100, 2}));
+    batch.next_observation.copy_(wave(3, {100, 6}));
+    batch.reward.copy_(wave(4, {100}));
+    batch.not_done.fill_(1.0);
+    td3->update(batch, (0.3 * wave(5, {100, 2})).to(type));
+    lodestone::nets::Checkpoint checkpoint;
+    td3->save(checkpoint);
+    NamedTensors first;
+    for (const auto& [name, tensor] : checkpoint.parts.at("optimiser")) {
+      if (name.find("first_moment") != std::string::npos) first[name] = tensor;
+    }
+    moments.push_back(first);
+  }
+  CHECK(moments.front().size() == 18);
+  return largest_relative_difference(moments[0], moments[1]);
+}
+
+}  // namespace
+
+TEST_CASE("The fused backend's gradients are those of autograd", "[rl]") {
+  // A network that autograd updates first would move the other's: both start from the seed's.
+  CHECK(gradient_difference(torch::kFloat64) < 1e-10);
+  CHECK(gradient_difference(torch::kFloat32) < 1e-5);
+}
+
+TEST_CASE("Backends stay together over many updates and take up each other's checkpoints", "[rl]") {
+  Td3Config config;
+  config.batch_size = 64;
+  config.hidden = {32, 24};
+  const auto fused = make_td3(config, 6, 2, 9, 2, torch::kFloat64);
+  config.backend = "autograd";
+  const auto autograd = make_td3(config, 6, 2, 9, 1, torch::kFloat64);
+  CHECK(identical(fused->networks(), autograd->networks()));
+  Batch batch(64, 6, 2, torch::kFloat64);
+  const auto update_both = [&](int update) {
+    batch.observation.copy_(wave(4 * update, {64, 6}));
+    batch.action.copy_(wave(4 * update + 1, {64, 2}));
+    batch.next_observation.copy_(wave(4 * update + 2, {64, 6}));
+    batch.reward.copy_(wave(4 * update + 3, {64}));
+    batch.not_done.fill_(1.0);
+    const torch::Tensor noise = 0.3 * wave(update, {64, 2});
+    const UpdateResult expected = autograd->update(batch, noise);
+    const UpdateResult result = fused->update(batch, noise);
+    CHECK(result.critic_loss == Approx(expected.critic_loss).epsilon(1e-9));
+    CHECK(result.actor_loss == Approx(expected.actor_loss).epsilon(1e-9));
+    CHECK(result.q_mean == Approx(expected.q_mean).epsilon(1e-9));
+  };
+  for (int update = 0; update < 20; ++update) update_both(update);
+  lodestone::nets::Checkpoint one;
+  lodestone::nets::Checkpoint two;
+  fused->save(one);
+  autograd->save(two);
+  fused->load(two);
+  autograd->load(one);
+  for (int update = 20; update < 30; ++update) update_both(update);
+  CHECK(largest_relative_difference(fused->networks(), autograd->networks()) < 1e-8);
+}
+
 TEST_CASE("Updates do not depend on the number of threads", "[rl]") {
   Td3Config config;
   config.batch_size = 64;
   const ReplayBuffer buffer = random_buffer(500, 6);
-  Td3 one(config, 6, 2, 9, 1);
-  Td3 two(config, 6, 2, 9, 2);
-  Td3 four(config, 6, 2, 9, 4);
+  const auto one = make_td3(config, 6, 2, 9, 1);
+  const auto two = make_td3(config, 6, 2, 9, 2);
+  const auto four = make_td3(config, 6, 2, 9, 4);
   for (int i = 0; i < 20; ++i) {
-    const UpdateResult result = one.update(buffer);
-    CHECK(two.update(buffer).critic_loss == result.critic_loss);
-    CHECK(four.update(buffer).actor_loss == result.actor_loss);
+    const UpdateResult result = one->update(buffer);
+    CHECK(two->update(buffer).critic_loss == result.critic_loss);
+    CHECK(four->update(buffer).actor_loss == result.actor_loss);
   }
-  CHECK(identical(one.networks(), two.networks()));
-  CHECK(identical(one.networks(), four.networks()));
+  CHECK(identical(one->networks(), two->networks()));
+  CHECK(identical(one->networks(), four->networks()));
 }
 
 TEST_CASE("A loaded learner goes on bitwise", "[rl]") {
@@ -189,22 +280,23 @@ TEST_CASE("A loaded learner goes on bitwise", "[rl]") {
   config.batch_size = 32;
   config.hidden = {32, 24};
   const ReplayBuffer buffer = random_buffer(200, 6);
-  Td3 whole(config, 6, 2, 9);
-  for (int i = 0; i < 11; ++i) whole.update(buffer);
+  const auto whole = make_td3(config, 6, 2, 9);
+  for (int i = 0; i < 11; ++i) whole->update(buffer);
   lodestone::nets::Checkpoint checkpoint;
-  whole.save(checkpoint);
-  Td3 resumed(config, 6, 2, 12345);
-  resumed.load(checkpoint);
-  CHECK(resumed.updates() == 11);
-  for (int i = 0; i < 11; ++i) CHECK(whole.update(buffer).critic_loss == resumed.update(buffer).critic_loss);
-  CHECK(identical(whole.networks(), resumed.networks()));
+  whole->save(checkpoint);
+  const auto resumed = make_td3(config, 6, 2, 12345);
+  resumed->load(checkpoint);
+  CHECK(resumed->updates() == 11);
+  for (int i = 0; i < 11; ++i)
+    CHECK(whole->update(buffer).critic_loss == resumed->update(buffer).critic_loss);
+  CHECK(identical(whole->networks(), resumed->networks()));
 
   Td3Config other = config;
   other.hidden = {32, 25};
-  Td3 wider(other, 6, 2, 9);
-  CHECK_THROWS_AS(wider.load(checkpoint), lodestone::common::CheckpointError);
+  const auto wider = make_td3(other, 6, 2, 9);
+  CHECK_THROWS_AS(wider->load(checkpoint), lodestone::common::CheckpointError);
   checkpoint.parts["optimiser"].erase("critic.second_moment.l5.bias");
-  CHECK_THROWS_AS(resumed.load(checkpoint), lodestone::common::CheckpointError);
+  CHECK_THROWS_AS(resumed->load(checkpoint), lodestone::common::CheckpointError);
 }
 
 TEST_CASE("The policy and the targets move with every second update only, by the Polyak step", "[rl]") {
@@ -213,18 +305,18 @@ TEST_CASE("The policy and the targets move with every second update only, by the
   config.hidden = {16};
   config.polyak_tau = 0.25;
   const ReplayBuffer buffer = random_buffer(200, 4);
-  Td3 td3(config, 4, 2, 2);
-  const NamedTensors start = copies(td3.networks());
+  const auto td3 = make_td3(config, 4, 2, 2);
+  const NamedTensors start = copies(td3->networks());
   CHECK(torch::equal(start.at("critic.l4.weight"), start.at("critic_target.l4.weight")));
   CHECK_FALSE(
       torch::equal(start.at("critic.l1.weight"), start.at("critic.l3.weight")));  // twins are drawn apart
-  td3.update(buffer);
-  const NamedTensors first = copies(td3.networks());
+  td3->update(buffer);
+  const NamedTensors first = copies(td3->networks());
   CHECK(torch::equal(first.at("actor.l1.weight"), start.at("actor.l1.weight")));
   CHECK(torch::equal(first.at("critic_target.l1.weight"), start.at("critic_target.l1.weight")));
   CHECK_FALSE(torch::equal(first.at("critic.l1.weight"), start.at("critic.l1.weight")));
-  td3.update(buffer);
-  const NamedTensors second = td3.networks();
+  td3->update(buffer);
+  const NamedTensors second = td3->networks();
   for (const char* name : {"l1.weight", "l2.bias", "l3.weight"}) {
     const std::string text = name;
     const torch::Tensor expected =
@@ -235,19 +327,19 @@ TEST_CASE("The policy and the targets move with every second update only, by the
 }
 
 TEST_CASE("The learner's actor is the deployable actor", "[rl]") {
-  Td3 td3(Td3Config{}, 6, 2, 2);
+  const auto td3 = make_td3(Td3Config{}, 6, 2, 2);
   lodestone::nets::Actor actor(6, std::vector<std::int64_t>{256, 256});
-  lodestone::nets::load_module_tensors(*actor, td3.actor(), "actor");
+  lodestone::nets::load_module_tensors(*actor, td3->actor(), "actor");
   const torch::Tensor observation = wave(1, {10, 6}).to(torch::kFloat32);
-  CHECK(torch::allclose(td3.act(observation), actor->forward(observation), 0, 1e-6));
+  CHECK(torch::allclose(td3->act(observation), actor->forward(observation), 0, 1e-6));
 }
 
 TEST_CASE("An update refuses tensors of another shape or type", "[rl]") {
   Td3Config config;
   config.batch_size = 8;
-  Td3 td3(config, 4, 2, 2);
-  CHECK_THROWS_AS(td3.update(Batch(7, 4, 2), torch::zeros({8, 2})), lodestone::common::LogicFault);
-  CHECK_THROWS_AS(td3.update(Batch(8, 4, 2, torch::kFloat64), torch::zeros({8, 2})),
+  const auto td3 = make_td3(config, 4, 2, 2);
+  CHECK_THROWS_AS(td3->update(Batch(7, 4, 2), torch::zeros({8, 2})), lodestone::common::LogicFault);
+  CHECK_THROWS_AS(td3->update(Batch(8, 4, 2, torch::kFloat64), torch::zeros({8, 2})),
                   lodestone::common::LogicFault);
-  CHECK_THROWS_AS(td3.act(torch::zeros({3, 5})), lodestone::common::LogicFault);
+  CHECK_THROWS_AS(td3->act(torch::zeros({3, 5})), lodestone::common::LogicFault);
 }

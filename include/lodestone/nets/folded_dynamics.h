@@ -6,13 +6,14 @@
 #include <torch/torch.h>
 
 #include "lodestone/nets/dynamics.h"
+#include "lodestone/nets/gemm.h"
 
 namespace lodestone::nets {
 
 /// A dynamics network for fast evaluation: normalisers and batch normalisation (evaluation mode) are folded
-/// into the linear layers, so that a step is a few float32 matrix products into buffers that are kept. Agrees
-/// with DynamicsNetwork::forward to rounding. predict() is const: threads share the network, each with its
-/// own Workspace.
+/// into the linear layers, so that a step is a few float32 matrix products (lodestone/nets/gemm.h) into
+/// buffers that are kept. Agrees with DynamicsNetwork::forward to rounding. predict() is const: threads share
+/// the network, each with its own Workspace.
 class FoldedDynamics {
  public:
   /// Activations of one thread; grows to the largest batch seen.
@@ -26,8 +27,8 @@ class FoldedDynamics {
   explicit FoldedDynamics(DynamicsNetwork& network);
 
   /// `state` [rows, S] (x_m, y_m[, heading_rad]) and `drive` [rows, 2] in the dataset's unit, row-major;
-  /// writes `next` [rows, S] (may be `state`), headings in (-pi, pi]. Each row's result depends on the batch
-  /// by rounding only.
+  /// writes `next` [rows, S] (may be `state`), headings in (-pi, pi]. A row's result does not depend on the
+  /// others.
   void predict(const double* state, const double* drive, std::int64_t rows, double* next,
                Workspace& workspace) const;
 
@@ -35,8 +36,8 @@ class FoldedDynamics {
 
  private:
   struct Layer {
-    torch::Tensor weight;  ///< [inputs, outputs]
-    torch::Tensor bias;    ///< [outputs]
+    PackedMatrix<float> weight;  ///< [inputs, outputs]
+    torch::Tensor bias;          ///< [outputs]
   };
 
   void write_features(const double* state, const double* drive, std::int64_t rows, float* out) const;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -8,27 +9,36 @@
 
 #include "lodestone/common/random.h"
 #include "lodestone/nets/checkpoint.h"
+#include "lodestone/nets/gemm.h"
 
 namespace lodestone::rl {
 
 /// Linear layers with ReLU in between, every number in one contiguous tensor so that an optimiser or Polyak
-/// step is one pass. Forward and backward are written out (no autograd graph) into preallocated workspaces.
+/// step is one pass. Forward and backward are written out (no autograd graph) into preallocated workspaces;
+/// bias, ReLU and the ReLU's gradient happen inside the matrix products. Real is float or double.
+template <class Real>
 class FlatNetwork {
  public:
-  /// Scratch of one thread for a fixed number of rows.
+  /// What does not outlive a layer. Workspaces that are used one after the other may share it.
+  struct Scratch {
+    nets::CacheAligned<Real> panel;
+    nets::CacheAligned<Real> transposed;  ///< a layer's gradient, turned for the product with its input
+  };
+  /// Buffers of one thread for a fixed number of rows.
   struct Workspace {
-    std::vector<torch::Tensor> hidden;  ///< outputs of the hidden layers after ReLU, [n, w]
+    std::int64_t rows = 0;
+    std::vector<torch::Tensor> hidden;  ///< outputs of the hidden layers after ReLU, [rows, w]
     std::vector<torch::Tensor> delta;   ///< gradients there
-    torch::Tensor output;               ///< [n, out], linear
-    torch::Tensor input_gradient;       ///< [n, in]
+    torch::Tensor output;               ///< [rows, out], linear
+    torch::Tensor input_gradient;       ///< [rows, in]
     torch::Tensor gradient;             ///< of the parameters, laid out like them
-    std::vector<torch::Tensor> weight_gradient, bias_gradient;  ///< views of `gradient`
+    std::shared_ptr<Scratch> scratch;
   };
   /// What backward() computes.
   enum class Wanted { kParameters, kInput };
 
-  /// widths: input, hidden..., output. float32 or float64.
-  FlatNetwork(std::vector<std::int64_t> widths, torch::ScalarType type);
+  /// widths: input, hidden..., output. Parameters are zero.
+  explicit FlatNetwork(std::vector<std::int64_t> widths);
   /// A copy with storage of its own.
   FlatNetwork clone() const;
 
@@ -36,13 +46,13 @@ class FlatNetwork {
   void initialise(common::RandomStream& random);
   Workspace workspace(std::int64_t rows) const;
 
-  /// input [n, in] -> workspace.output. The caller holds a NoGradGuard.
-  const torch::Tensor& forward(const torch::Tensor& input, Workspace& workspace) const;
-  /// After forward() with the same input: from the gradient at the output [n, out] to workspace.gradient
+  /// input [rows, in] -> workspace.output.
+  void forward(const Real* input, Workspace& workspace) const;
+  /// After forward() with the same input: from the gradient at the output [rows, out] to workspace.gradient
   /// (overwritten) or workspace.input_gradient.
-  void backward(const torch::Tensor& input, const torch::Tensor& output_gradient, Workspace& workspace,
-                Wanted wanted) const;
+  void backward(const Real* input, const Real* output_gradient, Workspace& workspace, Wanted wanted) const;
 
+  /// One row of numbers, with gaps of zeros that stay zero.
   torch::Tensor& parameters() { return parameters_; }
   const torch::Tensor& parameters() const { return parameters_; }
   /// Views of any tensor laid out like the parameters: "<prefix>l<first>.weight", "<prefix>l<first>.bias",
@@ -50,12 +60,19 @@ class FlatNetwork {
   nets::NamedTensors named(const torch::Tensor& flat, const std::string& prefix, int first = 1) const;
 
  private:
-  std::vector<torch::Tensor> views(const torch::Tensor& flat, bool weights) const;
+  struct Layer {
+    std::int64_t in, out;
+    std::int64_t weight, bias;  ///< where they begin in the parameters
+  };
+  void parameter_gradient(const Layer& layer, const Real* input, const Real* delta,
+                          Workspace& workspace) const;
 
   std::vector<std::int64_t> widths_;
-  std::vector<std::int64_t> offsets_;  // of weight 1, bias 1, weight 2, ...
+  std::vector<Layer> layers_;
   torch::Tensor parameters_;
-  std::vector<torch::Tensor> weights_, biases_;
 };
+
+extern template class FlatNetwork<float>;
+extern template class FlatNetwork<double>;
 
 }  // namespace lodestone::rl

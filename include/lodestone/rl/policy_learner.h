@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include <torch/torch.h>
 
@@ -51,9 +52,9 @@ class PolicyLearner {
   void step();
 
   std::int64_t env_steps() const { return env_steps_; }
-  std::int64_t updates() const { return td3_.updates(); }
+  std::int64_t updates() const { return td3_->updates(); }
   bool finished() const { return env_steps_ >= learning_.env_steps; }
-  Td3& td3() { return td3_; }
+  Td3& td3() { return *td3_; }
 
   /// Means since the last call, under the keys train/...: episode_return, success_rate, episode_length,
   /// critic_loss, actor_loss, q_mean, action_saturation (share of components beyond 0.95). Keys without data
@@ -79,7 +80,7 @@ class PolicyLearner {
   LearningConfig learning_;
   double learning_rate_;
   env::VecEnv& environments_;
-  Td3 td3_;
+  std::unique_ptr<Td3> td3_;
   ReplayBuffer buffer_;
   ExplorationNoise noise_;
   std::int64_t env_steps_ = 0;

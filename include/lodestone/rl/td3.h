@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -10,15 +9,14 @@
 
 #include "lodestone/common/config.h"
 #include "lodestone/common/random.h"
-#include "lodestone/common/thread_pool.h"
 #include "lodestone/nets/checkpoint.h"
-#include "lodestone/rl/flat_network.h"
 #include "lodestone/rl/replay_buffer.h"
 
 namespace lodestone::rl {
 
 /// Hyperparameters of TD3; defaults are those of Fujimoto et al. (2018), learning rate as the paper (IV-B2).
 struct Td3Config {
+  std::string backend = "fused";
   double discount = 0.99;
   double polyak_tau = 0.005;
   double learning_rate = 3e-4;
@@ -30,6 +28,11 @@ struct Td3Config {
 
   template <class Visitor>
   void visit(Visitor& v) {
+    v.field("backend", backend, "",
+            "who computes an update: written-out passes on up to two threads, or plain LibTorch with "
+            "autograd, the "
+            "readable reference; both agree to rounding",
+            {"fused", "autograd"});
     v.field("discount", discount, "", "discount per step", {0.0, 1.0});
     v.field("polyak_tau", polyak_tau, "", "share of the network that moves into its target per policy update",
             {0.0, 1.0});
@@ -53,16 +56,13 @@ struct UpdateResult {
   torch::Tensor target_q;   ///< [B]; valid until the next update
 };
 
-/// Twin delayed deep deterministic policy gradient (Fujimoto, van Hoof and Meger, ICML 2018), on the CPU.
-///
-/// Work is cut into two shards whatever the number of threads (the two critics, or two halves of the batch),
-/// so that results do not depend on it.
+/// Twin delayed deep deterministic policy gradient (Fujimoto, van Hoof and Meger, ICML 2018), on the CPU:
+/// what its backends have in common. make_td3() chooses one.
 class Td3 {
  public:
-  /// Networks are drawn from `seed`. float32 for training, float64 for checks. `threads` beyond 2 are not
-  /// used.
-  Td3(const Td3Config& config, std::int64_t observation_size, std::int64_t action_size, std::uint64_t seed,
-      std::int64_t threads = 1, torch::ScalarType type = torch::kFloat32);
+  virtual ~Td3() = default;
+  Td3(const Td3&) = delete;
+  Td3& operator=(const Td3&) = delete;
 
   /// Deterministic policy: [N, D] -> [N, A] in [-1, 1]; a new tensor.
   torch::Tensor act(const torch::Tensor& observation);
@@ -79,50 +79,52 @@ class Td3 {
 
   /// Views (not copies) by name: "actor.l1.weight", "critic.l1.." to "critic.l6..", "actor_target..",
   /// "critic_target..", in the reference implementation's names.
-  nets::NamedTensors networks() const;
+  virtual nets::NamedTensors networks() const = 0;
   /// The actor alone, "l1.weight", ...: what nets::Actor takes.
   nets::NamedTensors actor() const;
 
-  /// Everything that the next update depends on, and back. load throws CheckpointError.
+  /// Everything that the next update depends on, and back; either backend takes up what the other saved. load
+  /// throws CheckpointError.
   void save(nets::Checkpoint& checkpoint) const;
   void load(const nets::Checkpoint& checkpoint);
 
- private:
-  struct Learner {  // a network, its target, and Adam's moments
-    Learner(FlatNetwork drawn);
-    FlatNetwork network, target;
-    torch::Tensor first_moment, second_moment;
-    std::int64_t steps = 0;
-    void adam(const torch::Tensor& gradient, double learning_rate);
-    void polyak(double tau);
-  };
-  struct Half {  // scratch of one half of the batch
-    std::int64_t start, rows;
-    FlatNetwork::Workspace actor, critic;
-    torch::Tensor policy, critic_input, policy_gradient;
-  };
+ protected:
+  Td3(const Td3Config& config, std::int64_t observation_size, std::int64_t action_size, std::uint64_t seed,
+      torch::ScalarType type);
 
+  virtual torch::Tensor policy(const torch::Tensor& observation) = 0;
+  /// One update of the critics, with `policy_too` of the policy and the targets as well. The batch is
+  /// checked; updates() counts it already.
+  virtual UpdateResult learn(const Batch& batch, const torch::Tensor& smoothing_noise, bool policy_too) = 0;
+  /// Views of Adam's moments: "actor.first_moment.l1.weight", ..., "critic.second_moment.l6.bias".
+  virtual nets::NamedTensors optimiser() const = 0;
+  /// After load(): updates() has changed.
+  virtual void counters_loaded() {}
+
+  const Td3Config& config() const { return config_; }
+  double learning_rate() const { return learning_rate_; }
+  /// Adam's steps so far: of the critics, one per update.
+  std::int64_t critic_steps() const { return updates_; }
+  std::int64_t actor_steps() const { return updates_ / config_.policy_frequency; }
+
+ private:
   void check_batch(const Batch& batch, const torch::Tensor& noise) const;
-  void smoothed_target_actions(const Batch& batch, const torch::Tensor& noise, Half& half);
-  double update_policy(const Batch& batch);
-  nets::NamedTensors optimiser() const;
 
   Td3Config config_;
   std::int64_t observation_size_;
   std::int64_t action_size_;
+  torch::ScalarType type_;
   double learning_rate_;
   std::int64_t updates_ = 0;
   common::RandomStream random_;
-  common::ThreadPool threads_;
-  Learner actor_;
-  std::array<Learner, 2> critics_;
-  // preallocated for one batch
   Batch batch_;
-  torch::Tensor noise_, critic_input_, next_input_, target_q_;
-  std::array<FlatNetwork::Workspace, 2> critic_work_, target_work_;
-  std::array<torch::Tensor, 2> q_gradient_;
-  std::vector<Half> halves_;
-  FlatNetwork::Workspace act_work_;
+  torch::Tensor noise_;
 };
+
+/// Networks are drawn from `seed`, the same ones for both backends. float32 for training, float64 for checks.
+/// The fused backend uses up to two threads, with the same result at any number of them.
+std::unique_ptr<Td3> make_td3(const Td3Config& config, std::int64_t observation_size,
+                              std::int64_t action_size, std::uint64_t seed, std::int64_t threads = 1,
+                              torch::ScalarType type = torch::kFloat32);
 
 }  // namespace lodestone::rl

@@ -1,0 +1,9 @@
+#include "gemm_kernel.inc"
+
+namespace lodestone::nets {
+
+GemmKernelSet avx2_gemm_kernels() {
+  return {"avx2", Kernel<float, 8, 6>::table(), Kernel<double, 4, 6>::table()};
+}
+
+}  // namespace lodestone::nets

@@ -1,0 +1,9 @@
+#include "gemm_kernel.inc"
+
+namespace lodestone::nets {
+
+GemmKernelSet generic_gemm_kernels() {
+  return {"generic", Kernel<float, 4, 6>::table(), Kernel<double, 2, 6>::table()};
+}
+
+}  // namespace lodestone::nets

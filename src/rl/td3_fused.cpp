@@ -1,0 +1,264 @@
+#include "td3_fused.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "lodestone/rl/adam.h"
+#include "td3_networks.h"
+
+namespace lodestone::rl {
+namespace {
+
+constexpr std::size_t kShards = 2;
+
+void insert(nets::NamedTensors& all, const nets::NamedTensors& part) { all.insert(part.begin(), part.end()); }
+
+template <class Real>
+Real* data(const torch::Tensor& tensor) {
+  return tensor.data_ptr<Real>();
+}
+
+/// out [rows, D + A]: each row of `left` [rows, D], then that of `right` [rows, A].
+template <class Real>
+void join(const Real* left, std::int64_t left_columns, const Real* right, std::int64_t right_columns,
+          std::int64_t rows, Real* out) {
+  for (std::int64_t row = 0; row < rows; ++row) {
+    out = std::copy_n(left + row * left_columns, left_columns, out);
+    out = std::copy_n(right + row * right_columns, right_columns, out);
+  }
+}
+
+}  // namespace
+
+template <class Real>
+FusedTd3<Real>::Learner::Learner(FlatNetwork<Real> drawn)
+    : network(std::move(drawn)),
+      target(network.clone()),
+      first_moment(torch::zeros_like(network.parameters())),
+      second_moment(torch::zeros_like(network.parameters())) {}
+
+template <class Real>
+void FusedTd3<Real>::Learner::adam(const torch::Tensor& gradient, double learning_rate, std::int64_t step,
+                                   std::int64_t begin, std::int64_t end) {
+  adam_step(data<Real>(network.parameters()) + begin, data<Real>(gradient) + begin,
+            data<Real>(first_moment) + begin, data<Real>(second_moment) + begin,
+            static_cast<std::size_t>(end - begin), learning_rate, step);
+}
+
+template <class Real>
+void FusedTd3<Real>::Learner::polyak(double tau, std::int64_t begin, std::int64_t end) {
+  polyak_step(data<Real>(target.parameters()) + begin, data<Real>(network.parameters()) + begin,
+              static_cast<std::size_t>(end - begin), tau);
+}
+
+template <class Real>
+FusedTd3<Real>::FusedTd3(const Td3Config& config, std::int64_t observation_size, std::int64_t action_size,
+                         std::uint64_t seed, std::int64_t threads)
+    : Td3(config, observation_size, action_size, seed, torch::CppTypeToScalarType<Real>::value),
+      observation_size_(observation_size),
+      action_size_(action_size),
+      threads_(static_cast<std::size_t>(std::clamp<std::int64_t>(threads, 1, kShards))),
+      actor_(Td3Networks<Real>(config, observation_size, action_size, seed).actor),
+      critics_{Learner(Td3Networks<Real>(config, observation_size, action_size, seed).critics[0]),
+               Learner(Td3Networks<Real>(config, observation_size, action_size, seed).critics[1])} {
+  const auto type = torch::CppTypeToScalarType<Real>::value;
+  const std::int64_t rows = config.batch_size;
+  const std::int64_t columns = observation_size + action_size;
+  critic_input_ = torch::zeros({rows, columns}, type);
+  next_input_ = torch::zeros({rows, columns}, type);
+  target_q_ = torch::zeros({rows}, type);
+  const std::int64_t middle = rows / 2;
+  for (std::size_t k = 0; k < kShards; ++k) {
+    critic_work_[k] =
+        critics_[k].network.workspace(rows + rows % 2);  // room for two halves, see share_buffers()
+    critic_work_[k].rows = rows;
+    target_work_[k] = critics_[k].target.workspace(rows);
+    q_gradient_[k] = torch::zeros({rows}, type);
+    const std::int64_t start = k == 0 ? 0 : middle;
+    const std::int64_t count = k == 0 ? middle : rows - middle;
+    halves_.push_back({start, count, actor_.network.workspace(count), critics_[0].network.workspace(count),
+                       torch::zeros({count, action_size}, type), torch::zeros({count, columns}, type),
+                       torch::full({count}, -1.0 / static_cast<double>(rows), type),
+                       torch::zeros({count, action_size}, type)});
+    share_buffers(critic_work_[k], target_work_[k], halves_[k]);
+  }
+}
+
+/// A shard's passes follow one another, so that they can use the same memory, which then stays in the core's
+/// cache: only the critic's hidden outputs are needed from one pass to the next, and no gradient before its
+/// backward pass.
+template <class Real>
+void FusedTd3<Real>::share_buffers(const Workspace& critic, Workspace& target, Half& half) {
+  target.hidden = critic.delta;
+  target.scratch = half.actor.scratch = half.critic.scratch = critic.scratch;
+  for (std::size_t i = 0; i < critic.hidden.size(); ++i) {
+    const std::int64_t middle = critic.hidden[i].size(0) / 2;
+    half.actor.hidden[i] = critic.hidden[i].narrow(0, 0, half.rows);
+    half.actor.delta[i] = critic.delta[i].narrow(0, 0, half.rows);
+    half.critic.hidden[i] = critic.hidden[i].narrow(0, middle, half.rows);
+    half.critic.delta[i] = critic.delta[i].narrow(0, middle, half.rows);
+  }
+}
+
+template <class Real>
+torch::Tensor FusedTd3<Real>::policy(const torch::Tensor& observation) {
+  if (act_work_.rows != observation.size(0)) act_work_ = actor_.network.workspace(observation.size(0));
+  actor_.network.forward(data<Real>(observation), act_work_);
+  return act_work_.output.tanh();
+}
+
+/// The critics' inputs of one half: (s, a), and (s', a') with the target policy's smoothed action.
+template <class Real>
+void FusedTd3<Real>::prepare_inputs(const Batch& batch, const torch::Tensor& noise, Half& half) {
+  const std::int64_t columns = observation_size_ + action_size_;
+  const Real* next = data<Real>(batch.next_observation) + half.start * observation_size_;
+  actor_.target.forward(next, half.actor);
+  const auto clip = static_cast<Real>(config().noise_clip);
+  const Real* output = data<Real>(half.actor.output);
+  const Real* disturbed = data<Real>(noise) + half.start * action_size_;
+  Real* action = data<Real>(half.policy);
+  for (std::int64_t i = 0; i < half.rows * action_size_; ++i) {
+    action[i] = std::clamp(std::tanh(output[i]) + std::clamp(disturbed[i], -clip, clip), Real(-1), Real(1));
+  }
+  join(next, observation_size_, action, action_size_, half.rows,
+       data<Real>(next_input_) + half.start * columns);
+  join(data<Real>(batch.observation) + half.start * observation_size_, observation_size_,
+       data<Real>(batch.action) + half.start * action_size_, action_size_, half.rows,
+       data<Real>(critic_input_) + half.start * columns);
+}
+
+/// target = r + discount * min(Q1', Q2') unless the episode ended; the gradient of the mean squared
+/// difference.
+template <class Real>
+void FusedTd3<Real>::differences_from_target(const Batch& batch, UpdateResult& result) {
+  const auto rows = static_cast<double>(target_q_.numel());
+  const auto discount = static_cast<Real>(config().discount);
+  const auto scale = static_cast<Real>(2.0 / rows);
+  const Real* reward = data<Real>(batch.reward);
+  const Real* not_done = data<Real>(batch.not_done);
+  Real* target = data<Real>(target_q_);
+  const Real* next_first = data<Real>(target_work_[0].output);
+  const Real* next_second = data<Real>(target_work_[1].output);
+  for (std::int64_t i = 0; i < target_q_.numel(); ++i) {
+    target[i] = reward[i] + discount * not_done[i] * std::min(next_first[i], next_second[i]);
+  }
+  std::array<double, 2> squares{};
+  for (std::size_t k = 0; k < critics_.size(); ++k) {
+    const Real* q = data<Real>(critic_work_[k].output);
+    Real* gradient = data<Real>(q_gradient_[k]);
+    for (std::int64_t i = 0; i < target_q_.numel(); ++i) {
+      const Real difference = q[i] - target[i];
+      squares[k] += static_cast<double>(difference) * static_cast<double>(difference);
+      gradient[i] = scale * difference;
+    }
+  }
+  const Real* q = data<Real>(critic_work_[0].output);
+  const double q_sum = std::accumulate(q, q + target_q_.numel(), 0.0);
+  result.critic_loss = (squares[0] + squares[1]) / rows;
+  result.q_mean = q_sum / rows;
+  result.target_q = target_q_;
+}
+
+template <class Real>
+UpdateResult FusedTd3<Real>::learn(const Batch& batch, const torch::Tensor& smoothing_noise,
+                                   bool policy_too) {
+  UpdateResult result;
+  result.policy_updated = policy_too;
+  threads_.for_each(kShards,
+                    [&](std::size_t shard) { prepare_inputs(batch, smoothing_noise, halves_[shard]); });
+  threads_.for_each(kShards, [&](std::size_t k) {
+    critics_[k].target.forward(data<Real>(next_input_), target_work_[k]);
+    critics_[k].network.forward(data<Real>(critic_input_), critic_work_[k]);
+  });
+  differences_from_target(batch, result);
+  threads_.for_each(kShards, [&](std::size_t k) {
+    Learner& critic = critics_[k];
+    critic.network.backward(data<Real>(critic_input_), data<Real>(q_gradient_[k]), critic_work_[k],
+                            FlatNetwork<Real>::Wanted::kParameters);
+    critic.adam(critic_work_[k].gradient, learning_rate(), critic_steps(), 0, critic.size());
+    // the policy's update reads no target
+    if (policy_too) critic.polyak(config().polyak_tau, 0, critic.size());
+  });
+  if (policy_too) result.actor_loss = update_policy(batch);
+  return result;
+}
+
+template <class Real>
+void FusedTd3<Real>::policy_gradient(const Batch& batch, Half& half) {
+  const Real* observation = data<Real>(batch.observation) + half.start * observation_size_;
+  actor_.network.forward(observation, half.actor);
+  const Real* output = data<Real>(half.actor.output);
+  Real* action = data<Real>(half.policy);
+  for (std::int64_t i = 0; i < half.rows * action_size_; ++i) action[i] = std::tanh(output[i]);
+  Real* input = data<Real>(half.critic_input);
+  join(observation, observation_size_, action, action_size_, half.rows, input);
+  const FlatNetwork<Real>& critic = critics_[0].network;
+  critic.forward(input, half.critic);
+  critic.backward(input, data<Real>(half.q_gradient), half.critic, FlatNetwork<Real>::Wanted::kInput);
+  const Real* passed_on = data<Real>(half.critic.input_gradient);
+  Real* gradient = data<Real>(half.policy_gradient);
+  for (std::int64_t row = 0; row < half.rows; ++row) {
+    for (std::int64_t j = 0; j < action_size_; ++j) {
+      const Real a = action[row * action_size_ + j];
+      gradient[row * action_size_ + j] =
+          passed_on[row * (observation_size_ + action_size_) + observation_size_ + j] * (Real(1) - a * a);
+    }
+  }
+  actor_.network.backward(observation, gradient, half.actor, FlatNetwork<Real>::Wanted::kParameters);
+}
+
+template <class Real>
+double FusedTd3<Real>::update_policy(const Batch& batch) {
+  threads_.for_each(kShards, [&](std::size_t shard) { policy_gradient(batch, halves_[shard]); });
+  double q_sum = 0.0;
+  for (const Half& half : halves_) {
+    const Real* q = data<Real>(half.critic.output);
+    q_sum = std::accumulate(q, q + half.rows, q_sum);
+  }
+  const std::int64_t middle = actor_.size() / 2;
+  threads_.for_each(kShards, [&](std::size_t shard) {
+    const std::int64_t begin = shard == 0 ? 0 : middle;
+    const std::int64_t end = shard == 0 ? middle : actor_.size();
+    Real* __restrict gradient = data<Real>(halves_[0].actor.gradient);
+    const Real* __restrict other = data<Real>(halves_[1].actor.gradient);
+    for (std::int64_t i = begin; i < end; ++i) gradient[i] += other[i];
+    actor_.adam(halves_[0].actor.gradient, learning_rate(), actor_steps(), begin, end);
+    actor_.polyak(config().polyak_tau, begin, end);
+  });
+  return -q_sum / static_cast<double>(target_q_.numel());
+}
+
+template <class Real>
+nets::NamedTensors FusedTd3<Real>::networks() const {
+  nets::NamedTensors all;
+  insert(all, actor_.network.named(actor_.network.parameters(), "actor."));
+  insert(all, actor_.target.named(actor_.target.parameters(), "actor_target."));
+  const int layers = static_cast<int>(config().hidden.size()) + 1;
+  for (std::size_t k = 0; k < critics_.size(); ++k) {
+    const int first = 1 + static_cast<int>(k) * layers;
+    insert(all, critics_[k].network.named(critics_[k].network.parameters(), "critic.", first));
+    insert(all, critics_[k].target.named(critics_[k].target.parameters(), "critic_target.", first));
+  }
+  return all;
+}
+
+template <class Real>
+nets::NamedTensors FusedTd3<Real>::optimiser() const {
+  nets::NamedTensors all;
+  insert(all, actor_.network.named(actor_.first_moment, "actor.first_moment."));
+  insert(all, actor_.network.named(actor_.second_moment, "actor.second_moment."));
+  const int layers = static_cast<int>(config().hidden.size()) + 1;
+  for (std::size_t k = 0; k < critics_.size(); ++k) {
+    const int first = 1 + static_cast<int>(k) * layers;
+    insert(all, critics_[k].network.named(critics_[k].first_moment, "critic.first_moment.", first));
+    insert(all, critics_[k].network.named(critics_[k].second_moment, "critic.second_moment.", first));
+  }
+  return all;
+}
+
+template class FusedTd3<float>;
+template class FusedTd3<double>;
+
+}  // namespace lodestone::rl
