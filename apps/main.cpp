@@ -1,15 +1,24 @@
+#include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <opencv2/core/utility.hpp>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
+#include "lodestone/nets/blas.h"
 #include "verb.h"
 
 namespace {
 
 constexpr int kUsageError = 2;
+constexpr const char* kNoReexec = "--no-reexec";
+
+bool is_given(const char* flag, int argc, char** argv) {
+  return std::any_of(argv + 1, argv + argc,
+                     [flag](const char* argument) { return std::strcmp(argument, flag) == 0; });
+}
 
 /// Names a verb that does not exist, which the parser would only call missing.
 void check_verb(const CLI::App& program, int argc, char** argv) {
@@ -27,6 +36,9 @@ int run(int argc, char** argv) {
       "Lodestone: learns a simulator of a magnetic rig from recorded motion, trains a controller in it,\n"
       "and drives the rig with it. Start with scripts/quickstart, or see `lodestone VERB --help`.");
   program.require_subcommand(1);
+  program.fallthrough();  // the flag may stand behind the verb
+  program.add_flag(kNoReexec,
+                   "keep the matrix kernels OpenBLAS chose, even when they are not for this processor");
   lodestone::apps::ConfigCatalogue catalogue;
   lodestone::apps::add_collect(program, catalogue);
   lodestone::apps::add_import(program, catalogue);
@@ -52,6 +64,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (!is_given(kNoReexec, argc, argv)) lodestone::nets::restart_with_better_blas_kernels(argv);
   lodestone::common::install_interrupt_handler();
   // Threads are for trials, scenes and shards; a picture's own operations are too short to be split.
   cv::setNumThreads(1);

@@ -1,7 +1,6 @@
 #include "lodestone/nets/gemm.h"
 
 #include <algorithm>
-#include <cstring>
 #include <type_traits>
 
 #include "gemm_kernels.h"
@@ -82,10 +81,7 @@ void pack_panel(const RightSide<Real>& b, const Panel<Real>& panel, Real* out) {
     kernels<Real>().transpose(b.matrix + panel.first * b.k, panel.columns, b.k, b.k, out, panel.width);
     return;
   }
-  for (std::int64_t p = 0; p < b.k; ++p) {
-    std::memcpy(out + p * panel.width, b.matrix + p * b.n + panel.first,
-                static_cast<std::size_t>(panel.columns) * sizeof(Real));
-  }
+  kernels<Real>().pack(b.matrix + panel.first, b.k, b.n, panel.columns, out, panel.width);
 }
 
 template <class Real>

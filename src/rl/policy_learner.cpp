@@ -37,7 +37,8 @@ PolicyLearner::PolicyLearner(const LearningConfig& learning, const Td3Config& td
                     threads)),
       buffer_(buffer_capacity(learning, environments.spec().count), environments.spec().observation_size,
               environments.spec().action_size),
-      noise_(noise, environments.spec().count, environments.spec().action_size, seed) {
+      noise_(noise, environments.spec().count, environments.spec().action_size, seed),
+      overlap_(learning.overlap && threads > 1 ? 2 : 1) {
   observation_ = environments_.reset().clone();
   returns_ = torch::zeros({environments_.spec().count}, torch::kFloat32);
   lengths_ = torch::zeros({environments_.spec().count}, torch::kFloat32);
@@ -56,17 +57,33 @@ void PolicyLearner::step() {
   const torch::NoGradGuard no_grad;
   const bool warming_up = env_steps_ < learning_.warm_up_steps;
   const torch::Tensor action = choose_actions();
-  const env::StepResult result = environments_.step(action);
+  env::StepResult result;
+  if (learning_.overlap) {
+    overlap_.for_each(2, [&](std::size_t part) {
+      const torch::NoGradGuard guard;  // thread-local
+      if (part == 0) {
+        make_due_updates();
+      } else {
+        result = environments_.step(action);
+      }
+    });
+  } else {
+    result = environments_.step(action);
+  }
   buffer_.add(observation_, action, result);
   noise_.episodes_ended(result.terminated.bitwise_or(result.truncated));
   count_episodes(result);
   observation_.copy_(result.observation);
   env_steps_ += environments_.spec().count;
   if (warming_up) return;
+  due_updates_ += learning_.updates_per_step * static_cast<double>(environments_.spec().count);
+  if (!learning_.overlap) make_due_updates();
+}
+
+void PolicyLearner::make_due_updates() {
   const double done = static_cast<double>(env_steps_) / static_cast<double>(learning_.env_steps);
   td3_->set_learning_rate(learning_rate_ *
                           (1.0 - (1.0 - learning_.final_learning_rate) * std::min(1.0, done)));
-  due_updates_ += learning_.updates_per_step * static_cast<double>(environments_.spec().count);
   for (; due_updates_ >= 1.0; due_updates_ -= 1.0) {
     const UpdateResult update = td3_->update(buffer_);
     critic_loss_.add(update.critic_loss);

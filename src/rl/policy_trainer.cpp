@@ -4,11 +4,14 @@
 #include <cstdio>
 #include <filesystem>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "lodestone/common/clock.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
+#include "lodestone/common/memory.h"
 #include "lodestone/common/metrics.h"
 #include "lodestone/common/progress.h"
 #include "lodestone/nets/checkpoint.h"
@@ -78,6 +81,7 @@ class Run {
       next_evaluation_ = run.at("next_evaluation").get<std::int64_t>();
       result_.train_seconds = run.at("train_seconds").get<double>();
       result_.best_env_steps = run.at("best_env_steps").get<std::int64_t>();
+      returns_ = run.at("returns").get<std::vector<std::pair<double, double>>>();
       if (result_.best_env_steps > 0) result_.evaluation = score_from_json(run.at("best"));
     } catch (const nlohmann::json::exception& error) {
       throw common::CheckpointError(folder_ + "/training: malformed run facts: " + error.what());
@@ -91,6 +95,7 @@ class Run {
     double saved_s = start_s;
     common::Progress progress("training the policy", config_.training.learning.env_steps);
     std::string text = "warming up";
+    if (returns_.empty()) evaluate();  // where learning starts from
     while (!learner_.finished()) {
       learner_.step();
       const double now_s = clock.now_s();
@@ -112,11 +117,13 @@ class Run {
         saved_s = clock.now_s();
       }
     }
-    if (result_.best_env_steps == 0) evaluate();  // resumed at its very end
+    if (result_.best_env_steps == 0) text = note(evaluate());  // resumed at its very end
     progress.finish(text);
     save();
     result_.env_steps = learner_.env_steps();
     result_.updates = learner_.updates();
+    result_.seconds_to_95_percent = seconds_to_share(0.95);
+    result_.peak_memory_mb = common::peak_memory_mb();
     return result_;
   }
 
@@ -131,12 +138,22 @@ class Run {
                            static_cast<double>(learner_.env_steps()) / result_.train_seconds);
     }
     log_.write(learner_.env_steps(), scalars);
+    returns_.emplace_back(result_.train_seconds, score.episode_return);
+    if (learner_.env_steps() == 0) return score;
     if (result_.best_env_steps == 0 || score.episode_return > result_.evaluation.episode_return) {
       result_.evaluation = score;
       result_.best_env_steps = learner_.env_steps();
       save_best();
     }
     return score;
+  }
+
+  double seconds_to_share(double share) const {
+    const double first = returns_.front().second;
+    const double wanted = first + share * (returns_.back().second - first);
+    const auto reached = std::find_if(returns_.begin() + 1, returns_.end() - 1,
+                                      [wanted](const auto& entry) { return entry.second >= wanted; });
+    return reached->first;
   }
 
   void save_best() {
@@ -161,6 +178,7 @@ class Run {
     checkpoint.facts["run"] = {{"next_evaluation", next_evaluation_},
                                {"train_seconds", result_.train_seconds},
                                {"best_env_steps", result_.best_env_steps},
+                               {"returns", returns_},
                                {"best", score_to_json(result_.evaluation)}};
     nets::save_checkpoint(folder_ + "/training", checkpoint);
   }
@@ -179,6 +197,7 @@ class Run {
   PolicyLearner learner_;
   common::MetricsLog log_;
   std::int64_t next_evaluation_;
+  std::vector<std::pair<double, double>> returns_;  // of every evaluation: training time in s, mean return
   PolicyRunResult result_;
 };
 
@@ -217,6 +236,8 @@ common::Json PolicyRunResult::json() const {
           {"updates", updates},
           {"train_seconds", train_seconds},
           {"best_env_steps", best_env_steps},
+          {"seconds_to_95_percent", seconds_to_95_percent},
+          {"peak_memory_mb", peak_memory_mb},
           {"evaluation", evaluation.json()}};
 }
 

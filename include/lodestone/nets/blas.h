@@ -14,4 +14,15 @@ void use_one_blas_thread();
 /// BLAS.
 std::string blas_core_name();
 
+/// The kernels OpenBLAS should be told to use, or "" when its own choice stands: a processor with AVX-512
+/// that is newer than the library gets kernels for AVX2 ("Haswell"), half as fast. `told` is the user's
+/// OPENBLAS_CORETYPE.
+std::string better_blas_core(const std::string& chosen, bool has_avx512, const std::string& told);
+
+/// OpenBLAS chooses its kernels when it is loaded, before main. Where it chose wrongly, sets
+/// OPENBLAS_CORETYPE and starts the program anew with the same arguments, once: the variable that is then set
+/// stops a second time. Returns when there is nothing to do, or when the restart fails (logged). Call first
+/// of all.
+void restart_with_better_blas_kernels(char** argv);
+
 }  // namespace lodestone::nets

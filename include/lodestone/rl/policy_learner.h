@@ -7,6 +7,7 @@
 
 #include "lodestone/common/config.h"
 #include "lodestone/common/metrics.h"
+#include "lodestone/common/thread_pool.h"
 #include "lodestone/env/vec_env.h"
 #include "lodestone/nets/checkpoint.h"
 #include "lodestone/rl/ou_noise.h"
@@ -23,6 +24,7 @@ struct LearningConfig {
   std::int64_t buffer_size = 1000000;
   double final_learning_rate = 1.0;
   double final_noise = 1.0;
+  bool overlap = false;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -37,14 +39,22 @@ struct LearningConfig {
             "learning rate at the end of the run, falling linearly; 1 keeps it", {0.0, 1.0});
     v.field("final_noise", final_noise, "fraction",
             "exploration noise at the end of the run, falling linearly; 1 keeps it", {0.0, 1.0});
+    v.field("overlap", overlap, "",
+            "environments step on a thread of their own while the learner makes the updates of the step "
+            "before; worth "
+            "it where a step of the environments takes about as long as its updates");
   }
 };
 
 /// Collects from a batch of environments and learns from it with TD3. Everything that later steps depend on
 /// can be saved: N steps, save, load and N steps equal 2 N steps, bitwise.
+///
+/// With `overlap` the updates that fall due in one step are made during the next, from the transitions before
+/// it: the lag is always one step, so results do not depend on timing or threads.
 class PolicyLearner {
  public:
-  /// Takes the environments over: resets them. `environments` must outlive this.
+  /// Takes the environments over: resets them. `environments` must outlive this. `threads` are the learner's;
+  /// an overlapping environment takes one of them.
   PolicyLearner(const LearningConfig& learning, const Td3Config& td3, const NoiseConfig& noise,
                 std::uint64_t seed, std::int64_t threads, env::VecEnv& environments);
 
@@ -74,6 +84,7 @@ class PolicyLearner {
       count += 1.0;
     }
   };
+  void make_due_updates();
   void count_episodes(const env::StepResult& result);
   torch::Tensor choose_actions();
 
@@ -83,6 +94,7 @@ class PolicyLearner {
   std::unique_ptr<Td3> td3_;
   ReplayBuffer buffer_;
   ExplorationNoise noise_;
+  common::ThreadPool overlap_;  // one thread unless environments and updates overlap
   std::int64_t env_steps_ = 0;
   double due_updates_ = 0.0;
   torch::Tensor observation_;  // [N, D]
