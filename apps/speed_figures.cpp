@@ -1,0 +1,238 @@
+#include "speed_figures.h"
+
+#include <cmath>
+#include <opencv2/core/mat.hpp>
+#include <utility>
+
+#include <torch/torch.h>
+
+#include "lodestone/common/clock.h"
+#include "lodestone/common/memory.h"
+#include "lodestone/common/thread_pool.h"
+#include "lodestone/control/policy_controller.h"
+#include "lodestone/env/mbs_env.h"
+#include "lodestone/imaging/scene_renderer.h"
+#include "lodestone/nets/dynamics.h"
+#include "lodestone/rig/rig_batch.h"
+#include "lodestone/rl/policy_learner.h"
+#include "lodestone/task/action.h"
+#include "lodestone/vision/localiser.h"
+#include "lodestone/vision/segmenter_evaluation.h"
+
+namespace lodestone::apps {
+namespace {
+
+constexpr std::int64_t kObservationSize = 5;  // the paper's networks: state and target
+constexpr std::int64_t kActionSize = 2;
+
+/// Calls `work`, which does `units` of work, for at least run_s. The first call of all is not timed: caches,
+/// buffers, threads.
+template <class Work>
+RateFigure rate_of(const SpeedConfig& config, double units, Work work) {
+  return [run_s = config.run_s, units, work = std::move(work), warm = false]() mutable {
+    if (!warm) work();
+    warm = true;
+    const common::SteadyClock clock;
+    const double start_s = clock.now_s();
+    double done = 0.0;
+    double elapsed_s = 0.0;
+    do {
+      work();
+      done += units;
+      elapsed_s = clock.now_s() - start_s;
+    } while (elapsed_s < run_s);
+    return done / elapsed_s;
+  };
+}
+
+double layer_flop(const std::vector<std::int64_t>& sizes) {
+  double flop = 0.0;
+  for (std::size_t i = 1; i < sizes.size(); ++i) {
+    flop += 2.0 * static_cast<double>(sizes[i - 1]) * static_cast<double>(sizes[i]);
+  }
+  return flop;
+}
+
+nets::DynamicsModel drawn_model(const SpeedConfig& config) {
+  torch::manual_seed(config.seed);
+  nets::DynamicsModel model;
+  model.members.emplace_back(nets::DynamicsNetwork(model.config, model.info.layout));
+  model.members.front()->eval();
+  model.start_states = 0.02 * (torch::rand({1000, 3}, torch::kFloat64) - 0.5);
+  return model;
+}
+
+std::shared_ptr<env::MbsEnv> drawn_environments(const SpeedConfig& config, std::int64_t count,
+                                                std::int64_t threads) {
+  env::EpisodeSettings settings;
+  settings.count = count;
+  settings.seed = static_cast<std::uint64_t>(config.seed);
+  return std::make_shared<env::MbsEnv>(drawn_model(config), settings, env::MbsConfig{}, threads);
+}
+
+}  // namespace
+
+RateFigure sgemm_rate(const SpeedConfig& config, std::int64_t threads) {
+  constexpr std::int64_t kSize = 256;
+  constexpr int kProducts = 50;
+  struct Operands {
+    torch::Tensor a = torch::randn({kSize, kSize});
+    torch::Tensor b = torch::randn({kSize, kSize});
+    torch::Tensor c = torch::empty({kSize, kSize});
+  };
+  auto pool = std::make_shared<common::ThreadPool>(static_cast<std::size_t>(threads));
+  auto operands = std::make_shared<std::vector<Operands>>(pool->size());
+  const double flop = 2.0 * kSize * kSize * kSize * kProducts * static_cast<double>(pool->size());
+  return rate_of(config, flop, [pool, operands] {
+    pool->for_each(pool->size(), [&](std::size_t shard) {
+      const torch::NoGradGuard no_grad;
+      Operands& mine = (*operands)[shard];
+      for (int i = 0; i < kProducts; ++i) torch::mm_out(mine.c, mine.a, mine.b);
+    });
+  });
+}
+
+double td3_update_flop(const rl::Td3Config& td3) {
+  // Targets forward (actor, twin critics), twin critics forward and backward, and at every second update the
+  // actor forward and backward through the first critic.
+  const auto sizes = [&](std::int64_t in, std::int64_t out) {
+    std::vector<std::int64_t> all{in};
+    all.insert(all.end(), td3.hidden.begin(), td3.hidden.end());
+    all.push_back(out);
+    return all;
+  };
+  const double actor = layer_flop(sizes(kObservationSize, kActionSize));
+  const double critic = layer_flop(sizes(kObservationSize + kActionSize, 1));
+  const double policy = (3.0 * actor + 2.0 * critic) / static_cast<double>(td3.policy_frequency);
+  return static_cast<double>(td3.batch_size) * (actor + 2.0 * critic + 6.0 * critic + policy);
+}
+
+RateFigure td3_rate(const SpeedConfig& config, const rl::Td3Config& td3, std::int64_t threads) {
+  constexpr int kUpdates = 20;
+  std::shared_ptr<rl::Td3> learner =
+      rl::make_td3(td3, kObservationSize, kActionSize, static_cast<std::uint64_t>(config.seed), threads);
+  rl::Batch batch(td3.batch_size, kObservationSize, kActionSize);
+  torch::manual_seed(config.seed);
+  for (torch::Tensor* tensor : {&batch.observation, &batch.action, &batch.reward, &batch.next_observation}) {
+    tensor->uniform_(-1.0, 1.0);
+  }
+  batch.not_done.fill_(1.0);
+  const torch::Tensor noise = 0.2 * torch::randn({td3.batch_size, kActionSize});
+  return rate_of(config, kUpdates, [learner, batch, noise] {
+    for (int i = 0; i < kUpdates; ++i) learner->update(batch, noise);
+  });
+}
+
+double mbs_step_flop() {
+  const nets::DynamicsConfig paper;
+  std::vector<std::int64_t> sizes{5};
+  sizes.insert(sizes.end(), paper.hidden.begin(), paper.hidden.end());
+  sizes.push_back(3);
+  return layer_flop(sizes);
+}
+
+RateFigure mbs_rate(const SpeedConfig& config, std::int64_t environments, std::int64_t threads) {
+  constexpr int kSteps = 10;
+  auto env = drawn_environments(config, environments, threads);
+  env->reset();
+  const torch::Tensor actions = 2.0 * torch::rand({environments, kActionSize}) - 1.0;
+  return rate_of(config, static_cast<double>(kSteps * environments), [env, actions] {
+    for (int i = 0; i < kSteps; ++i) env->step(actions);
+  });
+}
+
+RateFigure rig_rate(const SpeedConfig& config, std::int64_t threads) {
+  constexpr std::size_t kRigs = 16;
+  constexpr int kSteps = 20;
+  struct Rigs {
+    explicit Rigs(std::size_t threads) : pool(threads) {}
+    common::ThreadPool pool;
+    std::vector<std::unique_ptr<rig::VirtualRig>> owned;
+    std::vector<rig::VirtualRig*> pointers;
+    std::vector<rig::CoilPulse> pulses = std::vector<rig::CoilPulse>(kRigs);
+  };
+  auto rigs = std::make_shared<Rigs>(static_cast<std::size_t>(threads));
+  const auto seed = static_cast<std::uint64_t>(config.seed);
+  for (std::size_t i = 0; i < kRigs; ++i) {
+    rigs->owned.push_back(std::make_unique<rig::VirtualRig>(
+        rig::VirtualRigConfig{}, seed + i, i == 0 ? nullptr : rigs->owned[0]->field_table()));
+    rigs->pointers.push_back(rigs->owned.back().get());
+  }
+  auto random = std::make_shared<common::RandomStream>(seed, "bench-currents");
+  return rate_of(config, static_cast<double>(kRigs * kSteps), [rigs, random] {
+    for (rig::VirtualRig* rig : rigs->pointers) rig->place({0.0, 0.0, random->uniform(-3.0, 3.0)});
+    for (int step = 0; step < kSteps; ++step) {
+      for (rig::CoilPulse& pulse : rigs->pulses) {
+        pulse.current_A = task::coil_currents({random->uniform(-8.0, 8.0), random->uniform(-8.0, 8.0)});
+        pulse.duration_s = 0.1;
+      }
+      rig::run_pulses(rigs->pointers, rigs->pulses, 0.2, rigs->pool);
+    }
+  });
+}
+
+struct PictureLatency::Bench {
+  explicit Bench(const SpeedConfig& config)
+      : scenes(vision::training_scenes(config.segmenter)),
+        renderer(imaging::draw_scene(scenes, static_cast<std::uint64_t>(config.seed))),
+        localiser(vision::Segmenter::load(config.segmenter), renderer.scene().camera,
+                  scenes.bench.dish_radius_m,
+                  [&] {
+                    vision::LocaliserConfig localiser_config;
+                    localiser_config.rod = vision::rod_of(scenes.bench);
+                    return localiser_config;
+                  }()),
+        random(static_cast<std::uint64_t>(config.seed), "bench pictures") {
+    policy.actor = nets::Actor(task::ObservationEncoder(policy.encoder).size(), policy.hidden);
+    controller = std::make_unique<control::PolicyController>(policy);
+  }
+  imaging::SceneConfig scenes;
+  imaging::SceneRenderer renderer;
+  vision::Localiser localiser;
+  nets::Policy policy;
+  std::unique_ptr<control::PolicyController> controller;
+  common::RandomStream random;
+  std::int64_t picture = 0;
+};
+
+PictureLatency::PictureLatency(const SpeedConfig& config)
+    : config_(config), bench_(std::make_unique<Bench>(config)) {}
+PictureLatency::~PictureLatency() = default;
+
+void PictureLatency::measure() {
+  constexpr double kPathRadius_m = 0.015;
+  constexpr double kStep_rad = 0.13;  // 2 mm from picture to picture
+  const torch::NoGradGuard no_grad;
+  const common::SteadyClock clock;
+  for (std::int64_t i = 0; i < config_.pictures; ++i, ++bench_->picture) {
+    const double angle = kStep_rad * static_cast<double>(bench_->picture);
+    const geometry::Pose2 pose{kPathRadius_m * std::cos(angle), kPathRadius_m * std::sin(angle),
+                               geometry::wrap_angle(angle)};
+    const cv::Mat picture = bench_->renderer.render({{pose}}, bench_->random).image;
+    const double start_s = clock.now_s();
+    const vision::Localisation found = bench_->localiser.locate(picture);
+    const double seen_s = clock.now_s();
+    task::Observation observation;
+    observation.pose = found.pose;
+    const auto currents_A =
+        task::coil_currents(task::axis_drive(bench_->controller->act(observation), bench_->policy.action));
+    const double commanded_s = clock.now_s();
+    if (!found.found || !std::isfinite(currents_A[0])) ++missed;
+    pose_ms.push_back(1e3 * (seen_s - start_s));
+    command_ms.push_back(1e3 * (commanded_s - start_s));
+  }
+}
+
+double training_memory_mb(const SpeedConfig& config, std::int64_t threads) {
+  rl::LearningConfig learning;  // buffer of a million
+  learning.warm_up_steps = learning.buffer_size;
+  learning.env_steps = learning.buffer_size + 4 * config.mbs_environments;
+  learning.updates_per_step = 0.001;
+  const auto environments = drawn_environments(config, config.mbs_environments, threads);
+  rl::PolicyLearner learner(learning, rl::Td3Config{}, rl::NoiseConfig{},
+                            static_cast<std::uint64_t>(config.seed), threads, *environments);
+  while (!learner.finished()) learner.step();
+  return common::peak_memory_mb();
+}
+
+}  // namespace lodestone::apps

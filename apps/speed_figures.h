@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lodestone/common/config.h"
+#include "lodestone/rl/td3.h"
+
+namespace lodestone::apps {
+
+struct SpeedConfig {
+  std::int64_t seed = 1;
+  std::int64_t threads = 0;
+  std::int64_t runs = 5;
+  double run_s = 1.0;
+  std::int64_t td3_batch = 256;
+  std::int64_t mbs_environments = 4096;
+  std::int64_t pictures = 200;
+  std::string segmenter;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("seed", seed, "", "seed of the inputs", {0, 9e15});
+    v.field("threads", threads, "", "threads of the threaded figures; 0 means one per processor", {0, 1024});
+    v.field("runs", runs, "", "rounds; every round measures every figure once, and medians are quoted",
+            {1, 100});
+    v.field("run_s", run_s, "s", "least time of one figure in one round", {0.01, 600.0});
+    v.field("td3_batch", td3_batch, "transitions", "batch of one TD3 update", {2, 1 << 20});
+    v.field("mbs_environments", mbs_environments, "", "environments stepped as one batch", {1, 1 << 22});
+    v.field("pictures", pictures, "", "pictures per round from which the needle's pose is found",
+            {10, 100000});
+    v.field("segmenter", segmenter, "", "segmenter checkpoint; empty is the one that is shipped");
+  }
+};
+
+/// One thing that is measured: calling it measures for one round and returns the rate in units per second.
+using RateFigure = std::function<double()>;
+
+/// Matrix products of 256 x 256 x 256 by the machine's BLAS on `threads` threads at once, in FLOP/s.
+RateFigure sgemm_rate(const SpeedConfig& config, std::int64_t threads);
+/// Updates/s of TD3 with the paper's networks, on one batch.
+RateFigure td3_rate(const SpeedConfig& config, const rl::Td3Config& td3, std::int64_t threads);
+/// Steps/s of all environments together of an MBS with the paper's network as drawn: the time does not depend
+/// on what was learned.
+RateFigure mbs_rate(const SpeedConfig& config, std::int64_t environments, std::int64_t threads);
+/// Control steps/s of virtual rigs, each 100 ms of pulse and 200 ms of rest with random currents.
+RateFigure rig_rate(const SpeedConfig& config, std::int64_t threads);
+
+/// FLOP of the matrix products of one TD3 update, and of one step of one MBS environment.
+double td3_update_flop(const rl::Td3Config& td3);
+double mbs_step_flop();
+
+/// From a camera's picture to what is known or done, for a needle that moves as a driven one does.
+class PictureLatency {
+ public:
+  explicit PictureLatency(const SpeedConfig& config);
+  ~PictureLatency();
+  /// Another config.pictures pictures.
+  void measure();
+  std::vector<double> pose_ms;     ///< picture -> pose, one thread
+  std::vector<double> command_ms;  ///< picture -> pose -> policy -> currents
+  std::int64_t missed = 0;         ///< pictures without a pose; their time counts as well
+
+ private:
+  struct Bench;
+  SpeedConfig config_;
+  std::unique_ptr<Bench> bench_;
+};
+
+/// Trains for a moment with the paper's networks and a replay buffer of a million transitions, filled;
+/// returns the most memory the program has held so far, in MB. Call before anything else that needs memory.
+double training_memory_mb(const SpeedConfig& config, std::int64_t threads);
+
+}  // namespace lodestone::apps
