@@ -1,4 +1,4 @@
-#include "gemm_kernel.inc"
+#include "gemm_kernel_body.h"
 
 namespace lodestone::nets {
 

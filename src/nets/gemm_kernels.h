@@ -14,7 +14,8 @@ struct GemmKernels {
   /// `columns` columns of the product, which is `n` wide: `out`, bias and mask point to the first of them.
   void (*multiply)(const Real* a, std::int64_t m, std::int64_t a_stride, std::int64_t k, const Real* panel,
                    std::int64_t columns, Real* out, std::int64_t n, const Epilogue<Real>& epilogue);
-  /// `columns` columns of a matrix of `n`, from `matrix` on, into a panel of `panel_width`; the rest of it is kept.
+  /// `columns` columns of a matrix of `n`, from `matrix` on, into a panel of `panel_width`; the rest of it is
+  /// kept.
   void (*pack)(const Real* matrix, std::int64_t k, std::int64_t n, std::int64_t columns, Real* panel,
                std::int64_t panel_width);
   /// out[c * out_stride + r] = matrix[r * stride + c]

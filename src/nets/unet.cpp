@@ -11,6 +11,8 @@ using torch::Tensor;
 UNetImpl::Unit UNetImpl::make_unit(const std::string& name, std::int64_t in, std::int64_t out,
                                    std::int64_t kernel, std::int64_t stride, std::int64_t padding) {
   Unit unit;
+  unit.stride = stride;
+  unit.padding = padding;
   unit.convolution = register_module(
       name,
       torch::nn::Conv2d(
@@ -46,8 +48,17 @@ UNetImpl::UNetImpl(const UNetConfig& config, std::int64_t classes, bool batch_no
                                       channels, classes * config.upscale * config.upscale, 1)));
 }
 
+/// LibTorch gives small and 1x1 convolutions of one picture on one thread to a path that copies every patch
+/// first; a folded network, which needs no gradients, goes to oneDNN with all of them.
+Tensor UNetImpl::convolve(torch::nn::Conv2d& convolution, std::int64_t stride, std::int64_t padding,
+                          const Tensor& x) const {
+  if (batch_norm_ || !x.device().is_cpu() || !at::globalContext().hasMKLDNN()) return convolution->forward(x);
+  return at::mkldnn_convolution(x, convolution->weight, convolution->bias, {padding, padding},
+                                {stride, stride}, {1, 1}, 1);
+}
+
 Tensor UNetImpl::run(Unit& unit, const Tensor& x) {
-  Tensor y = unit.convolution->forward(x);
+  Tensor y = convolve(unit.convolution, unit.stride, unit.padding, x);
   if (batch_norm_) y = unit.norm->forward(y);
   return y.relu_();
 }
@@ -75,7 +86,7 @@ Tensor UNetImpl::forward_normalised(Tensor x) {
     x = run(units_[next++], torch::cat({across, x}, 1));
     x = run(units_[next++], x);
   }
-  x = head_->forward(x);
+  x = convolve(head_, 1, 0, x);
   return config_.upscale > 1 ? torch::pixel_shuffle(x, config_.upscale) : x;
 }
 

@@ -19,7 +19,8 @@ PolicyEnvironments make_policy_environments(TrainPolicyConfig& config) {
     throw common::ConfigError(
         "train-policy needs the learned simulator: --set dynamics=DIR (checkpoint of train-dynamics)");
   }
-  const auto make = [&](std::int64_t count, const char* name) -> std::unique_ptr<env::VecEnv> {
+  const auto make = [&](std::int64_t count, const char* name,
+                        std::int64_t threads) -> std::unique_ptr<env::VecEnv> {
     env::EpisodeSettings settings;
     settings.count = count;
     settings.task = config.task;
@@ -27,12 +28,13 @@ PolicyEnvironments make_policy_environments(TrainPolicyConfig& config) {
     settings.action = config.action;
     settings.seed = common::derive_seed(static_cast<std::uint64_t>(config.seed), name);
     if (config.simulator == "mbs") {
-      return std::make_unique<env::MbsEnv>(*model, settings, config.mbs, config.threads);
+      return std::make_unique<env::MbsEnv>(*model, settings, config.mbs, threads);
     }
-    return std::make_unique<env::PhysicsEnv>(settings, config.physics, config.threads);
+    return std::make_unique<env::PhysicsEnv>(settings, config.physics, threads);
   };
-  return {make(config.training.environments, "training"),
-          make(config.training.evaluation_episodes, "evaluation")};
+  const std::int64_t beside_updates = config.training.learning.overlap ? 1 : config.threads;
+  return {make(config.training.environments, "training", beside_updates),
+          make(config.training.evaluation_episodes, "evaluation", config.threads)};
 }
 
 }  // namespace lodestone::rl

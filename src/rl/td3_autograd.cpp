@@ -1,5 +1,6 @@
 #include "td3_autograd.h"
 
+#include <sstream>
 #include <string>
 #include <type_traits>
 
@@ -13,19 +14,22 @@ void insert_named(nets::NamedTensors& all, const torch::nn::Module& module, cons
   for (const auto& item : module.named_parameters()) all[prefix + item.key()] = item.value();
 }
 
-/// Where an optimiser keeps the state of a parameter: LibTorch 1 has a string as key, LibTorch 2 the address.
+/// What an optimiser files the state of a parameter under: LibTorch 1 its address as text, LibTorch 2 the
+/// address.
+template <class Key>
+Key key_of(const torch::Tensor& parameter) {
+  if constexpr (std::is_same_v<Key, std::string>) {
+    std::ostringstream text;
+    text << parameter.unsafeGetTensorImpl();
+    return text.str();
+  } else {
+    return parameter.unsafeGetTensorImpl();
+  }
+}
+
 template <class States>
 torch::optim::AdamParamState& state_of(States& states, const torch::Tensor& parameter) {
-  using Key = std::decay_t<decltype(states.begin()->first)>;
-  auto* implementation = parameter.unsafeGetTensorImpl();
-  auto& state = [&]() -> auto& {
-    if constexpr (std::is_same_v<Key, std::string>) {
-      return states[c10::guts::to_string(implementation)];
-    } else {
-      return states[implementation];
-    }
-  }
-  ();
+  auto& state = states[key_of<typename States::key_type>(parameter)];
   if (!state) {  // as Adam makes it at its first step, so that moments can be saved and loaded at any time
     auto fresh = std::make_unique<torch::optim::AdamParamState>();
     fresh->step(0);

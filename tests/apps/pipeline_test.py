@@ -92,6 +92,23 @@ with tempfile.TemporaryDirectory() as name:
     assert field[0] == "x_m,y_m,Bx_T_per_A,By_T_per_A" and len(field) == 3
     assert float(field[1].split(",")[2]) > 0.0, "positive current points towards the coil"
 
+    speed = root / "speed"
+    quick = ("--set", "runs=1", "--set", "run_s=0.01", "--set", "pictures=10", "--set", "td3_batch=32", "--set",
+             "mbs_environments=1000")
+    run("bench", "speed", *quick, "--out", speed)
+    measured = json.loads((speed / "speed.json").read_text())
+    for figure, key in (("sgemm", "flop_per_s"), ("td3", "updates_per_s"), ("td3", "fraction_of_peak"),
+                        ("mbs", "steps_per_s"), ("mbs", "fraction_of_peak"), ("rig", "steps_per_s"),
+                        ("pose", "p99_ms"), ("control", "median_ms"), ("memory", "training_peak_mb")):
+        assert measured[figure][key] > 0.0, (figure, key)
+    assert measured["control"]["median_ms"] >= measured["pose"]["median_ms"]
+    for preset in ("policy_centre", "policy_target"):
+        fast = root / preset
+        run("train-policy", "--config", source / "configs" / "fast" / f"{preset}.json", "--set",
+            f"dynamics={dynamics / 'checkpoint'}", "--set", "training.env_steps=12000", "--out", fast)
+        result = json.loads((fast / "result.json").read_text())
+        assert 0.0 < result["seconds_to_95_percent"] <= result["train_seconds"], result
+
     # Damaged checkpoints are named, and nothing is driven with them.
     tensors = next((policy / "checkpoint").glob("*.safetensors"))
     good = tensors.read_bytes()

@@ -67,6 +67,10 @@ TEST_CASE("A run leaves its best policy, its curves and its figures", "[rl]") {
   CHECK(result.updates == 360);
   CHECK(result.best_env_steps >= 400);
   CHECK(result.evaluation.episodes == 20);
+  CHECK(result.seconds_to_95_percent > 0.0);
+  CHECK(result.seconds_to_95_percent <= result.train_seconds);
+  CHECK(result.peak_memory_mb > 10.0);
+  CHECK(count_lines_with(folder + "/metrics.jsonl", "\"step\":0,") == 1);  // the untrained policy
   for (const char* key :
        {"evaluation/success_rate", "evaluation/final_error_mm", "train/critic_loss", "train/q_mean",
         "train/action_saturation", "train/steps_per_s", "train/episode_return"}) {
@@ -93,6 +97,7 @@ TEST_CASE("An interrupted run goes on to the same weights", "[rl]") {
   const PolicyRunResult resumed = run(config, part, true);
   CHECK(resumed.env_steps == expected.env_steps);
   CHECK(resumed.updates == expected.updates);
+  CHECK(count_lines_with(part + "/metrics.jsonl", "\"step\":0,") == 1);
   const auto one = lodestone::nets::load_checkpoint(whole + "/training", "td3_training");
   const auto two = lodestone::nets::load_checkpoint(part + "/training", "td3_training");
   CHECK(one.facts.at("td3") == two.facts.at("td3"));

@@ -57,9 +57,13 @@ class UNetImpl : public torch::nn::Module {
   struct Unit {
     torch::nn::Conv2d convolution{nullptr};
     torch::nn::BatchNorm2d norm{nullptr};
+    std::int64_t stride = 1;
+    std::int64_t padding = 0;
   };
   Unit make_unit(const std::string& name, std::int64_t in, std::int64_t out, std::int64_t kernel,
                  std::int64_t stride, std::int64_t padding);
+  torch::Tensor convolve(torch::nn::Conv2d& convolution, std::int64_t stride, std::int64_t padding,
+                         const torch::Tensor& x) const;
   torch::Tensor run(Unit& unit, const torch::Tensor& x);
 
   UNetConfig config_;

@@ -53,8 +53,8 @@ struct LearningConfig {
 /// it: the lag is always one step, so results do not depend on timing or threads.
 class PolicyLearner {
  public:
-  /// Takes the environments over: resets them. `environments` must outlive this. `threads` are the learner's;
-  /// an overlapping environment takes one of them.
+  /// Takes the environments over: resets them. `environments` must outlive this. `threads` are those
+  /// of the updates.
   PolicyLearner(const LearningConfig& learning, const Td3Config& td3, const NoiseConfig& noise,
                 std::uint64_t seed, std::int64_t threads, env::VecEnv& environments);
 

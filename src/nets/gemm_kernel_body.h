@@ -1,3 +1,5 @@
+#pragma once
+
 // Included by one file per instruction set, which the build compiles with that set's options: everything here
 // has internal linkage, so that no code of one set can stand in for another's.
 
