@@ -82,6 +82,8 @@ void bench_speed(const CommonOptions& options, const std::string& command) {
   enum : std::size_t {
     kSgemmOne,
     kSgemmAll,
+    kGemmOne,
+    kGemmAll,
     kTd3One,
     kTd3All,
     kAutograd,
@@ -95,6 +97,8 @@ void bench_speed(const CommonOptions& options, const std::string& command) {
   std::vector<Row> rows = {
       {"sgemm 256^3, 1 thread", "GFLOP/s", 1e9, sgemm_rate(config, 1)},
       {"sgemm 256^3, all threads", "GFLOP/s", 1e9, sgemm_rate(config, threads)},
+      {"own product, bias, ReLU, 1 thread", "GFLOP/s", 1e9, gemm_rate(config, 1), 1.0, kSgemmOne},
+      {"own product, bias, ReLU, all threads", "GFLOP/s", 1e9, gemm_rate(config, threads), 1.0, kSgemmAll},
       {"TD3, 1 thread", "updates/s", 1.0, td3_rate(config, td3, 1), update_flop, kSgemmOne},
       {"TD3, all threads", "updates/s", 1.0, td3_rate(config, td3, threads), update_flop, kSgemmAll},
       {"TD3, plain autograd, 1 thread", "updates/s", 1.0, td3_rate(config, reference, 1), update_flop,
@@ -166,6 +170,7 @@ void bench_speed(const CommonOptions& options, const std::string& command) {
                          {"config", common::config_to_json(config)},
                          {"command", command},
                          {"sgemm", figure(kSgemmAll, kSgemmOne, "flop_per_s")},
+                         {"gemm", figure(kGemmAll, kGemmOne, "flop_per_s")},
                          {"td3", figure(kTd3All, kTd3One, "updates_per_s")},
                          {"mbs", figure(kMbsAll, kMbsOne, "steps_per_s")},
                          {"rig", figure(kRigAll, kRigOne, "steps_per_s")},

@@ -13,6 +13,7 @@
 #include "lodestone/env/mbs_env.h"
 #include "lodestone/imaging/scene_renderer.h"
 #include "lodestone/nets/dynamics.h"
+#include "lodestone/nets/gemm.h"
 #include "lodestone/rig/rig_batch.h"
 #include "lodestone/rl/policy_learner.h"
 #include "lodestone/task/action.h"
@@ -72,23 +73,42 @@ std::shared_ptr<env::MbsEnv> drawn_environments(const SpeedConfig& config, std::
 
 }  // namespace
 
-RateFigure sgemm_rate(const SpeedConfig& config, std::int64_t threads) {
-  constexpr std::int64_t kSize = 256;
+namespace {
+
+constexpr std::int64_t kSize = 256;
+
+struct Operands {
+  torch::Tensor a = torch::randn({kSize, kSize});
+  torch::Tensor b = torch::randn({kSize, kSize});
+  torch::Tensor c = torch::empty({kSize, kSize});
+  nets::CacheAligned<float> scratch;
+};
+
+/// FLOP/s of `product`, which multiplies one thread's operands.
+template <class Product>
+RateFigure product_rate(const SpeedConfig& config, std::int64_t threads, const Product& product) {
   constexpr int kProducts = 50;
-  struct Operands {
-    torch::Tensor a = torch::randn({kSize, kSize});
-    torch::Tensor b = torch::randn({kSize, kSize});
-    torch::Tensor c = torch::empty({kSize, kSize});
-  };
   auto pool = std::make_shared<common::ThreadPool>(static_cast<std::size_t>(threads));
   auto operands = std::make_shared<std::vector<Operands>>(pool->size());
   const double flop = 2.0 * kSize * kSize * kSize * kProducts * static_cast<double>(pool->size());
-  return rate_of(config, flop, [pool, operands] {
+  return rate_of(config, flop, [pool, operands, product] {
     pool->for_each(pool->size(), [&](std::size_t shard) {
       const torch::NoGradGuard no_grad;
-      Operands& mine = (*operands)[shard];
-      for (int i = 0; i < kProducts; ++i) torch::mm_out(mine.c, mine.a, mine.b);
+      for (int i = 0; i < kProducts; ++i) product((*operands)[shard]);
     });
+  });
+}
+
+}  // namespace
+
+RateFigure sgemm_rate(const SpeedConfig& config, std::int64_t threads) {
+  return product_rate(config, threads, [](Operands& my) { torch::mm_out(my.c, my.a, my.b); });
+}
+
+RateFigure gemm_rate(const SpeedConfig& config, std::int64_t threads) {
+  return product_rate(config, threads, [](Operands& my) {
+    nets::multiply<float>({my.a.data_ptr<float>(), kSize, kSize}, {my.b.data_ptr<float>(), kSize, kSize},
+                          my.scratch, my.c.data_ptr<float>(), {my.b.data_ptr<float>(), true, nullptr});
   });
 }
 

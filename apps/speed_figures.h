@@ -41,6 +41,8 @@ using RateFigure = std::function<double()>;
 
 /// Matrix products of 256 x 256 x 256 by the machine's BLAS on `threads` threads at once, in FLOP/s.
 RateFigure sgemm_rate(const SpeedConfig& config, std::int64_t threads);
+/// The same product by our own kernels, with packing of the right-hand side, bias and ReLU included.
+RateFigure gemm_rate(const SpeedConfig& config, std::int64_t threads);
 /// Updates/s of TD3 with the paper's networks, on one batch.
 RateFigure td3_rate(const SpeedConfig& config, const rl::Td3Config& td3, std::int64_t threads);
 /// Steps/s of all environments together of an MBS with the paper's network as drawn: the time does not depend

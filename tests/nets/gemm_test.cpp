@@ -99,6 +99,21 @@ TEST_CASE("A row's product does not depend on the rows around it", "[nets]") {
   }
 }
 
+TEST_CASE("The kernels for AVX2 and AVX-512 agree to the last bit", "[nets]") {
+  const EveryKernel restore;
+  torch::manual_seed(3);
+  const torch::Tensor a = random_matrix<float>(50, 300);
+  const torch::Tensor b = random_matrix<float>(300, 70);
+  std::vector<torch::Tensor> results;
+  for (const std::string& kernel : gemm_kernels()) {
+    if (kernel == "generic")
+      continue;  // multiplies and adds in two roundings where there is no instruction for both
+    select_gemm_kernels(kernel);
+    results.push_back(product(a, PackedMatrix<float>({b.data_ptr<float>(), 300, 70})));
+  }
+  for (const torch::Tensor& result : results) CHECK(torch::equal(result, results.front()));
+}
+
 TEST_CASE("A transpose with padded rows is the transpose", "[nets]") {
   const EveryKernel restore;
   for (const std::string& kernel : gemm_kernels()) {

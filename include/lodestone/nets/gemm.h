@@ -13,8 +13,8 @@ namespace lodestone::nets {
 /// not change is packed once, and the rest happens while the result is in registers.
 ///
 /// Every element of a result depends on one row of the left-hand matrix only and is summed in a fixed order:
-/// results are bitwise the same for any number of rows, so for any shards and threads, on machines with the
-/// same kernels.
+/// results are bitwise the same for any number of rows, so for any shards and threads, and on every processor
+/// with AVX2 or AVX-512.
 
 /// Names of the kernels this processor can run, widest first: "avx512", "avx2", "generic".
 std::vector<std::string> gemm_kernels();
