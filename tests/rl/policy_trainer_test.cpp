@@ -8,6 +8,7 @@
 #include "lodestone/nets/checkpoint.h"
 #include "lodestone/nets/policy.h"
 #include "rl/toy_environments.h"
+#include "temporary_folder.h"
 
 using lodestone::rl::PolicyRunResult;
 using lodestone::rl::train_policy;
@@ -20,8 +21,9 @@ namespace fs = std::filesystem;
 
 /// An empty folder under the test's working directory.
 std::string fresh_folder(const std::string& name) {
-  const std::string folder = "policy_trainer_test/" + name;
-  fs::remove_all(folder);
+  static const lodestone::tests::TemporaryFolder
+      root;  // not the working folder, which may be the source tree
+  const std::string folder = root / name;
   fs::create_directories(folder);
   return folder;
 }
