@@ -39,7 +39,7 @@ std::string blas_core_name() {
 }
 
 std::string better_blas_core(const std::string& chosen, bool has_avx512, const std::string& told) {
-  return has_avx512 && told.empty() && chosen == "Haswell" ? "SKYLAKEX" : "";
+  return has_avx512 && told.empty() && (chosen == "Haswell" || chosen == "Zen") ? "SKYLAKEX" : "";
 }
 
 void restart_with_better_blas_kernels(char** argv) {

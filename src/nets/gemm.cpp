@@ -31,9 +31,9 @@ GemmKernelSet& kernels_in_use() {
 template <class Real>
 const GemmKernels<Real>& kernels() {
   if constexpr (std::is_same_v<Real, float>) {
-    return kernels_in_use().single;
+    return kernels_in_use().of_float;
   } else {
-    return kernels_in_use().twofold;
+    return kernels_in_use().of_double;
   }
 }
 

@@ -25,8 +25,8 @@ struct GemmKernels {
 
 struct GemmKernelSet {
   const char* name;
-  GemmKernels<float> single;
-  GemmKernels<double> twofold;
+  GemmKernels<float> of_float;
+  GemmKernels<double> of_double;
 };
 
 GemmKernelSet generic_gemm_kernels();

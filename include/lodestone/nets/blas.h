@@ -15,8 +15,8 @@ void use_one_blas_thread();
 std::string blas_core_name();
 
 /// The kernels OpenBLAS should be told to use, or "" when its own choice stands: a processor with AVX-512
-/// that is newer than the library gets kernels for AVX2 ("Haswell"), half as fast. `told` is the user's
-/// OPENBLAS_CORETYPE.
+/// that is newer than the library gets kernels for AVX2 ("Haswell", or "Zen", which are the same ones), half
+/// as fast. `told` is the user's OPENBLAS_CORETYPE.
 std::string better_blas_core(const std::string& chosen, bool has_avx512, const std::string& told);
 
 /// OpenBLAS chooses its kernels when it is loaded, before main. Where it chose wrongly, sets

@@ -8,8 +8,8 @@ namespace lodestone::nets {
 
 /// Matrix products of small dense networks, in float and double, by the widest vectors this processor has.
 ///
-/// BLAS libraries are tuned for matrices of thousands; a layer of 256 x 256 spends a fifth of its time there
-/// on packing, and bias, ReLU and its gradient are passes of their own. Here a right-hand matrix that does
+/// BLAS libraries are tuned for matrices of thousands; in a layer of 256 x 256 the packing of both sides
+/// shows there, and bias, ReLU and its gradient are passes of their own. Here a right-hand matrix that does
 /// not change is packed once, and the rest happens while the result is in registers.
 ///
 /// Every element of a result depends on one row of the left-hand matrix only and is summed in a fixed order:

@@ -41,8 +41,7 @@ struct LearningConfig {
             "exploration noise at the end of the run, falling linearly; 1 keeps it", {0.0, 1.0});
     v.field("overlap", overlap, "",
             "environments step on a thread of their own while the learner makes the updates of the step "
-            "before; worth "
-            "it where a step of the environments takes about as long as its updates");
+            "before; worth it where a step of the environments is short beside its updates");
   }
 };
 
