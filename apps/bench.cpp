@@ -64,6 +64,8 @@ common::Json latency_json(const std::vector<double>& ms) {
 
 void bench_speed(const CommonOptions& options, const std::string& command) {
   auto config = resolve_config<SpeedConfig>(options);
+  if (!options.out.empty())
+    common::make_folders(options.out);  // a folder that cannot be made is found out now
   nets::use_one_blas_thread();
   const std::int64_t threads =
       config.threads > 0 ? config.threads : std::max<std::int64_t>(1, std::thread::hardware_concurrency());
@@ -184,7 +186,6 @@ void bench_speed(const CommonOptions& options, const std::string& command) {
     scale["ns_per_step"] = 1e9 / median(rows[kScale + i].rounds);
     result["mbs"]["by_environments"][std::to_string(kScales[i])] = scale;
   }
-  common::make_folders(options.out);
   common::write_file_atomically(options.out + "/speed.json", result.dump(2) + "\n");
 }
 
