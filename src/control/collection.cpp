@@ -9,16 +9,16 @@ namespace lodestone::control {
 
 namespace {
 
-/// No target, only an end: after some steps, or when the operator has to help.
-class UntilStuck final : public Reference {
+/// No target, only an end: after some steps, or when something says so.
+class UntilOver final : public Reference {
  public:
-  UntilStuck(const Explorer& explorer, double duration_s) : explorer_(explorer), duration_s_(duration_s) {}
+  UntilOver(std::function<bool()> over, double duration_s) : over_(std::move(over)), duration_s_(duration_s) {}
   void reset() override {}
   geometry::Vector2 target(double, const geometry::Vector2&) override { return geometry::Vector2::Zero(); }
-  bool finished(double time_s) const override { return explorer_.stuck() || time_s >= duration_s_; }
+  bool finished(double time_s) const override { return over_() || time_s >= duration_s_; }
 
  private:
-  const Explorer& explorer_;
+  std::function<bool()> over_;
   double duration_s_;
 };
 
@@ -45,7 +45,7 @@ data::DatasetInfo dataset_info(const CollectionConfig& config) {
   info.workspace_radius_m = config.explorer.dish_radius_m;
   info.control_period_s = config.loop.period_s();
   info.seed = config.seed;
-  info.source = "virtual rig";
+  info.source = config.rig.real() ? "bench" : "virtual rig";
   info.rig = common::config_to_json(config);
   return info;
 }
@@ -63,39 +63,46 @@ data::Episode first_steps(const data::Episode& episode, std::int64_t steps) {
   return part;
 }
 
+std::unique_ptr<Bench> make_exploration_bench(const CollectionConfig& config, std::int64_t session,
+                                              bool realtime) {
+  const auto seed = static_cast<std::uint64_t>(config.seed);
+  const auto index = static_cast<std::uint64_t>(session);
+  VirtualBenchSeeds seeds;
+  seeds.rig = static_cast<std::uint64_t>(config.rig_seed);
+  seeds.scene = static_cast<std::uint64_t>(config.sensor_seed);
+  seeds.sensor_noise = common::RandomStream(seed, "collect/sensor noise", index);
+  // A single session is as it always was.
+  if (session != 0) seeds.scatter = common::RandomStream(seed, "collect/scatter", index);
+  return make_virtual_bench(config.rig, config.sensor, config.safety, seeds, realtime);
+}
+
 Collection::Collection(const CollectionConfig& config, std::int64_t session)
+    : Collection(config, make_exploration_bench(config, session), std::nullopt, session) {}
+
+Collection::Collection(const CollectionConfig& config, std::unique_ptr<Bench> bench, std::optional<Pilot> pilot,
+                       std::int64_t session)
     : config_(config),
-      rig_(config.rig, static_cast<std::uint64_t>(config.rig_seed)),
-      sensing_(config.sensor, config.rig),
-      sensor_(
-          sensing_.make(rig_, sensing_.calibrated_bench(static_cast<std::uint64_t>(config.sensor_seed)),
-                        common::RandomStream(static_cast<std::uint64_t>(config.seed), "collect/sensor noise",
-                                             static_cast<std::uint64_t>(session)))),
-      coils_(rig_.coils(), config.safety),
+      bench_(std::move(bench)),
+      pilot_(std::move(pilot)),
       explorer_(config.explorer,
                 common::RandomStream(static_cast<std::uint64_t>(config.seed), "collect/explorer",
-                                     static_cast<std::uint64_t>(session))) {
-  if (session == 0) return;  // a single session is as it always was
-  common::Json state = rig_.save();
-  state["scatter"] = common::RandomStream(static_cast<std::uint64_t>(config.seed), "collect/scatter",
-                                          static_cast<std::uint64_t>(session))
-                         .save();
-  rig_.restore(state);
-}
+                                     static_cast<std::uint64_t>(session))) {}
 
 data::Episode Collection::next_episode(std::int64_t max_steps) {
   max_steps = std::min(max_steps, config_.episode_steps);
   LODESTONE_CHECK(max_steps >= 1, "at least one step in an episode");
   for (int attempts = 0; attempts < 1000; ++attempts) {
-    rig_.place(explorer_.next_start([this](const geometry::Pose2& pose) { return rig_.fits(pose); }));
-    sensor_->reset();
+    bench_->lay(explorer_.next_start([this](const geometry::Pose2& pose) { return bench_->fits(pose); }));
     // Half a period less, as the loop counts time in sums of periods.
-    UntilStuck reference(explorer_, (static_cast<double>(max_steps) - 0.5) * config_.loop.period_s());
+    UntilOver reference(pilot_ ? pilot_->episode_over : [this] { return explorer_.stuck(); },
+                        (static_cast<double>(max_steps) - 0.5) * config_.loop.period_s());
     const task::ActionConfig action = action_config(config_);
-    ControlLoop loop(loop_config(config_), action, coils_, *sensor_, rig_.clock());
-    const LoopOutcome outcome = loop.run(explorer_, reference);
+    ControlLoop loop(loop_config(config_), action, bench_->coils(), bench_->sensor(), bench_->clock());
+    Controller& controller = pilot_ ? *pilot_->controller : explorer_;
+    const LoopOutcome outcome = loop.run(controller, reference, pilot_ ? pilot_->watch : ControlLoop::Observer());
     if (common::interrupted()) throw common::Interrupted("collection stopped by the user");
-    const bool lost = !outcome.steps.empty() && !outcome.steps.back().estimate.valid;
+    const bool latched = bench_->coils().latched();
+    const bool lost = !latched && !outcome.steps.empty() && !outcome.steps.back().estimate.valid;
     if (!outcome.completed && !lost)
       throw common::HardwareError("collection stopped: " + outcome.stop_reason);
     const std::size_t observations = outcome.steps.size() - (lost ? 1 : 0);
@@ -118,13 +125,12 @@ data::Episode Collection::next_episode(std::int64_t max_steps) {
 }
 
 common::Json Collection::save() const {
-  return {{"rig", rig_.save()}, {"sensor", sensor_->save()}, {"explorer", explorer_.save()}};
+  return {{"bench", bench_->save()}, {"explorer", explorer_.save()}};
 }
 
 void Collection::restore(const common::Json& state) {
   try {
-    rig_.restore(state.at("rig"));
-    sensor_->restore(state.at("sensor").get<std::string>());
+    bench_->restore(state.at("bench"));
     explorer_.restore(state.at("explorer"));
   } catch (const common::Json::exception& error) {
     throw common::DataError(std::string("collection state is malformed: ") + error.what());

@@ -5,7 +5,6 @@
 #include <exception>
 
 #include "lodestone/common/error.h"
-#include "lodestone/common/interrupt.h"
 
 namespace lodestone::control {
 
@@ -66,13 +65,14 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
   std::int64_t invalid_in_a_row = 0;
   const double start_s = clock_.now_s();
   for (std::int64_t step = 0;; ++step) {
-    if (common::interrupted()) throw common::Interrupted("stopped by the user");
     // Counted from the start, so that rounding does not add up.
     const double due_s = static_cast<double>(step) * config_.period_s();
+    coils_.begin_step(start_s + due_s);
     StepRecord record;
     record.time_s = due_s;
     record.estimate = sensor_.observe();
     record.estimate.valid = record.estimate.valid && finite(record.estimate.pose);
+    coils_.observe(record.estimate);
     const geometry::Vector2 seen_m =
         record.estimate.valid ? record.estimate.pose.position_m() : memory.position_m;
     record.target_m = reference.target(due_s, seen_m);

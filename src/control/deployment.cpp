@@ -65,8 +65,29 @@ ControllerSource baseline_source(const DeploymentConfig& config) {
   return source;
 }
 
-Deployment::Deployment(const DeploymentConfig& config)
+TrialResult run_on_bench(Bench& bench, const DeploymentConfig& config, const TrialPlan& plan,
+                         const ControllerSource& source, const std::function<geometry::Pose2()>& truth,
+                         const ControlLoop::Observer& watch) {
+  ControlLoop loop(config.loop, source.action, bench.coils(), bench.sensor(), bench.clock());
+  const std::unique_ptr<Controller> controller = source.make();
+  const auto pose = truth ? truth : std::function<geometry::Pose2()>([&plan] { return plan.start; });
+  TrialResult result = run_trial(plan, loop, *controller, pose, config.score, watch);
+  if (!truth) {
+    result.truth = result.sensed;
+    geometry::Pose2 seen = plan.start;
+    for (TrialSample& sample : result.samples) {
+      if (sample.step.estimate.valid) seen = sample.step.estimate.pose;
+      sample.true_pose = seen;
+    }
+  }
+  result.rig = "real";
+  result.controller = source.name;
+  return result;
+}
+
+Deployment::Deployment(const DeploymentConfig& config, MakeDrive drive)
     : config_(config),
+      drive_(std::move(drive)),
       sensing_(config.sensor, config.rig),
       explored_(sensing_.calibrated_bench(static_cast<std::uint64_t>(config.sensor_seed))),
       sample_rig_(
@@ -98,12 +119,14 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   rig.place(plan.start);
   const SeenBench bench =
       explored ? explored_ : sensing_.new_bench(common::derive_seed(seed, "unseen sensor"));
+  RigDrive drive{&rig.coils(), &rig.clock(), nullptr};
+  if (drive_) drive = drive_(rig);
   const std::unique_ptr<RigSensor> sensor =
-      sensing_.make(rig, bench, common::RandomStream(seed, "sensor noise"));
-  SafetySupervisor coils(rig.coils(), config_.safety);
+      sensing_.make(rig, bench, common::RandomStream(seed, "sensor noise"), drive.clock);
   std::optional<common::PacedClock> paced;
-  if (realtime) paced.emplace(rig.clock());
-  common::Clock& clock = paced ? static_cast<common::Clock&>(*paced) : rig.clock();
+  if (realtime) paced.emplace(*drive.clock);
+  common::Clock& clock = paced ? static_cast<common::Clock&>(*paced) : *drive.clock;
+  SafetySupervisor coils(*drive.coils, config_.safety, clock);
   ControlLoop loop(config_.loop, source.action, coils, *sensor, clock);
   const std::unique_ptr<Controller> controller = source.make();
   std::optional<TrialVideo> video;

@@ -6,13 +6,13 @@ namespace lodestone::control {
 
 RigSensor::RigSensor(rig::VirtualRig& rig, const SensingConfig& config,
                      std::shared_ptr<const vision::Segmenter> segmenter, const SeenBench& bench,
-                     common::RandomStream noise) {
+                     common::RandomStream noise, common::Clock* clock) {
   if (config.kind == "camera") {
-    camera_.emplace(rig, bench.renderer, noise);
+    camera_.emplace(rig, bench.renderer, noise, clock);
     by_camera_.emplace(*camera_, std::move(segmenter), config.scene.bench, config.scene.lens, config.camera,
                        bench.calibration);
   } else {
-    simulated_.emplace([&rig] { return rig.true_pose(); }, rig.clock(), config.simulated,
+    simulated_.emplace([&rig] { return rig.true_pose(); }, clock != nullptr ? *clock : rig.clock(), config.simulated,
                        draw_calibration_error(config.simulated, bench.seed), noise);
   }
 }
@@ -58,8 +58,8 @@ SeenBench Sensing::calibrated_bench(std::uint64_t seed) const {
 }
 
 std::unique_ptr<RigSensor> Sensing::make(rig::VirtualRig& rig, const SeenBench& bench,
-                                         common::RandomStream noise) const {
-  return std::make_unique<RigSensor>(rig, config_, segmenter_, bench, noise);
+                                         common::RandomStream noise, common::Clock* clock) const {
+  return std::make_unique<RigSensor>(rig, config_, segmenter_, bench, noise, clock);
 }
 
 }  // namespace lodestone::control

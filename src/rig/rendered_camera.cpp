@@ -16,8 +16,8 @@ imaging::BenchGeometry bench_of(const VirtualRigConfig& rig, imaging::BenchGeome
 }
 
 RenderedCamera::RenderedCamera(VirtualRig& rig, std::shared_ptr<const imaging::SceneRenderer> renderer,
-                               common::RandomStream noise)
-    : rig_(rig), renderer_(std::move(renderer)), noise_(noise) {}
+                               common::RandomStream noise, common::Clock* clock)
+    : rig_(rig), clock_(clock != nullptr ? *clock : rig.clock()), renderer_(std::move(renderer)), noise_(noise) {}
 
 imaging::Frame RenderedCamera::grab(double timeout_s) {
   const double exposure_s = renderer_->scene().exposure_s;
@@ -25,10 +25,9 @@ imaging::Frame RenderedCamera::grab(double timeout_s) {
     throw common::HardwareError("rendered camera: its exposure of " + std::to_string(exposure_s) +
                                 " s is longer than the timeout of " + std::to_string(timeout_s) +
                                 " s; shorten scene.exposure_s or raise the timeout");
-  common::Clock& clock = rig_.clock();
-  const double start_s = clock.now_s();
+  const double start_s = clock_.now_s();
   const geometry::Pose2 before = rig_.true_pose();
-  clock.sleep_until(start_s + exposure_s);
+  clock_.sleep_until(start_s + exposure_s);
   const geometry::Pose2 after = rig_.true_pose();
   imaging::NeedleView needle;
   needle.smear_m = after.position_m() - before.position_m();

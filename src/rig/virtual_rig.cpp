@@ -47,6 +47,12 @@ struct VirtualRig::State {
         circuits{physics::CoilCircuit(config.circuit), physics::CoilCircuit(config.circuit),
                  physics::CoilCircuit(config.circuit), physics::CoilCircuit(config.circuit)} {}
 
+  /// A little of the friction is drawn anew for every pulse (how the needle happens to lie).
+  void draw_friction() {
+    const double sigma = config.friction.pulse_sigma;
+    friction_scale = std::exp(sigma * scatter.normal() - 0.5 * sigma * sigma);
+  }
+
   VirtualRigConfig config;
   std::uint64_t seed;
   std::shared_ptr<const physics::FieldTable> table;
@@ -84,9 +90,7 @@ class VirtualRig::VirtualCoils final : public Coils {
                                   " s is refused; it must be within 0 and " +
                                   text(state_.config.max_pulse_s) + " s");
     }
-    // A little of the friction is drawn anew for every pulse (how the needle happens to lie).
-    const double sigma = state_.config.friction.pulse_sigma;
-    state_.friction_scale = std::exp(sigma * state_.scatter.normal() - 0.5 * sigma * sigma);
+    state_.draw_friction();
     state_.pulsing = pulse.duration_s > 0.0;
     state_.pulse_end_s = state_.now_s + pulse.duration_s;
     for (int i = 0; i < kCoils; ++i) {
@@ -154,6 +158,20 @@ geometry::Pose2 VirtualRig::true_pose() const {
 bool VirtualRig::at_rest() const { return state_->needle.stuck; }
 const VirtualRigConfig& VirtualRig::config() const { return state_->config; }
 std::shared_ptr<const physics::FieldTable> VirtualRig::field_table() const { return state_->table; }
+
+void VirtualRig::drive(const std::array<double, kCoilCount>& duty, double supply_V) {
+  State& state = *state_;
+  state.pulsing = false;
+  bool was_off = true;
+  bool is_off = true;
+  for (std::size_t i = 0; i < kCoils; ++i) {
+    LODESTONE_CHECK(std::isfinite(duty[i]), "a duty that is a number, not " + std::to_string(duty[i]));
+    was_off = was_off && state.circuits[i].state().duty == 0.0;
+    is_off = is_off && duty[i] == 0.0;
+    state.circuits[i].drive(duty[i], supply_V);
+  }
+  if (was_off && !is_off) state.draw_friction();
+}
 
 bool VirtualRig::fits(const geometry::Pose2& pose) const { return state_->motion.fits(pose); }
 

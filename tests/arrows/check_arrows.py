@@ -22,9 +22,10 @@ LADDER = {
     "env": {"physics", "task", "data", "nets", "geometry"},
     "rl": {"env", "nets", "data", "task", "geometry"},
     "control": {"rig", "vision", "physics", "imaging", "data", "task", "nets", "geometry"},
+    "hil": {"control", "rig", "physics", "imaging", "data", "task", "geometry"},
     "report": {"data", "geometry"},
 }
-WITHOUT_TORCH = {"common", "geometry", "physics", "data", "task", "imaging", "rig", "report"}
+WITHOUT_TORCH = {"common", "geometry", "physics", "data", "task", "imaging", "rig", "hil", "report"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.M)
 
 

@@ -108,7 +108,7 @@ TEST_CASE("a spoiled picture stops the coils, names the fault, and keeps what wa
     camera.spoil = fault.spoil;
     control::CameraPoseSensor sensor = bench.sensor(camera);
     tests::RecordingCoils recording;
-    control::SafetySupervisor coils(recording, {});
+    control::SafetySupervisor coils(recording, {}, bench.rig.clock());
     task::ActionConfig action;
     action.scale = 15.0;
     control::ControlLoop loop({}, action, coils, sensor, bench.rig.clock());

@@ -49,10 +49,13 @@ class RecordingCoils final : public rig::Coils {
 /// Sensor that replays a list of estimates and then repeats the last.
 class ScriptedSensor final : public control::PoseSensor {
  public:
+  explicit ScriptedSensor(const common::Clock& clock) : clock_(clock) {}
   control::PoseEstimate observe() override {
     if (throws) throw common::HardwareError("camera unplugged");
     control::PoseEstimate next = script.front();
     if (script.size() > 1) script.pop_front();
+    if (!stalled) stamp_s_ = clock_.now_s();
+    next.stamp_s = stamp_s_;
     return next;
   }
   void push(double x_m, double y_m, double heading_rad = 0.0) {
@@ -62,6 +65,11 @@ class ScriptedSensor final : public control::PoseSensor {
 
   std::deque<control::PoseEstimate> script;
   bool throws = false;
+  bool stalled = false;  ///< the same picture for ever
+
+ private:
+  const common::Clock& clock_;
+  double stamp_s_ = 0.0;
 };
 
 /// Controller made of a function; keeps what it saw.

@@ -13,12 +13,12 @@ struct Bench {
   control::SafetyConfig safety;
   task::ActionConfig action;
   tests::RecordingCoils device;
-  tests::ScriptedSensor sensor;
   tests::ManualClock clock;
+  tests::ScriptedSensor sensor{clock};
   double duration_s = 1.5;
 
   control::LoopOutcome run(control::Controller& controller) {
-    control::SafetySupervisor coils(device, safety);
+    control::SafetySupervisor coils(device, safety, clock);
     control::ControlLoop loop(config, action, coils, sensor, clock);
     control::PointReference reference({0.01, 0.0}, duration_s);
     return loop.run(controller, reference);

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 namespace lodestone::common {
 
 /// From here on Ctrl-C and SIGTERM set a flag instead of ending the program; a second Ctrl-C ends it at once.
@@ -7,5 +10,21 @@ void install_interrupt_handler();
 
 /// True once the user asked to stop. Long loops look, save a checkpoint and throw Interrupted.
 bool interrupted() noexcept;
+
+/// Bytes that are written to a file descriptor should a signal end the program (a fault, a closed terminal, an
+/// abort, a second Ctrl-C) while this object lives: how a dying program still switches a device off. Nothing
+/// helps against `kill -9`. At most eight at a time; LogicFault beyond.
+class LastWords {
+ public:
+  LastWords(int descriptor, std::vector<std::uint8_t> bytes);
+  ~LastWords();
+  LastWords(const LastWords&) = delete;
+  LastWords& operator=(const LastWords&) = delete;
+  /// Writes them now.
+  void say() const noexcept;
+
+ private:
+  int slot_;
+};
 
 }  // namespace lodestone::common

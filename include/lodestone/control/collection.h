@@ -1,19 +1,20 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 
+#include "lodestone/control/bench.h"
 #include "lodestone/control/control_loop.h"
 #include "lodestone/control/explorer.h"
 #include "lodestone/control/safety_supervisor.h"
-#include "lodestone/control/sensing.h"
 #include "lodestone/data/dataset.h"
-#include "lodestone/rig/virtual_rig.h"
+#include "lodestone/rig/rig_config.h"
 
 namespace lodestone::control {
 
-/// Phase 1: exploring one virtual rig.
+/// Phase 1: exploring one rig.
 struct CollectionConfig {
   std::int64_t seed = 1;
   std::int64_t rig_seed = 1;
@@ -24,7 +25,7 @@ struct CollectionConfig {
   ControlLoopConfig loop;
   SafetyConfig safety;
   ExplorerConfig explorer;
-  rig::VirtualRigConfig rig;
+  rig::RigConfig rig;
   SensingConfig sensor;
 
   template <class Visitor>
@@ -43,7 +44,7 @@ struct CollectionConfig {
     v.group("loop", loop, "timing of the control loop");
     v.group("safety", safety, "limits of the supervisor");
     v.group("explorer", explorer, "how the rig is explored");
-    v.group("rig", rig, "the virtual rig");
+    v.group("rig", rig, "the rig");
     v.group("sensor", sensor, "how poses are sensed");
   }
 };
@@ -54,14 +55,28 @@ data::DatasetInfo dataset_info(const CollectionConfig& config);
 /// The first `steps` steps of an episode, truncated there.
 data::Episode first_steps(const data::Episode& episode, std::int64_t steps);
 
-/// Explores one virtual rig, one episode at a time, through the same control loop as deployment.
+/// A human at the controls instead of the explorer.
+struct Pilot {
+  Controller* controller = nullptr;
+  std::function<bool()> episode_over;  ///< asked at every step
+  ControlLoop::Observer watch;         ///< sees every observation, before its pulse
+};
+
+/// The virtual bench of a session.
+std::unique_ptr<Bench> make_exploration_bench(const CollectionConfig& config, std::int64_t session = 0,
+                                              bool realtime = false);
+
+/// Explores one rig, one episode at a time, through the same control loop as deployment.
 class Collection {
  public:
   /// `session`: explorer, sensor noise and pulse scatter have random streams of their own in every session.
   explicit Collection(const CollectionConfig& config, std::int64_t session = 0);
+  /// On any bench; where there is a pilot, the explorer only says where to lay the needle.
+  Collection(const CollectionConfig& config, std::unique_ptr<Bench> bench, std::optional<Pilot> pilot = {},
+             std::int64_t session = 0);
 
   /// The next episode, of at most `max_steps` steps: from where the operator laid the needle until the step
-  /// limit, a stuck needle, or a missing pose. Observations are sensed poses, actions signed axis currents in
+  /// limit, a stuck needle, a missing pose, or the pilot's word. Observations are sensed poses, actions signed axis currents in
   /// A. Throws Interrupted (the episode is lost) and HardwareError.
   data::Episode next_episode(std::int64_t max_steps);
 
@@ -72,10 +87,8 @@ class Collection {
 
  private:
   CollectionConfig config_;
-  rig::VirtualRig rig_;
-  Sensing sensing_;
-  std::unique_ptr<RigSensor> sensor_;
-  SafetySupervisor coils_;
+  std::unique_ptr<Bench> bench_;
+  std::optional<Pilot> pilot_;
   Explorer explorer_;
 };
 

@@ -16,7 +16,8 @@
 #include "lodestone/control/sensing.h"
 #include "lodestone/control/trial.h"
 #include "lodestone/control/trial_video.h"
-#include "lodestone/rig/virtual_rig.h"
+#include "lodestone/control/bench.h"
+#include "lodestone/rig/rig_config.h"
 
 namespace lodestone::control {
 
@@ -42,7 +43,7 @@ struct TrialsConfig {
   }
 };
 
-/// Everything a deployment on virtual rigs depends on, besides the policy.
+/// Everything a deployment depends on, besides the policy.
 struct DeploymentConfig {
   std::int64_t seed = 1;
   std::int64_t rig_seed = 1;
@@ -54,7 +55,7 @@ struct DeploymentConfig {
   SafetyConfig safety;
   DecoratorConfig decorators;
   DipolePullConfig baseline;
-  rig::VirtualRigConfig rig;
+  rig::RigConfig rig;
   SensingConfig sensor;
   RecordingConfig record;
 
@@ -70,7 +71,7 @@ struct DeploymentConfig {
     v.group("safety", safety, "limits of the supervisor");
     v.group("decorators", decorators, "what is put around every controller");
     v.group("baseline", baseline, "the proportional baseline");
-    v.group("rig", rig, "the virtual rig");
+    v.group("rig", rig, "the rig");
     v.group("sensor", sensor, "how poses are sensed");
     v.group("record", record, "videos");
   }
@@ -100,11 +101,26 @@ struct ControllerSource {
 /// The baseline at the rig's largest current.
 ControllerSource baseline_source(const DeploymentConfig& config);
 
-/// Runs trials, each on a rig of its own with its own random streams, so that results depend neither on
+/// What drives a virtual rig: its own coils and clock, or a whole emulated bench around it, which `keep` keeps.
+struct RigDrive {
+  rig::Coils* coils = nullptr;
+  common::Clock* clock = nullptr;
+  std::shared_ptr<void> keep;
+};
+using MakeDrive = std::function<RigDrive(rig::VirtualRig& rig)>;
+
+/// One trial on a bench, from where the needle lies. `truth`, where somebody knows it, is for scoring only; the
+/// sensed pose stands for it elsewhere. `watch` sees every observation before its pulse.
+TrialResult run_on_bench(Bench& bench, const DeploymentConfig& config, const TrialPlan& plan,
+                         const ControllerSource& source, const std::function<geometry::Pose2()>& truth = {},
+                         const ControlLoop::Observer& watch = {});
+
+/// Runs trials, each on a virtual rig of its own with its own random streams, so that results depend neither on
 /// threads nor on which other trials are run.
 class Deployment {
  public:
-  explicit Deployment(const DeploymentConfig& config);
+  /// `drive`, when given, must be safe to call from several threads.
+  explicit Deployment(const DeploymentConfig& config, MakeDrive drive = {});
 
   /// Results in the order of `plans`. With `realtime`, every trial takes as long as it says. Videos go into
   /// `video_folder`, which exists; none are made when it is empty.
@@ -120,6 +136,7 @@ class Deployment {
                       const std::string& video_folder) const;
 
   DeploymentConfig config_;
+  MakeDrive drive_;
   Sensing sensing_;
   SeenBench explored_;
   std::unique_ptr<rig::VirtualRig> sample_rig_;  // lends its field table to the rigs of the trials

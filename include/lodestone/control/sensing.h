@@ -16,6 +16,7 @@ namespace lodestone::control {
 struct SensingConfig {
   std::string kind = "camera";
   std::string segmenter;
+  std::string calibration;
   CameraSensorConfig camera;
   imaging::SceneConfig scene;
   SensorErrorConfig simulated;
@@ -28,6 +29,8 @@ struct SensingConfig {
         "error",
         {"camera", "simulated"});
     v.field("segmenter", segmenter, "", "folder of the segmenter checkpoint; empty: the one that is shipped");
+    v.field("calibration", calibration, "",
+            "calibration.json of a real bench, as lodestone calibrate wrote it; empty: made from the first picture");
     v.group("camera", camera, "from pictures to poses");
     v.group("scene", scene, "what the bench looks like; sizes of dish, coils and needle come from the rig");
     v.group("simulated", simulated, "errors of the simulated localiser");
@@ -47,7 +50,7 @@ class RigSensor final : public PoseSensor {
  public:
   RigSensor(rig::VirtualRig& rig, const SensingConfig& config,
             std::shared_ptr<const vision::Segmenter> segmenter, const SeenBench& bench,
-            common::RandomStream noise);
+            common::RandomStream noise, common::Clock* clock = nullptr);
 
   PoseEstimate observe() override;
   /// The needle has been laid elsewhere.
@@ -76,8 +79,9 @@ class Sensing {
   SeenBench calibrated_bench(std::uint64_t seed) const;
   /// The same without calibration: the sensor then calibrates itself on its first picture.
   SeenBench new_bench(std::uint64_t seed) const;
-  std::unique_ptr<RigSensor> make(rig::VirtualRig& rig, const SeenBench& bench,
-                                  common::RandomStream noise) const;
+  /// `clock`: what moves the rig's time where the rig does not do so itself.
+  std::unique_ptr<RigSensor> make(rig::VirtualRig& rig, const SeenBench& bench, common::RandomStream noise,
+                                  common::Clock* clock = nullptr) const;
 
   bool by_camera() const { return config_.kind == "camera"; }
   const imaging::BenchGeometry& bench() const { return config_.scene.bench; }

@@ -19,9 +19,10 @@ imaging::BenchGeometry bench_of(const VirtualRigConfig& rig, imaging::BenchGeome
 /// meanwhile is smeared; its stamp is the middle of the exposure.
 class RenderedCamera final : public Camera {
  public:
-  /// `rig` must outlive the camera; the renderer may be shared. `noise` draws the sensor's noise.
+  /// `rig` must outlive the camera; the renderer may be shared. `noise` draws the sensor's noise. `clock` is
+  /// what moves the rig's time where the rig does not do so itself.
   RenderedCamera(VirtualRig& rig, std::shared_ptr<const imaging::SceneRenderer> renderer,
-                 common::RandomStream noise);
+                 common::RandomStream noise, common::Clock* clock = nullptr);
   /// Throws HardwareError when the exposure is longer than `timeout_s`.
   imaging::Frame grab(double timeout_s) override;
 
@@ -31,6 +32,7 @@ class RenderedCamera final : public Camera {
 
  private:
   VirtualRig& rig_;
+  common::Clock& clock_;
   std::shared_ptr<const imaging::SceneRenderer> renderer_;
   common::RandomStream noise_;
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 
@@ -65,6 +66,10 @@ class VirtualRig {
   Coils& coils();
   /// Simulated time: sleep_until() advances the physics and returns at once.
   common::Clock& clock();
+
+  /// What a power stage of its own puts on the coils from now on, instead of pulses: signed shares of
+  /// `supply_V`.
+  void drive(const std::array<double, kCoilCount>& duty, double supply_V);
 
   /// The operator lays the needle down, at rest. Throws DataError when an end would lie outside the wall.
   void place(const geometry::Pose2& pose);

@@ -1,0 +1,101 @@
+/* The coil controller's behaviour, without hardware: bytes and time in, bytes out. main.c connects it to the
+ * ATmega2560; the same file runs in tests on a PC. */
+#ifndef LODESTONE_COILS_COILS_H
+#define LODESTONE_COILS_COILS_H
+
+#include "protocol.h"
+#include "roboclaw.h"
+
+#ifdef __cplusplus
+extern "C" {
+using namespace lodestone::wire;
+#endif
+
+enum { kFirmwareMajor = 1, kFirmwareMinor = 0, kFirmwarePatch = 0, kControllers = 2 };
+
+/* What no configuration may exceed. */
+enum { kHardMaxCurrent_mA = 20000, kHardMaxPulse_ms = 10000 };
+
+/* Called by the controller to send; must not block. */
+struct CoilsOutput {
+  void* context;
+  void (*to_host)(void* context, const uint8_t* bytes, uint8_t count);
+  void (*to_controllers)(void* context, const uint8_t* bytes, uint8_t count);
+};
+
+/* One request to a motor controller and what has come back. */
+struct BusTransaction {
+  bool busy;
+  uint8_t controller;
+  uint8_t command;
+  uint8_t wanted; /* bytes of the reply */
+  uint8_t got;
+  uint16_t crc; /* over the request, goes on over the reply */
+  uint32_t sent_us;
+  uint8_t reply[kRoboClawMaxReply];
+  int16_t duty[2]; /* of a kDriveDuty in flight */
+};
+
+struct MotorController {
+  uint8_t setup_step; /* kSetupSteps when done */
+  uint8_t unanswered; /* requests in a row */
+  bool duty_known;
+  int16_t duty[2]; /* acknowledged */
+  uint8_t next_reading;
+  uint8_t seen; /* bit per kind of reading that has come since the set-up */
+  uint32_t read_us;
+  uint16_t supply_dV;
+  int16_t board_dC;
+};
+
+struct Coils {
+  struct CoilsOutput output;
+  uint32_t now_us;
+  uint32_t tick_us; /* the last whole millisecond that has been dealt with */
+  uint32_t uptime_ms;
+  uint8_t reset_cause;
+
+  struct FrameDecoder decoder;
+  bool has_session;
+  uint32_t session;
+  uint16_t sequence; /* of the last request carried out */
+  uint8_t last_reply[kMaxFrame];
+  uint8_t last_reply_length;
+  uint32_t heard_ms;
+
+  bool configured;
+  struct CoilLimits limits;
+  uint16_t faults;
+  bool emergency_stop;
+
+  bool pulsing;
+  uint16_t pulses;
+  uint32_t pulse_us;  /* when it began */
+  uint32_t length_us;
+  int16_t target_mA[kCoils];
+  int16_t duty[kCoils];       /* wanted */
+  uint32_t changed_us[kCoils]; /* when the wanted duty was last changed */
+  uint32_t duty_level[kCoils]; /* leaky count of on-time, 1/1000 ms */
+  int16_t current_mA[kCoils];
+  uint16_t resistance_mohm[kCoils];
+
+  uint8_t trace_coil;
+  uint8_t trace_count;
+  uint16_t trace_time[kTraceSamples]; /* 0.1 ms since the pulse began */
+  int16_t trace_mA[kTraceSamples];
+
+  struct MotorController controllers[kControllers];
+  struct BusTransaction bus;
+};
+
+void coils_init(struct Coils* coils, struct CoilsOutput output, uint8_t reset_cause, bool watchdog_reset);
+void coils_host_byte(struct Coils* coils, uint8_t byte);
+void coils_controller_byte(struct Coils* coils, uint8_t byte);
+/* Call at least once per millisecond; `now_us` counts up and wraps. */
+void coils_tick(struct Coils* coils, uint32_t now_us, bool emergency_stop);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

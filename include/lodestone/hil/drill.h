@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace lodestone::hil {
+
+/// Everything that a drill can do to a bench; names as the reports print them.
+std::vector<std::string> fault_names();
+
+/// What became of one fault that struck in the middle of a pulse.
+struct DrillResult {
+  std::string fault;
+  double struck_s = 0.0;      ///< on the bench's clock
+  bool stopped = false;       ///< the run ended; otherwise it was ridden out
+  std::string reason;         ///< as the run's log has it; for a fault ridden out, how it shows
+  double on_after_s = 0.0;    ///< how long any coil still carried current without a break
+  bool unsafe = false;        ///< a bound was broken: `reason` says which
+  std::int64_t pulses = 0;    ///< that reached the coils
+  std::int64_t asked = 0;     ///< that the run asked for and was told of as given
+  std::int64_t recorded = 0;  ///< steps that the record holds on disk
+  std::int64_t steps = 0;     ///< steps that the run took
+};
+
+/// A fault must leave all coils without current within this time.
+constexpr double kOffWithin_s = 0.6;
+
+/// Runs the whole chain (control loop, supervisor, serial coils, firmware, motor controllers, virtual rig) in
+/// simulated time and strikes once, in the middle of a pulse. `folder` takes the record. Throws HardwareError
+/// when there is no emulator, LogicFault for a name that is none.
+DrillResult drill(const std::string& fault, std::uint64_t seed, const std::string& folder);
+
+struct HourReport {
+  std::vector<DrillResult> faults;
+  std::int64_t pulses = 0;
+  double simulated_s = 0.0;
+  std::int64_t unsafe = 0;
+  double longest_on_s = 0.0;    ///< longest stretch with current in any coil
+  double largest_current_A = 0.0;
+};
+
+/// Many pulses with one random fault a minute; after every stop an operator mends the fault, clears it and goes
+/// on.
+HourReport drill_hour(std::int64_t pulses, std::uint64_t seed, const std::string& folder);
+
+}  // namespace lodestone::hil

@@ -1,0 +1,150 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lodestone/common/config.h"
+#include "lodestone/common/interrupt.h"
+#include "lodestone/rig/coils.h"
+#include "lodestone/rig/serial_port.h"
+
+namespace lodestone::rig {
+
+/// The coil controller on the serial port, and the coils as `lodestone calibrate coils` measured them.
+struct SerialConfig {
+  std::string port;
+  std::int64_t baud = 115200;
+  double reply_timeout_s = 0.05;
+  std::int64_t tries = 4;
+  double setup_timeout_s = 3.0;
+  double max_current_A = 15.0;
+  double max_pulse_s = 0.5;
+  double max_duty = 0.6;
+  double duty_window_s = 10.0;
+  double min_supply_V = 20.0;
+  double max_board_C = 80.0;
+  double max_coil_C = 110.0;
+  std::vector<double> resistance_ohm = {1.90, 1.90, 1.90, 1.90};
+  std::vector<double> inductance_H = {17.6e-3, 17.6e-3, 17.6e-3, 17.6e-3};
+  double resistance_at_C = 20.0;
+  double temperature_coefficient_per_K = 3.9e-3;
+  std::vector<std::int64_t> polarity = {1, 1, 1, 1};
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("port", port, "", "serial port of the coil controller, such as /dev/ttyACM0");
+    v.field("baud", baud, "baud", "speed of the port; the firmware has 115200", {1200, 4000000});
+    v.field("reply_timeout_s", reply_timeout_s, "s", "how long an answer may take", {0.01, 0.1});
+    v.field("tries", tries, "", "how often a request is sent before the controller counts as silent", {1, 5});
+    v.field("setup_timeout_s", setup_timeout_s, "s", "how long the motor controllers may take to get ready",
+            {0.5, 60.0});
+    v.field("max_current_A", max_current_A, "A", "the firmware refuses more", {0.1, 20.0});
+    v.field("max_pulse_s", max_pulse_s, "s", "the firmware refuses longer pulses", {0.001, 10.0});
+    v.field("max_duty", max_duty, "", "share of time that a coil may be on", {0.01, 1.0});
+    v.field("duty_window_s", duty_window_s, "s", "over about this time", {0.1, 60.0});
+    v.field("min_supply_V", min_supply_V, "V", "a supply below this stops the coils", {6.0, 34.0});
+    v.field("max_board_C", max_board_C, "C", "a motor controller above this stops the coils", {30.0, 85.0});
+    v.field("max_coil_C", max_coil_C, "C", "a coil whose resistance tells more than this stops the coils",
+            {30.0, 155.0});
+    v.field("resistance_ohm", resistance_ohm, "ohm", "of the coils +x, -x, +y, -y", {0.1, 30.0});
+    v.field("inductance_H", inductance_H, "H", "of the coils +x, -x, +y, -y; recorded, not used for control",
+            {1e-6, 10.0});
+    v.field("resistance_at_C", resistance_at_C, "C", "temperature of the coils when they were measured",
+            {-20.0, 60.0});
+    v.field("temperature_coefficient_per_K", temperature_coefficient_per_K, "1/K",
+            "relative change of resistance; copper by default", {1e-3, 1e-2});
+    v.field("polarity", polarity, "", "1 where a positive current makes a field towards the coil, -1 where it is "
+            "wired the other way round", {-1.0, 1.0});
+  }
+  void validate() const;
+};
+
+/// What the coil controller says of itself.
+struct CoilControllerInfo {
+  int protocol = 0;
+  std::string firmware;  ///< "1.0.0"
+  int reset_cause = 0;   ///< MCUSR of the ATmega2560: 1 power, 2 reset, 4 brown-out, 8 watchdog
+};
+
+struct CoilControllerState {
+  bool ready = false;
+  bool pulsing = false;
+  bool emergency_stop = false;  ///< the switch is open now
+  double uptime_s = 0.0;
+  std::int64_t pulses = 0;  ///< since it started, modulo 65536
+  std::array<double, 2> supply_V{};
+  std::array<double, 2> board_C{};
+  std::array<double, kCoilCount> current_A{};
+  std::array<double, kCoilCount> resistance_ohm{};  ///< as the last long enough pulse told it
+  std::vector<std::string> faults;
+};
+
+/// Current of the strongest coil of the last pulse, from its beginning.
+struct CurrentTrace {
+  int coil = 0;
+  std::vector<std::pair<double, double>> samples;  ///< s, A
+};
+
+/// The four coils behind the coil controller (firmware/coils; docs/serial-protocol.md). One request at a time,
+/// repeated until answered; repetitions never fire a pulse twice. Whatever call finds the port gone or the
+/// controller silent throws, and the next one connects anew. While it exists, a program that dies of a signal
+/// still sends a stop; one that is killed outright is caught by the firmware, which cuts a pulse after 500 ms of
+/// silence. Temperatures are those that the coils' resistance tells.
+class SerialCoils final : public Coils {
+ public:
+  using OpenPort = std::function<std::unique_ptr<SerialPort>()>;
+
+  /// Connects, hands over the limits and waits until the motor controllers are ready. Throws HardwareError with
+  /// what to do about it.
+  explicit SerialCoils(const SerialConfig& config);
+  SerialCoils(const SerialConfig& config, OpenPort open);
+  ~SerialCoils() override;
+  SerialCoils(const SerialCoils&) = delete;
+  SerialCoils& operator=(const SerialCoils&) = delete;
+
+  void apply(const CoilPulse& pulse) override;
+  void stop() noexcept override;
+  CoilStatus status() override;
+
+  const CoilControllerInfo& info() const { return info_; }
+  CoilControllerState state();
+  CurrentTrace trace();
+  /// How often a request had to be repeated, and how often the connection was made.
+  std::int64_t repeats() const { return repeats_; }
+  std::int64_t connections() const { return connections_; }
+  /// Nothing but an answer: for measuring the way there and back.
+  void ping();
+  /// Forgets the latched faults; those that persist come back at once. An operator's decision, never a
+  /// program's.
+  void clear_faults();
+
+ private:
+  std::vector<std::uint8_t> request(std::uint8_t type, const std::vector<std::uint8_t>& body);
+  std::vector<std::uint8_t> exchange(std::uint8_t type, const std::vector<std::uint8_t>& body);
+  void connect();
+  void ensure_connected();
+  void disconnect() noexcept;
+  void configure();
+  void wait_until_ready();
+  CoilControllerState decode_state(const std::vector<std::uint8_t>& body) const;
+
+  SerialConfig config_;
+  OpenPort open_;
+  std::unique_ptr<SerialPort> port_;
+  std::unique_ptr<common::LastWords> last_words_;
+  struct Decoder;
+  std::unique_ptr<Decoder> decoder_;
+  std::uint16_t sequence_ = 0;
+  std::int64_t repeats_ = 0;
+  std::int64_t connections_ = 0;
+  CoilControllerInfo info_;
+  std::mutex mutex_;
+};
+
+}  // namespace lodestone::rig

@@ -1,0 +1,44 @@
+#include "lodestone/hil/drill.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+using namespace lodestone;
+
+namespace {
+std::string scratch() {
+  const auto folder = std::filesystem::temp_directory_path() / "lodestone-drill-test";
+  std::filesystem::create_directories(folder);
+  return folder.string();
+}
+}  // namespace
+
+TEST_CASE("every fault leaves the coils off in time, and no record is lost") {
+  for (const std::string& fault : hil::fault_names()) {
+    if (const char* only = std::getenv("ONLY")) if (fault.find(only) == std::string::npos) continue;
+    const hil::DrillResult result = hil::drill(fault, 1, scratch());
+    std::printf("%-34s %-8s %6.3f s  %s\n", fault.c_str(), result.stopped ? "stopped" : "went on",
+                result.on_after_s, result.reason.c_str());
+    CAPTURE(fault, result.reason, result.on_after_s, result.pulses, result.asked);
+    CHECK_FALSE(result.unsafe);
+    CHECK(result.on_after_s <= hil::kOffWithin_s);
+    CHECK_FALSE(result.reason.empty());
+    CHECK(result.recorded == result.steps);
+  }
+}
+
+TEST_CASE("a simulated hour with a fault a minute", "[slow]") {
+  const hil::HourReport report = hil::drill_hour(12000, 7, scratch());
+  std::printf("%lld pulses in %.0f s, %zu faults, longest %.3f s, largest %.2f A\n",
+              static_cast<long long>(report.pulses), report.simulated_s, report.faults.size(),
+              report.longest_on_s, report.largest_current_A);
+  for (const hil::DrillResult& fault : report.faults) {
+    CAPTURE(fault.fault, fault.struck_s, fault.reason, fault.on_after_s);
+    CHECK_FALSE(fault.unsafe);
+    CHECK_FALSE(fault.reason.empty());
+  }
+  CHECK(report.unsafe == 0);
+  CHECK(report.pulses >= 12000);
+  CHECK(report.faults.size() >= 55);
+  CHECK(report.longest_on_s <= hil::kOffWithin_s);
+}
