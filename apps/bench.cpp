@@ -13,6 +13,7 @@
 #include "lodestone/common/run_folder.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/nets/gemm.h"
+#include "hil_figures.h"
 #include "models.h"
 #include "speed_figures.h"
 #include "verb.h"
@@ -206,6 +207,7 @@ void add_bench(CLI::App& program, ConfigCatalogue& catalogue) {
     if (options->threads) command += " --threads " + std::to_string(*options->threads);
     bench_speed(*options, command);
   });
+  add_bench_hil(*verb, catalogue);
   catalogue["bench"] = [] { return common::describe_config<SpeedConfig>(); };
 }
 

@@ -15,6 +15,7 @@
 #include "lodestone/imaging/frame_guard.h"
 #include "lodestone/imaging/scene_renderer.h"
 #include "lodestone/rig/camera_source.h"
+#include "rig_check.h"
 #include "verb.h"
 
 namespace lodestone::apps {
@@ -216,7 +217,7 @@ void add_calibrate(CLI::App& program, ConfigCatalogue& catalogue) {
     return common::describe_config(std::move(defaults));
   };
   CLI::App* verb =
-      program.add_subcommand("calibrate", "find where the camera stands over the dish, from its picture");
+      program.add_subcommand("calibrate", "find where the camera stands over the dish, from its picture; or measure the coils");
   auto options = std::make_shared<CalibrateOptions>();
   add_common_options(*verb, options->common);
   verb->add_option_function<std::string>(
@@ -237,7 +238,10 @@ void add_calibrate(CLI::App& program, ConfigCatalogue& catalogue) {
           "gives the place")
       ->type_name("FILE...");
   verb->add_option("--print-board", options->print_board, "write the board to print")->type_name("PNG");
-  verb->callback([options] { calibrate(*options); });
+  add_calibrate_coils(*verb);
+  verb->callback([verb, options] {
+    if (verb->get_subcommands().empty()) calibrate(*options);
+  });
 }
 
 }  // namespace lodestone::apps

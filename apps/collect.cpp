@@ -13,7 +13,9 @@
 #include "lodestone/data/coverage.h"
 #include "lodestone/data/dataset_file.h"
 #include "lodestone/nets/blas.h"
+#include "bench_session.h"
 #include "models.h"
+#include "pilot_window.h"
 #include "verb.h"
 
 namespace lodestone::apps {
@@ -23,14 +25,24 @@ namespace {
 struct CollectConfig {
   control::CollectionConfig collection;
   std::int64_t threads = 0;
+  std::string by = "explorer";
 
+  /// Whether a stretch that was lost can be driven again exactly as it was.
+  bool repeatable() const { return by == "explorer" && !collection.rig.real(); }
   template <class Visitor>
   void visit(Visitor& v) {
     collection.visit(v);
     v.field("threads", threads, "", "sessions explored at the same time; 0 means one per processor",
             {0, 1024});
+    v.field("by", by, "", "who drives: the guided explorer, or you, at the keyboard or a gamepad",
+            {"explorer", "keyboard", "gamepad"});
   }
-  void validate() const { collection.rig.validate(); }
+  void validate() const {
+    collection.rig.validate();
+    if (!repeatable() && collection.sessions != 1)
+      throw common::ConfigError("sessions = " + std::to_string(collection.sessions) +
+                                ": a real bench, or a human at the controls, has one at a time");
+  }
 };
 
 /// All sessions explore so many episodes, then their records are written, then the next round begins.
@@ -40,8 +52,27 @@ constexpr std::int64_t kRoundsPerState = 10;
 
 using Sessions = std::vector<std::unique_ptr<control::Collection>>;
 
-Sessions make_sessions(const control::CollectionConfig& config) {
+/// A single session with somebody at the controls, or on a real bench.
+std::unique_ptr<control::Collection> make_live_session(const CollectConfig& config, const std::string& out,
+                                                       std::unique_ptr<PilotWindow>& window) {
+  const control::CollectionConfig& collection = config.collection;
+  if (config.by != "explorer")
+    window = std::make_unique<PilotWindow>(config.by, collection.rig.max_current_A, collection.rig.dish.radius_m);
+  std::unique_ptr<control::Bench> bench =
+      collection.rig.real() ? open_bench(collection.rig, collection.sensor, collection.safety, out)
+                            : control::make_exploration_bench(collection, 0, true);
+  std::optional<control::Pilot> pilot;
+  if (window) pilot = window->pilot(*bench);
+  return std::make_unique<control::Collection>(collection, std::move(bench), std::move(pilot));
+}
+
+Sessions make_sessions(const CollectConfig& collect, const std::string& out, std::unique_ptr<PilotWindow>& window) {
   Sessions sessions;
+  if (!collect.repeatable()) {
+    sessions.push_back(make_live_session(collect, out, window));
+    return sessions;
+  }
+  const control::CollectionConfig& config = collect.collection;
   for (std::int64_t session = 0; session < config.sessions; ++session)
     sessions.push_back(std::make_unique<control::Collection>(config, session));
   return sessions;
@@ -49,10 +80,10 @@ Sessions make_sessions(const control::CollectionConfig& config) {
 
 /// Episodes of one round, in the order of the sessions.
 std::vector<data::Episode> explore(const Sessions& sessions, std::int64_t episode_steps,
-                                   common::ThreadPool& pool) {
+                                   std::int64_t episodes_per_round, common::ThreadPool& pool) {
   std::vector<std::vector<data::Episode>> found(sessions.size());
   pool.for_each(sessions.size(), [&](std::size_t session) {
-    for (std::int64_t i = 0; i < kEpisodesPerRound; ++i)
+    for (std::int64_t i = 0; i < episodes_per_round; ++i)
       found[session].push_back(sessions[session]->next_episode(episode_steps));
   });
   std::vector<data::Episode> episodes;
@@ -111,7 +142,8 @@ void collect(const CommonOptions& options) {
     report(options.out, dataset_file);
     return;
   }
-  const Sessions sessions = make_sessions(config.collection);
+  std::unique_ptr<PilotWindow> window;
+  const Sessions sessions = make_sessions(config, options.out, window);
   std::int64_t episodes = 0;
   std::int64_t transitions = 0;
   if (going_on) {
@@ -125,6 +157,12 @@ void collect(const CommonOptions& options) {
                              false);
     write_state(state_file, sessions, 0, 0);
   }
+  if (going_on && !config.repeatable() && std::filesystem::exists(dataset_file)) {
+    // Nobody can drive it again: what is on disk counts.
+    const data::Dataset saved = data::read_dataset(dataset_file);
+    episodes = static_cast<std::int64_t>(saved.episodes.size());
+    transitions = saved.transitions();
+  }
   auto writer = std::make_unique<data::DatasetWriter>(dataset_file, control::dataset_info(config.collection),
                                                       going_on && std::filesystem::exists(dataset_file));
   // The file may hold episodes that the state does not know yet: they are explored again, which gives the
@@ -133,11 +171,13 @@ void collect(const CommonOptions& options) {
   if (stored < episodes)
     throw common::DataError(dataset_file + " holds " + std::to_string(stored) + " episodes, the state says " +
                             std::to_string(episodes) + "; start again in another folder");
+  // What cannot be repeated is saved episode by episode.
+  const std::int64_t per_round = config.repeatable() ? kEpisodesPerRound : 1;
   common::Progress progress("collect", total);
   try {
     common::ThreadPool pool(static_cast<std::size_t>(config.threads));
     for (std::int64_t round = 1; transitions < total; ++round) {
-      for (data::Episode& episode : explore(sessions, config.collection.episode_steps, pool)) {
+      for (data::Episode& episode : explore(sessions, config.collection.episode_steps, per_round, pool)) {
         if (transitions >= total) break;
         if (transitions + episode.length() > total)
           episode = control::first_steps(episode, total - transitions);
@@ -164,7 +204,7 @@ void collect(const CommonOptions& options) {
 void add_collect(CLI::App& program, ConfigCatalogue& catalogue) {
   catalogue["collect"] = [] { return common::describe_config<CollectConfig>(); };
   CLI::App* verb =
-      program.add_subcommand("collect", "explore a virtual rig and record its transitions (phase 1)");
+      program.add_subcommand("collect", "explore a rig and record its transitions (phase 1)");
   auto options = std::make_shared<CommonOptions>();
   add_common_options(*verb, *options, true);
   verb->add_option_function<std::string>(
@@ -173,6 +213,10 @@ void add_collect(CLI::App& program, ConfigCatalogue& catalogue) {
         options->overrides.push_back("sensor.kind=" + common::Json(kind).dump());
       },
       "camera or simulated");
+  verb->add_option_function<std::string>(
+      "--by",
+      [options](const std::string& who) { options->overrides.push_back("by=" + common::Json(who).dump()); },
+      "explorer, keyboard or gamepad");
   verb->callback([options] { collect(*options); });
 }
 

@@ -15,6 +15,7 @@
 #include "lodestone/control/recorder.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/nets/policy.h"
+#include "bench_session.h"
 #include "models.h"
 #include "verb.h"
 
@@ -260,6 +261,78 @@ class Run {
   std::int64_t done_ = 0;
 };
 
+/// The same tasks on the bench that is connected, one trial after the other, scored by what the camera saw.
+class BenchRun {
+ public:
+  BenchRun(const DeployConfig& config, const Job& job, const std::string& out)
+      : config_(config),
+        job_(job),
+        out_(out),
+        bench_(open_bench(config.deployment.rig, config.deployment.sensor, config.deployment.safety, out)),
+        recorder_(out + "/trajectories.csv"),
+        progress_("deploy", static_cast<std::int64_t>(job.sources.size() * job.tasks.size()) *
+                                config.deployment.trials.count) {}
+
+  /// Everything that was measured is written, also when the bench stops in between.
+  common::Json run() {
+    TrialsFile trials(out_ + "/trials.json");
+    common::Json summary = common::Json::object();
+    for (const control::ControllerSource& source : job_.sources) {
+      common::Json& part = source.name == "baseline" ? summary["baseline"] : summary;
+      for (const std::string& task : job_.tasks) {
+        std::vector<control::TrialResult> results;
+        for (std::int64_t index = 0; index < config_.deployment.trials.count && stop_.empty(); ++index) {
+          results.push_back(run_one(source, task, index));
+          recorder_.write(results.back());
+          trials.write(results.back());
+          progress_.update(++done_, source.name + " " + task);
+        }
+        if (!results.empty()) part[task] = summarise_task(results);
+      }
+    }
+    trials.finish();
+    progress_.finish();
+    return summary;
+  }
+  /// Why the bench was stopped for good; empty when it was not.
+  const std::string& stop() const { return stop_; }
+
+ private:
+  control::TrialResult run_one(const control::ControllerSource& source, const std::string& task,
+                               std::int64_t index) {
+    const control::TrialPlan plan =
+        control::plan_trial(config_.deployment, task, index, job_.target_m, job_.path,
+                            [this](const geometry::Pose2& pose) { return bench_->fits(pose); });
+    if (has_operator()) bench_->lay(plan.start);
+    std::optional<control::TrialVideo> video;
+    const control::RecordingConfig& record = config_.deployment.record;
+    if (record.enabled && index < record.trials)
+      video.emplace(out_ + "/videos/real-" + source.name + "-" + task + "-" + std::to_string(index), record,
+                    config_.deployment.loop.period_s(),
+                    rig::bench_of(config_.deployment.rig, config_.deployment.sensor.scene.bench), source.action.scale,
+                    plan);
+    control::TrialResult result =
+        control::run_on_bench(*bench_, config_.deployment, plan, source, {}, [&](const control::StepRecord& step) {
+          const control::CameraPoseSensor* camera = bench_->camera();
+          if (video && camera->calibration()) video->show(camera->frame(), camera->calibration()->camera, step);
+        });
+    if (video) video->finish();
+    if (!result.completed)
+      common::log_warning("trial " + std::to_string(index) + " of " + task + " stopped early: " + result.stop_reason);
+    if (bench_->coils().latched()) stop_ = bench_->coils().reason();
+    return result;
+  }
+
+  const DeployConfig& config_;
+  const Job& job_;
+  std::string out_;
+  std::unique_ptr<control::Bench> bench_;
+  control::Recorder recorder_;
+  common::Progress progress_;
+  std::int64_t done_ = 0;
+  std::string stop_;
+};
+
 void print_table(const common::Json& summary, const char* rig) {
   const auto print_part = [&](const common::Json& part, const char* controller) {
     for (const auto& [task, values] : part.items())
@@ -267,6 +340,24 @@ void print_table(const common::Json& summary, const char* rig) {
   };
   print_part(summary, "policy");
   if (summary.contains("baseline")) print_part(summary["baseline"], "baseline");
+}
+
+void print_heading() {
+  std::printf("%-9s %-9s %-7s %8s %8s %8s %8s %8s %8s %9s %7s\n", "rig", "control", "task", "mean", "std",
+              "median", "rms", "sensed", "time rms", "reach s", "success");
+}
+
+void deploy_on_bench(const DeployConfig& config, const Job& job, const std::string& out) {
+  BenchRun run(config, job, out);
+  common::Json summary = run.run();
+  summary["scored_by"] = "camera";
+  if (!run.stop().empty()) summary["stopped"] = run.stop();
+  summary.update(job.provenance);
+  common::write_file_atomically(out + "/summary.json", summary.dump(1) + "\n");
+  std::printf("Errors in mm as the camera saw them: nobody knows the true pose on a real bench.\n");
+  print_heading();
+  print_table(summary, "real");
+  if (!run.stop().empty()) throw common::HardwareError("deploy: stopped: " + run.stop());
 }
 
 void deploy(const CommonOptions& options) {
@@ -279,6 +370,7 @@ void deploy(const CommonOptions& options) {
   common::start_run_folder(options.out, "deploy", common::config_to_json(config), config.deployment.seed,
                            false);
   if (config.deployment.record.enabled) common::make_folders(options.out + "/videos");
+  if (config.deployment.rig.real()) return deploy_on_bench(config, job, options.out);
   Run run(config, job, options.out);
   const bool both = job.rigs.size() > 1;
   common::Json by_rig = common::Json::object();
@@ -299,8 +391,7 @@ void deploy(const CommonOptions& options) {
   std::printf(
       "Errors in mm against the true pose. centre, point: distance at the end of a trial; paths: cross-track "
       "error of all samples after the approach.\n");
-  std::printf("%-9s %-9s %-7s %8s %8s %8s %8s %8s %8s %9s %7s\n", "rig", "control", "task", "mean", "std",
-              "median", "rms", "sensed", "time rms", "reach s", "success");
+  print_heading();
   for (const auto& [kind, values] : by_rig.items()) print_table(values, kind.c_str());
 }
 

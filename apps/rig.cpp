@@ -5,6 +5,7 @@
 #include "lodestone/common/log.h"
 #include "lodestone/rig/field_map.h"
 #include "lodestone/rig/virtual_rig.h"
+#include "rig_check.h"
 #include "verb.h"
 
 namespace lodestone::apps {
@@ -49,8 +50,11 @@ void field(const FieldOptions& options) {
 
 void add_rig(CLI::App& program, ConfigCatalogue& catalogue) {
   catalogue["rig"] = [] { return common::describe_config<RigConfig>(); };
-  CLI::App* verb = program.add_subcommand("rig", "look at the rig itself");
+  catalogue["rig check"] = [] { return describe_bench_config(); };
+  CLI::App* verb = program.add_subcommand("rig", "look at the rig itself: its field, its wiring, or an emulated one");
   verb->require_subcommand(1);
+  add_rig_check(*verb);
+  add_rig_emulate(*verb);
 
   CLI::App* map = verb->add_subcommand(
       "field", "exact field per ampere of one coil in the dish plane, to compare with a gaussmeter");

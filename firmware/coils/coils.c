@@ -405,7 +405,7 @@ static bool configure(struct Coils* coils, const struct Message* request) {
   }
   all_off(coils);
   for (uint8_t i = 0; i < kCoils; ++i)
-    if (!coils->configured || limits.resistance_mohm[i] != coils->limits.resistance_mohm[i])
+    if (limits.resistance_mohm[i] != coils->limits.resistance_mohm[i])
       coils->resistance_mohm[i] = limits.resistance_mohm[i];
   coils->limits = limits;
   coils->configured = true;
@@ -492,7 +492,10 @@ static void take_message(struct Coils* coils, const struct Message* request) {
       break;
     case kStatus: message.length = write_state(coils, message.body); break;
     case kTrace: message.length = write_trace(coils, message.body); break;
-    case kClear: coils->faults = 0; break;
+    case kClear: /* a coil that was too hot may have cooled; its next pulse tells */
+      coils->faults = 0;
+      for (uint8_t i = 0; i < kCoils; ++i) coils->resistance_mohm[i] = coils->limits.resistance_mohm[i];
+      break;
     case kPing: break;
     default: refuse(coils, request, kRefusedBody, 0, true); return;
   }

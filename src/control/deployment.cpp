@@ -80,6 +80,8 @@ TrialResult run_on_bench(Bench& bench, const DeploymentConfig& config, const Tri
       sample.true_pose = seen;
     }
   }
+  if (!result.samples.empty() && result.samples.front().step.estimate.valid)
+    result.plan.start = result.samples.front().step.estimate.pose;
   result.rig = "real";
   result.controller = source.name;
   return result;

@@ -375,12 +375,17 @@ DrillResult run_with(Chain& chain, const FaultKind* kind, double duration_s) {
 /// What an operator does after a stop: mends, clears, starts again.
 void start_again(Chain& chain) {
   chain.bench.advance_to(chain.bench.now_s() + 1.0);
-  for (int attempt = 0;; ++attempt) {
+  constexpr int kAttempts = 10;
+  for (int attempt = 1;; ++attempt) {
     try {
       chain.coils->clear_faults();
-      if (chain.coils->state().faults.empty() && chain.coils->state().ready) break;
+      const rig::CoilControllerState state = chain.coils->state();
+      if (state.faults.empty() && state.ready) break;
+      if (attempt == kAttempts)
+        throw common::HardwareError("the bench does not recover: " +
+                                    (state.faults.empty() ? "not ready" : state.faults.front()));
     } catch (const common::HardwareError&) {
-      if (attempt > 5) throw;
+      if (attempt == kAttempts) throw;
     }
     chain.bench.advance_to(chain.bench.now_s() + 0.5);
   }
@@ -416,7 +421,9 @@ HourReport drill_hour(std::int64_t pulses, std::uint64_t seed, const std::string
   HourReport report;
   const double start_s = chain.bench.now_s();
   constexpr double kMinute_s = 60.0;
-  while (report.pulses < pulses) {
+  // A bench that does not recover fires no more pulses; the faults then outnumber the minutes.
+  const std::int64_t most_faults = 2 * pulses / 100;
+  while (report.pulses < pulses && static_cast<std::int64_t>(report.faults.size()) < most_faults) {
     const auto index = static_cast<std::size_t>(random.uniform() * static_cast<double>(faults().size()));
     const FaultKind& kind = faults()[std::min(index, faults().size() - 1)];
     const double minute_s = chain.bench.now_s();

@@ -20,6 +20,7 @@ namespace lodestone::control {
 struct ControlLoopConfig {
   double pulse_s = 0.1;
   double rest_s = 0.2;
+  double decide_s = 0.0;
   std::int64_t max_invalid_poses = 10;
 
   double period_s() const { return pulse_s + rest_s; }
@@ -27,6 +28,10 @@ struct ControlLoopConfig {
   void visit(Visitor& v) {
     v.field("pulse_s", pulse_s, "s", "length of a current pulse", {0.001, 10.0});
     v.field("rest_s", rest_s, "s", "rest after it, until the needle lies still", {0.0, 10.0});
+    v.field("decide_s", decide_s, "s",
+            "time for looking and deciding: pulses begin so long after their step began, however fast that was; 0: "
+            "as soon as possible",
+            {0.0, 1.0});
     v.field("max_invalid_poses", max_invalid_poses, "",
             "observations in a row without a pose that stop the run", {1, 100000});
   }
