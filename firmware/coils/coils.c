@@ -36,6 +36,7 @@ static void set_duty(struct Coils* coils, uint8_t coil, int16_t duty) {
   if (coils->duty[coil] == duty) return;
   coils->duty[coil] = duty;
   coils->changed_us[coil] = coils->now_us;
+  coils->telling_mA[coil] = 0;
 }
 
 static void all_off(struct Coils* coils) {
@@ -86,7 +87,7 @@ static void start_pulse(struct Coils* coils, const int16_t* current_mA, uint16_t
   }
 }
 
-/* A measured current: limits, trace, and the resistance that duty, supply and current tell together. */
+/* A measured current: limits and trace. */
 static void take_current(struct Coils* coils, uint8_t coil, int16_t measured_mA) {
   const uint16_t size_mA = magnitude(measured_mA);
   const uint16_t target_mA = magnitude(coils->target_mA[coil]);
@@ -105,6 +106,15 @@ static void take_current(struct Coils* coils, uint8_t coil, int16_t measured_mA)
     latch(coils, kFaultNoCurrent);
     return;
   }
+  coils->telling_mA[coil] = size_mA;
+}
+
+/* The resistance that duty, supply and a steady current tell together. The supply was read after the current: one
+ * that has sagged is no hot coil. */
+static void take_resistance(struct Coils* coils, uint8_t coil) {
+  const uint16_t size_mA = coils->telling_mA[coil];
+  if (size_mA == 0) return;
+  coils->telling_mA[coil] = 0;
   const uint32_t drive_mV = (uint32_t)magnitude(coils->duty[coil]) * coils->controllers[coil / 2].supply_dV * 100 /
                             kRoboClawFullDuty;
   const uint32_t nominal = coils->limits.resistance_mohm[coil];
@@ -220,10 +230,11 @@ static void next_transaction(struct Coils* coils) {
     const uint32_t every_us = coils->pulsing && driven(coils, c) ? kPulseReading_us : kIdleReading_us;
     if (coils->now_us - controller->read_us < every_us) continue;
     controller->read_us = coils->now_us;
-    /* During a pulse the currents matter most; the rest is looked at in turn. */
-    const bool currents = coils->pulsing && driven(coils, c) && (coils->uptime_ms & 0x3f) > 8;
-    const uint8_t reading = currents ? 0 : controller->next_reading;
-    if (!currents) controller->next_reading = (uint8_t)((reading + 1) % kReadingsInTurn);
+    /* During a pulse the currents matter most, and the supply once they are steady; the rest in turn. */
+    const bool busy = coils->pulsing && driven(coils, c) && (coils->uptime_ms & 0x3f) > 8;
+    const bool telling = coils->telling_mA[2 * c] != 0 || coils->telling_mA[2 * c + 1] != 0;
+    const uint8_t reading = busy ? (telling ? 1 : 0) : controller->next_reading;
+    if (!busy) controller->next_reading = (uint8_t)((reading + 1) % kReadingsInTurn);
     const uint8_t command = kReadings[reading];
     send_request(coils, c, command, 0, 0,
                  (uint8_t)(command == kReadCurrents || command == kReadStatus ? 6 : 4));
@@ -259,6 +270,7 @@ static void take_reply(struct Coils* coils) {
       controller->seen |= 2;
       controller->supply_dV = first;
       if (coils->configured && first < coils->limits.min_supply_dV) latch(coils, kFaultSupplyLow);
+      for (uint8_t i = 0; i < 2; ++i) take_resistance(coils, (uint8_t)(2 * bus->controller + i));
       break;
     case kReadStatus:
       controller->seen |= 4;

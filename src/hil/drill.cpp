@@ -23,6 +23,8 @@ namespace {
 constexpr double kFlowing_A = 0.1;  // more than this in a coil is current
 constexpr double kDrive_A = 5.0;
 constexpr double kLineDown_s = 1.5;
+constexpr double kHeldPulse_s = 4.0;
+constexpr const char* kFirstBeyondDevice = "camera stalls";  // from here on the list is about camera, needle and PC
 
 /// Looks at the needle as a good localiser would, or fails as a camera can.
 class DrillSensor final : public control::PoseSensor {
@@ -326,6 +328,13 @@ const std::vector<FaultKind>& faults() {
   return kinds;
 }
 
+const FaultKind& kind_of(const std::string& fault) {
+  const auto kind =
+      std::find_if(faults().begin(), faults().end(), [&](const FaultKind& each) { return each.name == fault; });
+  LODESTONE_CHECK(kind != faults().end(), "a fault of the list, not '" + fault + "'");
+  return *kind;
+}
+
 /// Runs the loop for a while, with at most one fault in it.
 DrillResult run_with(Chain& chain, const FaultKind* kind, double duration_s) {
   DrillResult result;
@@ -400,16 +409,64 @@ std::vector<std::string> fault_names() {
   return names;
 }
 
+std::vector<std::string> device_fault_names() {
+  std::vector<std::string> names = fault_names();
+  names.erase(std::find(names.begin(), names.end(), kFirstBeyondDevice), names.end());
+  return names;
+}
+
+DrillResult drill_held(const std::string& fault, std::uint64_t seed, const std::string& folder) {
+  const FaultKind& kind = kind_of(fault);
+  Chain chain(seed, folder);
+  chain.serial.max_pulse_s = kHeldPulse_s;
+  chain.coils =
+      std::make_unique<rig::SerialCoils>(chain.serial, [&chain] { return std::make_unique<DrillPort>(chain); });
+  chain.strike_at_s = chain.bench.now_s() + 1.0;
+  chain.strike = kind.strike;
+  DrillResult result;
+  result.fault = fault;
+  const double end_s = chain.bench.now_s() + kHeldPulse_s - 0.5;
+  try {
+    chain.coils->apply({{kDrive_A, 0.0, -kDrive_A, 0.0}, kHeldPulse_s});
+    while (chain.bench.now_s() < end_s) {
+      chain.tend();
+      chain.bench.advance_to(chain.bench.now_s() + 0.05);
+      const rig::CoilStatus status = chain.coils->status();
+      if (!status.faults.empty()) throw common::HardwareError(status.faults.front());
+    }
+    result.reason = "ridden out";
+  } catch (const common::HardwareError& error) {
+    result.stopped = true;
+    result.reason = error.what();
+    chain.coils->stop();
+  } catch (const HostKilled&) {
+    result.stopped = true;
+    result.reason = "the PC was killed";
+  }
+  if (!result.stopped) chain.coils->stop();
+  chain.run_over_s = chain.bench.now_s();
+  chain.bench.advance_to(chain.bench.now_s() + 2.0);
+  result.struck_s = chain.struck_s;
+  // Where the run must not end, the pulse goes on; it has ended with the stop.
+  if (result.stopped) result.on_after_s = chain.last_on_s - chain.struck_s;
+  const bool still_on = chain.on_since_s >= 0.0;
+  if (chain.struck_s < 0.0 || still_on || result.on_after_s > kOffWithin_s || kind.stops != result.stopped) {
+    result.unsafe = true;
+    result.reason += chain.struck_s < 0.0 ? " - the fault never struck"
+                     : still_on           ? " - current still flows"
+                                          : " - too late, or not as it must be";
+  }
+  return result;
+}
+
 DrillResult drill(const std::string& fault, std::uint64_t seed, const std::string& folder) {
-  const auto kind =
-      std::find_if(faults().begin(), faults().end(), [&](const FaultKind& each) { return each.name == fault; });
-  LODESTONE_CHECK(kind != faults().end(), "a fault of the list, not '" + fault + "'");
+  const FaultKind& kind = kind_of(fault);
   Chain chain(seed, folder);
   chain.coils =
       std::make_unique<rig::SerialCoils>(chain.serial, [&chain] { return std::make_unique<DrillPort>(chain); });
   chain.start_anew();
   chain.strike_at_s = chain.bench.now_s() + 2.0;
-  return run_with(chain, &*kind, 6.0);
+  return run_with(chain, &kind, 6.0);
 }
 
 HourReport drill_hour(std::int64_t pulses, std::uint64_t seed, const std::string& folder) {

@@ -24,7 +24,7 @@ struct GigeCamera::State {
     const int width = std::min(arv_buffer_get_image_width(buffer), state.shown.cols);
     const int height = std::min(arv_buffer_get_image_height(buffer), state.shown.rows);
     const auto stride = static_cast<std::size_t>(arv_buffer_get_image_width(buffer));
-    if (format != ARV_PIXEL_FORMAT_RGB_8_PACKED || bytes < 3 * stride * static_cast<std::size_t>(height)) return;
+    if (format != ARV_PIXEL_FORMAT_RGB_8_PACKED) return;  // black tells that it was asked for another one
     for (int row = 0; row < height; ++row) {
       const cv::Vec3b* from = state.shown.ptr<cv::Vec3b>(row);
       unsigned char* to = out + 3 * stride * static_cast<std::size_t>(row);

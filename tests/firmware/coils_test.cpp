@@ -233,7 +233,7 @@ TEST_CASE("time may wrap") {
 }
 
 // Ten million inputs into the decoder and everything behind it.
-TEST_CASE("the firmware takes ten million inputs of any kind, and none fires a pulse that nobody sent", "[slow]") {
+TEST_CASE("the firmware takes ten million inputs of any kind, and none fires a pulse that nobody sent") {
   std::mt19937 random(3);
   Device device;
   device.start();

@@ -41,7 +41,7 @@ TEST_CASE("the checksum is CRC-32 of IEEE 802.3") {
 
 TEST_CASE("a ping is the frame that docs/serial-protocol.md shows") {
   const std::vector<std::uint8_t> frame = frame_of(wire::kPing, 0x0102, {});
-  const std::vector<std::uint8_t> documented = {0x00, 0x08, 0x07, 0x02, 0x01, 0x0b, 0x40, 0xd1, 0x69, 0x00};
+  const std::vector<std::uint8_t> documented = {0x00, 0x08, 0x07, 0x02, 0x01, 0x83, 0x9d, 0x3f, 0xbf, 0x00};
   CHECK(frame == documented);
 }
 
@@ -127,7 +127,7 @@ TEST_CASE("limits and states survive the wire") {
 }
 
 // Ten million inputs: chunks of noise, of frames, and of frames with noise in them.
-TEST_CASE("the decoder of the host takes ten million inputs of any kind", "[slow]") {
+TEST_CASE("the decoder of the host takes ten million inputs of any kind") {
   std::mt19937 random(2);
   wire::FrameDecoder decoder{};
   std::uint64_t accepted = 0;

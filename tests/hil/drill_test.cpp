@@ -24,6 +24,16 @@ TEST_CASE("every fault leaves the coils off in time, and no record is lost") {
   }
 }
 
+TEST_CASE("a fault in a pulse that would last for seconds ends it in time") {
+  for (const std::string& fault : hil::device_fault_names()) {
+    const hil::DrillResult result = hil::drill_held(fault, 1, scratch());
+    CAPTURE(fault, result.reason, result.on_after_s);
+    CHECK_FALSE(result.unsafe);
+    if (result.stopped) CHECK(result.on_after_s > 0.0);
+    CHECK(result.on_after_s <= hil::kOffWithin_s);
+  }
+}
+
 TEST_CASE("a simulated hour with a fault a minute", "[slow]") {
   const hil::HourReport report = hil::drill_hour(12000, 7, scratch());
   for (const hil::DrillResult& fault : report.faults) {

@@ -31,6 +31,13 @@ constexpr double kOffWithin_s = 0.6;
 /// when there is no emulator, LogicFault for a name that is none.
 DrillResult drill(const std::string& fault, std::uint64_t seed, const std::string& folder);
 
+/// The faults of the list that strike line, firmware, motor controllers or coils.
+std::vector<std::string> device_fault_names();
+
+/// The same in the middle of a pulse that would last for seconds, so that only what notices the fault can end it:
+/// the PC looks at the status every 50 ms and stops on the first fault.
+DrillResult drill_held(const std::string& fault, std::uint64_t seed, const std::string& folder);
+
 struct HourReport {
   std::vector<DrillResult> faults;
   std::int64_t pulses = 0;

@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+"""The program on an emulated bench, as somebody with a real one uses it. usage: bench_test.py LODESTONE SOURCE"""
+import json
+import os
+import pathlib
+import pty
+import select
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+lodestone, source = sys.argv[1], pathlib.Path(sys.argv[2])
+folder = pathlib.Path(tempfile.mkdtemp(prefix="lodestone-bench-"))
+os.chdir(source)  # the shipped segmenter lies here
+
+
+def run(*arguments, code=0, env=None, timeout=120):
+    done = subprocess.run([lodestone, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                          timeout=timeout, env={**os.environ, **(env or {})})
+    text = done.stdout + done.stderr
+    assert done.returncode == code, f"{arguments}: exit {done.returncode}, expected {code}\n{text}"
+    return text
+
+
+def expect(text, *parts):
+    for part in parts:
+        assert part in text, f"{part!r} is missing in:\n{text}"
+
+
+def start(*arguments, **options):
+    return subprocess.Popen([lodestone, *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, text=True, **options)
+
+
+# A port that is not there is one clear line.
+expect(run("rig", "check", "--port", "/dev/ttyNOTHING", code=1), "there is no such port")
+expect(run("rig", "check", code=2), "rig.serial.port is empty")
+
+bench = folder / "bench.json"
+emulator = start("rig", "emulate", "--out", bench)
+try:
+    for _ in range(100):
+        if bench.exists():
+            break
+        assert emulator.poll() is None, emulator.stdout.read()
+        time.sleep(0.1)
+
+    expect(run("rig", "check", "--config", bench, "--yes"), "firmware 1.0.0", "1280 x 1024", "seen at",
+           "needle's head points to it", "the bench is ready")
+    expect(run("rig", "check", "--config", bench, "--no-camera"), "left out", "the bench is ready")
+
+    run("calibrate", "coils", "--config", bench, "--yes", "--out", folder / "coils.json")
+    measured = json.loads((folder / "coils.json").read_text())["rig"]["serial"]
+    assert all(abs(ohm - 1.915) < 0.03 for ohm in measured["resistance_ohm"]), measured
+    assert all(abs(henry - 17.6e-3) < 2e-3 for henry in measured["inductance_H"]), measured
+
+    # The loop with the camera's picture, on the serial port.
+    text = run("deploy", "--config", bench, "--controller", "baseline", "--task", "centre", "--trials", 1,
+               "--set", "trials.point_seconds=4", "--out", folder / "deploy")
+    expect(text, "as the camera saw them")
+    summary = json.loads((folder / "deploy/summary.json").read_text())
+    assert summary["scored_by"] == "camera" and summary["centre"]["n"] == 1, summary
+    trial = json.loads((folder / "deploy/trials.json").read_text())[0]
+    assert trial["completed"] and len(trial["trajectory"]) > 8, trial["stop_reason"]
+
+    # The stop file ends a run at once, and what was measured is written.
+    running = start("deploy", "--config", bench, "--controller", "baseline", "--task", "centre", "--trials", 5,
+                    "--out", folder / "stopped")
+    time.sleep(4)
+    (folder / "stopped/STOP").touch()
+    text, _ = running.communicate(timeout=30)
+    assert running.returncode == 1, text
+    expect(text, "STOP exists")
+    assert "STOP exists" in json.loads((folder / "stopped/summary.json").read_text())["stopped"]
+
+    # Killed outright: the pulse ends by itself, the next run finds a bench in order.
+    running = start("deploy", "--config", bench, "--controller", "baseline", "--task", "centre", "--trials", 5,
+                    "--out", folder / "killed")
+    time.sleep(4)
+    running.kill()
+    running.wait()
+    time.sleep(1)
+    expect(run("rig", "check", "--config", bench, "--no-camera"), "the bench is ready")
+
+    # Exploring needs somebody who lays the needle down.
+    expect(run("collect", "--config", bench, "--set", "transitions=6", "--out", folder / "alone", code=1),
+           "nobody can be asked")
+    keyboard, terminal = pty.openpty()
+    running = subprocess.Popen([lodestone, "collect", "--config", bench, "--set", "transitions=12", "--set",
+                                "episode_steps=4", "--out", folder / "explored"], stdin=terminal,
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=False)
+    seen = b""
+    end = time.time() + 60
+    answered = 0
+    while running.poll() is None and time.time() < end:
+        if select.select([running.stdout], [], [], 0.2)[0]:
+            seen += os.read(running.stdout.fileno(), 4096)
+        while seen.count(b"press any key") > answered:
+            os.write(keyboard, b" ")
+            answered += 1
+    seen += running.stdout.read()
+    assert running.wait() == 0, seen.decode()
+    assert answered >= 3, seen.decode()
+    expect(seen.decode(), "12 transitions")
+finally:
+    emulator.send_signal(signal.SIGINT)
+    text, _ = emulator.communicate(timeout=20)
+assert emulator.returncode == 0, text
+
+# By hand, without a display: nothing is pressed, so the needle rests, but every episode is on disk.
+headless = {"SDL_VIDEODRIVER": "dummy"}
+by_hand = ["collect", "--by", "keyboard", "--sensor", "simulated", "--set", "episode_steps=3", "--out",
+           folder / "by-hand"]
+running = start(*by_hand, "--set", "transitions=30", env={**os.environ, **headless})
+time.sleep(4.5)
+running.kill()
+running.wait()
+text = run(*by_hand, "--set", "transitions=30", "--resume", env=headless)
+expect(text, "30 transitions")
+expect(run("collect", "--by", "gamepad", "--out", folder / "no-gamepad", code=1, env=headless), "no gamepad was found")
+print("ok")
