@@ -83,7 +83,7 @@ cv::Mat paint_pilot_view(const PilotView& view) {
   write(canvas, std::to_string(view.steps) + " steps, " + std::to_string(view.episodes) + " episodes saved", left, 438);
   write(canvas, view.step.estimate.valid ? "needle seen" : "needle not seen: " + view.step.estimate.reason, left, 462,
         view.step.estimate.valid ? kText : kWarm);
-  write(canvas, "arrows / stick: drive   + -: strength", left, 494, kDim);
+  write(canvas, "arrows, stick: drive  + -: more, less", left, 494, kDim);
   write(canvas, "N: next episode   Esc: finish", left, 516, kDim);
   return canvas;
 }

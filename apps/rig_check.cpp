@@ -158,10 +158,9 @@ bool check_coil(const BenchConfig& config, rig::SerialCoils& coils, control::Saf
     const auto along = [&](const geometry::Pose2& pose) {
       return std::cos(pose.heading_rad) * towards.x() + std::sin(pose.heading_rad) * towards.y();
     };
-    // A needle that already lay across or along has to turn towards the coil, or stay with it.
     if (along(*after) > 0.5)
       line += ", the needle's head points to it";
-    else if (along(*after) < -0.5) {
+    else if (along(*after) < along(*before) - 0.3) {
       line += ", the needle's head points AWAY: set rig.serial.polarity of this coil to -1";
       good = false;
     } else {
@@ -209,7 +208,8 @@ void check(const CheckOptions& options) {
   const common::SteadyClock clock;
   control::SafetySupervisor guarded(coils, config.safety, clock, control::SafetySupervisor::Poses::kNone);
   bool good = true;
-  for (int coil = 0; coil < rig::kCoilCount; ++coil)
+  // Each field lies across the one before, so that the needle has to turn.
+  for (const int coil : {0, 2, 1, 3})
     good = check_coil(config, coils, guarded, onlooker, coil, options.yes) && good;
   coils.stop();
   if (!good) throw common::HardwareError("rig check: not everything is as it should be, see above");

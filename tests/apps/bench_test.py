@@ -61,7 +61,7 @@ try:
                "--set", "trials.point_seconds=4", "--out", folder / "deploy")
     expect(text, "as the camera saw them")
     summary = json.loads((folder / "deploy/summary.json").read_text())
-    assert summary["scored_by"] == "camera" and summary["centre"]["n"] == 1, summary
+    assert summary["scored_by"] == "camera" and summary["baseline"]["centre"]["n_trials"] == 1, summary
     trial = json.loads((folder / "deploy/trials.json").read_text())[0]
     assert trial["completed"] and len(trial["trajectory"]) > 8, trial["stop_reason"]
 
