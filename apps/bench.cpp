@@ -6,6 +6,7 @@
 #include <thread>
 #include <vector>
 
+#include "hil_figures.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "lodestone/common/interrupt.h"
@@ -13,7 +14,6 @@
 #include "lodestone/common/run_folder.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/nets/gemm.h"
-#include "hil_figures.h"
 #include "models.h"
 #include "speed_figures.h"
 #include "verb.h"

@@ -216,8 +216,8 @@ void add_calibrate(CLI::App& program, ConfigCatalogue& catalogue) {
     CalibrateConfig defaults;
     return common::describe_config(std::move(defaults));
   };
-  CLI::App* verb =
-      program.add_subcommand("calibrate", "find where the camera stands over the dish, from its picture; or measure the coils");
+  CLI::App* verb = program.add_subcommand(
+      "calibrate", "find where the camera stands over the dish, from its picture; or measure the coils");
   auto options = std::make_shared<CalibrateOptions>();
   add_common_options(*verb, options->common);
   verb->add_option_function<std::string>(

@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "bench_session.h"
 #include "lodestone/common/files.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
@@ -13,7 +14,6 @@
 #include "lodestone/data/coverage.h"
 #include "lodestone/data/dataset_file.h"
 #include "lodestone/nets/blas.h"
-#include "bench_session.h"
 #include "models.h"
 #include "pilot_window.h"
 #include "verb.h"
@@ -57,7 +57,8 @@ std::unique_ptr<control::Collection> make_live_session(const CollectConfig& conf
                                                        std::unique_ptr<PilotWindow>& window) {
   const control::CollectionConfig& collection = config.collection;
   if (config.by != "explorer")
-    window = std::make_unique<PilotWindow>(config.by, collection.rig.max_current_A, collection.rig.dish.radius_m);
+    window =
+        std::make_unique<PilotWindow>(config.by, collection.rig.max_current_A, collection.rig.dish.radius_m);
   std::unique_ptr<control::Bench> bench =
       collection.rig.real() ? open_bench(collection.rig, collection.sensor, collection.safety, out)
                             : control::make_exploration_bench(collection, 0, true);
@@ -66,7 +67,8 @@ std::unique_ptr<control::Collection> make_live_session(const CollectConfig& conf
   return std::make_unique<control::Collection>(collection, std::move(bench), std::move(pilot));
 }
 
-Sessions make_sessions(const CollectConfig& collect, const std::string& out, std::unique_ptr<PilotWindow>& window) {
+Sessions make_sessions(const CollectConfig& collect, const std::string& out,
+                       std::unique_ptr<PilotWindow>& window) {
   Sessions sessions;
   if (!collect.repeatable()) {
     sessions.push_back(make_live_session(collect, out, window));
@@ -203,8 +205,7 @@ void collect(const CommonOptions& options) {
 
 void add_collect(CLI::App& program, ConfigCatalogue& catalogue) {
   catalogue["collect"] = [] { return common::describe_config<CollectConfig>(); };
-  CLI::App* verb =
-      program.add_subcommand("collect", "explore a rig and record its transitions (phase 1)");
+  CLI::App* verb = program.add_subcommand("collect", "explore a rig and record its transitions (phase 1)");
   auto options = std::make_shared<CommonOptions>();
   add_common_options(*verb, *options, true);
   verb->add_option_function<std::string>(

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "bench_session.h"
 #include "lodestone/common/files.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
@@ -15,7 +16,6 @@
 #include "lodestone/control/recorder.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/nets/policy.h"
-#include "bench_session.h"
 #include "models.h"
 #include "verb.h"
 
@@ -309,16 +309,18 @@ class BenchRun {
     if (record.enabled && index < record.trials)
       video.emplace(out_ + "/videos/real-" + source.name + "-" + task + "-" + std::to_string(index), record,
                     config_.deployment.loop.period_s(),
-                    rig::bench_of(config_.deployment.rig, config_.deployment.sensor.scene.bench), source.action.scale,
-                    plan);
-    control::TrialResult result =
-        control::run_on_bench(*bench_, config_.deployment, plan, source, {}, [&](const control::StepRecord& step) {
+                    rig::bench_of(config_.deployment.rig, config_.deployment.sensor.scene.bench),
+                    source.action.scale, plan);
+    control::TrialResult result = control::run_on_bench(
+        *bench_, config_.deployment, plan, source, {}, [&](const control::StepRecord& step) {
           const control::CameraPoseSensor* camera = bench_->camera();
-          if (video && camera->calibration()) video->show(camera->frame(), camera->calibration()->camera, step);
+          if (video && camera->calibration())
+            video->show(camera->frame(), camera->calibration()->camera, step);
         });
     if (video) video->finish();
     if (!result.completed)
-      common::log_warning("trial " + std::to_string(index) + " of " + task + " stopped early: " + result.stop_reason);
+      common::log_warning("trial " + std::to_string(index) + " of " + task +
+                          " stopped early: " + result.stop_reason);
     if (bench_->coils().latched()) stop_ = bench_->coils().reason();
     return result;
   }
@@ -357,6 +359,8 @@ void deploy_on_bench(const DeployConfig& config, const Job& job, const std::stri
   std::printf("Errors in mm as the camera saw them: nobody knows the true pose on a real bench.\n");
   print_heading();
   print_table(summary, "real");
+  if (common::interrupted())
+    throw common::Interrupted("deploy: stopped by the user; the finished trials are in " + out);
   if (!run.stop().empty()) throw common::HardwareError("deploy: stopped: " + run.stop());
 }
 

@@ -44,13 +44,15 @@ struct HilConfig {
     deployment.visit(v);
     v.field("threads", threads, "", "trials at the same time; 0 means one per processor", {0, 1024});
     v.field("policy", policy, "", "folder of the policy checkpoint; empty: the proportional baseline drives");
-    v.field("pulses", pulses, "", "pulses of the run with a random fault a minute; 12000 take an hour of bench time",
-            {0, 1e6});
+    v.field("pulses", pulses, "",
+            "pulses of the run with a random fault a minute; 12000 take an hour of bench time", {0, 1e6});
     v.field("round_trips", round_trips, "", "answers of the firmware to time", {10, 100000});
-    v.field("round_trip_bound_ms", round_trip_bound_ms, "ms", "median of the way there and back", {0.1, 1000.0});
-    v.field("jitter_bound_ms", jitter_bound_ms, "ms", "99th percentile of the period's deviation", {0.1, 1000.0});
-    v.field("error_bound", error_bound, "", "largest relative difference from the simulated coils' mean error",
-            {0.0, 10.0});
+    v.field("round_trip_bound_ms", round_trip_bound_ms, "ms", "median of the way there and back",
+            {0.1, 1000.0});
+    v.field("jitter_bound_ms", jitter_bound_ms, "ms", "99th percentile of the period's deviation",
+            {0.1, 1000.0});
+    v.field("error_bound", error_bound, "",
+            "largest relative difference from the simulated coils' mean error", {0.0, 10.0});
   }
   void validate() const { deployment.rig.validate(); }
 };
@@ -79,7 +81,8 @@ class Figures {
  public:
   void add(const std::string& name, double value, const char* unit, double bound) {
     const bool good = value <= bound;
-    std::printf("%-52s %9.3f %-3s bound %.3f  %s\n", name.c_str(), value, unit, bound, good ? "ok" : "BROKEN");
+    std::printf("%-52s %9.3f %-3s bound %.3f  %s\n", name.c_str(), value, unit, bound,
+                good ? "ok" : "BROKEN");
     std::fflush(stdout);
     json_.push_back({{"figure", name}, {"value", value}, {"unit", unit}, {"bound", bound}, {"ok", good}});
     if (!good) broken_.push_back(name);
@@ -93,10 +96,9 @@ class Figures {
 };
 
 common::Json to_json(const hil::DrillResult& result) {
-  return {{"fault", result.fault},           {"struck_s", result.struck_s},
-          {"stopped", result.stopped},       {"reason", result.reason},
-          {"on_after_s", result.on_after_s}, {"unsafe", result.unsafe},
-          {"steps", result.steps},           {"recorded", result.recorded}};
+  return {{"fault", result.fault},   {"struck_s", result.struck_s},     {"stopped", result.stopped},
+          {"reason", result.reason}, {"on_after_s", result.on_after_s}, {"unsafe", result.unsafe},
+          {"steps", result.steps},   {"recorded", result.recorded}};
 }
 
 common::Json run_drills(const HilConfig& config, const std::string& out, Figures& figures) {
@@ -122,7 +124,8 @@ common::Json run_drills(const HilConfig& config, const std::string& out, Figures
                 one["stopped"].get<bool>() ? "stopped" : "went on", one["on_after_s"].get<double>(),
                 one["reason"].get<std::string>().c_str());
   for (const std::string& name : hil::device_fault_names()) {
-    const hil::DrillResult held = hil::drill_held(name, static_cast<std::uint64_t>(config.deployment.seed), out);
+    const hil::DrillResult held =
+        hil::drill_held(name, static_cast<std::uint64_t>(config.deployment.seed), out);
     std::printf("  %-34s in a pulse of seconds: off after %.3f s  %s\n", name.c_str(), held.on_after_s,
                 held.reason.c_str());
     worst_s = std::max(worst_s, held.on_after_s);
@@ -176,7 +179,8 @@ common::Json time_round_trips(const HilConfig& config, Figures& figures) {
     coils.status();
     status_ms.push_back(1e3 * (clock.now_s() - start_s));
   }
-  figures.add("round trip at 115,200 baud, median", percentile(ping_ms, 0.5), "ms", config.round_trip_bound_ms);
+  figures.add("round trip at 115,200 baud, median", percentile(ping_ms, 0.5), "ms",
+              config.round_trip_bound_ms);
   std::printf("  round trip p99 %.2f ms; with the whole status median %.2f ms, p99 %.2f ms\n",
               percentile(ping_ms, 0.99), percentile(status_ms, 0.5), percentile(status_ms, 0.99));
   return {{"ping_median_ms", percentile(ping_ms, 0.5)},
@@ -204,9 +208,8 @@ double mean_error_mm(const std::vector<control::TrialResult>& results) {
 std::vector<control::TrialPlan> square_plans(const HilConfig& config, const control::Deployment& deployment) {
   std::vector<control::TrialPlan> plans;
   for (std::int64_t index = 0; index < config.deployment.trials.count; ++index)
-    plans.push_back(
-        control::plan_trial(config.deployment, "square", index, std::nullopt, std::nullopt,
-                            [&](const geometry::Pose2& pose) { return deployment.fits(pose); }));
+    plans.push_back(control::plan_trial(config.deployment, "square", index, std::nullopt, std::nullopt,
+                                        [&](const geometry::Pose2& pose) { return deployment.fits(pose); }));
   return plans;
 }
 
@@ -221,7 +224,8 @@ common::Json compare_squares(const HilConfig& config, Figures& figures) {
     return control::RigDrive{&drive->coils, &drive->bench.clock(), drive};
   });
   const std::vector<control::TrialPlan> plans = square_plans(config, simulated);
-  common::log_info("bench hil: " + std::to_string(plans.size()) + " squares with simulated coils, then as many with "
+  common::log_info("bench hil: " + std::to_string(plans.size()) +
+                   " squares with simulated coils, then as many with "
                    "the emulated bench");
   const auto by_simulation = simulated.run(plans, control::RigKind::kExplored, source, pool);
   const auto by_bench = emulated.run(plans, control::RigKind::kExplored, source, pool);
@@ -232,8 +236,9 @@ common::Json compare_squares(const HilConfig& config, Figures& figures) {
   }
   const double simulated_mm = mean_error_mm(by_simulation);
   const double emulated_mm = mean_error_mm(by_bench);
-  std::printf("  square, cross-track RMS: %.3f mm with simulated coils, %.3f mm through the firmware (n = %zu)\n",
-              simulated_mm, emulated_mm, plans.size());
+  std::printf(
+      "  square, cross-track RMS: %.3f mm with simulated coils, %.3f mm through the firmware (n = %zu)\n",
+      simulated_mm, emulated_mm, plans.size());
   figures.add("square: relative difference of the mean error", std::abs(emulated_mm / simulated_mm - 1.0), "",
               config.error_bound);
   figures.add("square: trials stopped on the emulated bench", stopped, "", 0.0);
@@ -256,7 +261,7 @@ common::Json run_live(const HilConfig& config, const std::string& out, Figures& 
   camera.pixel_format = "RGB8";
   camera.width_px = renderer->scene().camera.width_px;
   camera.height_px = renderer->scene().camera.height_px;
-  camera.frame_rate_hz = 10.0;
+  camera.frame_rate_hz = 20.0;
   deployment.safety.stop_file = out + "/STOP";
 
   std::mutex mutex;
@@ -292,9 +297,10 @@ common::Json run_live(const HilConfig& config, const std::string& out, Figures& 
   }
   if (!result.completed) common::log_warning("real-time square stopped: " + result.stop_reason);
   const double error_mm = mean_error_mm({result});
-  std::printf("  real-time square: %zu pulses, cross-track RMS %.2f mm, period %.1f ms, deviation median %.2f ms, "
-              "real time lost %.2f s\n",
-              begun_s.size(), error_mm, 1e3 * period_s, percentile(deviation_ms, 0.5), live.lost_s());
+  std::printf(
+      "  real-time square: %zu pulses, cross-track RMS %.2f mm, period %.1f ms, deviation median %.2f ms, "
+      "real time lost %.2f s\n",
+      begun_s.size(), error_mm, 1e3 * period_s, percentile(deviation_ms, 0.5), live.lost_s());
   figures.add("control period in real time: deviation, p99", percentile(deviation_ms, 0.99), "ms",
               config.jitter_bound_ms);
   figures.add("real-time square: not finished", result.completed ? 0.0 : 1.0, "", 0.0);
@@ -308,10 +314,12 @@ common::Json run_live(const HilConfig& config, const std::string& out, Figures& 
 
 void bench_hil(const CommonOptions& options) {
   auto config = resolve_config<HilConfig>(options);
-  if (options.out.empty()) throw common::ConfigError("bench hil: --out DIR is missing; name the folder to write into");
+  if (options.out.empty())
+    throw common::ConfigError("bench hil: --out DIR is missing; name the folder to write into");
   nets::use_one_blas_thread();
   choose_segmenter(config.deployment.sensor);
-  common::start_run_folder(options.out, "bench hil", common::config_to_json(config), config.deployment.seed, false);
+  common::start_run_folder(options.out, "bench hil", common::config_to_json(config), config.deployment.seed,
+                           false);
   Figures figures;
   common::Json result = {{"machine", common::build_and_host_facts()}};
   result["round_trip"] = time_round_trips(config, figures);
@@ -330,7 +338,8 @@ void bench_hil(const CommonOptions& options) {
 
 void add_bench_hil(CLI::App& bench, ConfigCatalogue& catalogue) {
   CLI::App* verb = bench.add_subcommand(
-      "hil", "the real firmware on an emulated bench: faults, timing, errors; exit code 1 when a bound is broken");
+      "hil",
+      "the real firmware on an emulated bench: faults, timing, errors; exit code 1 when a bound is broken");
   auto options = std::make_shared<CommonOptions>();
   add_common_options(*verb, *options);
   verb->add_option_function<std::string>(

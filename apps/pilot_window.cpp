@@ -31,7 +31,8 @@ void write(cv::Mat& canvas, const std::string& text, int x, int y, const cv::Sca
 }
 
 void paint_map(cv::Mat& canvas, const PilotView& view, int left, int top) {
-  const std::int64_t most = view.visits.empty() ? 0 : *std::max_element(view.visits.begin(), view.visits.end());
+  const std::int64_t most =
+      view.visits.empty() ? 0 : *std::max_element(view.visits.begin(), view.visits.end());
   const double cell = static_cast<double>(kMapSide) / kPilotGrid;
   const auto place = [&](const geometry::Vector2& point_m) {
     return cv::Point(left + static_cast<int>((point_m.x() / view.dish_radius_m + 1.0) * 0.5 * kMapSide),
@@ -40,10 +41,12 @@ void paint_map(cv::Mat& canvas, const PilotView& view, int left, int top) {
   for (int row = 0; row < kPilotGrid; ++row) {
     for (int column = 0; column < kPilotGrid; ++column) {
       const auto at = static_cast<std::size_t>(row * kPilotGrid + column);
-      const double share = most > 0 ? std::sqrt(static_cast<double>(view.visits[at]) / static_cast<double>(most)) : 0.0;
+      const double share =
+          most > 0 ? std::sqrt(static_cast<double>(view.visits[at]) / static_cast<double>(most)) : 0.0;
       const cv::Point corner(left + static_cast<int>(column * cell),
                              top + static_cast<int>((kPilotGrid - 1 - row) * cell));
-      cv::rectangle(canvas, corner, corner + cv::Point(static_cast<int>(cell) - 1, static_cast<int>(cell) - 1),
+      cv::rectangle(canvas, corner,
+                    corner + cv::Point(static_cast<int>(cell) - 1, static_cast<int>(cell) - 1),
                     kBack + share * (kWarm - kBack), cv::FILLED);
     }
   }
@@ -51,8 +54,8 @@ void paint_map(cv::Mat& canvas, const PilotView& view, int left, int top) {
   if (view.step.estimate.valid) {
     const geometry::Pose2& pose = view.step.estimate.pose;
     const geometry::Vector2 half(0.008 * std::cos(pose.heading_rad), 0.008 * std::sin(pose.heading_rad));
-    cv::arrowedLine(canvas, place(pose.position_m() - half), place(pose.position_m() + half), kText, 2, cv::LINE_AA, 0,
-                    0.35);
+    cv::arrowedLine(canvas, place(pose.position_m() - half), place(pose.position_m() + half), kText, 2,
+                    cv::LINE_AA, 0, 0.35);
   }
 }
 
@@ -80,9 +83,10 @@ cv::Mat paint_pilot_view(const PilotView& view) {
   paint_map(canvas, view, left, 30);
   paint_current(canvas, "x", view.drive.x() * view.max_current_A, view.max_current_A, left, 350);
   paint_current(canvas, "y", view.drive.y() * view.max_current_A, view.max_current_A, left, 394);
-  write(canvas, std::to_string(view.steps) + " steps, " + std::to_string(view.episodes) + " episodes saved", left, 438);
-  write(canvas, view.step.estimate.valid ? "needle seen" : "needle not seen: " + view.step.estimate.reason, left, 462,
-        view.step.estimate.valid ? kText : kWarm);
+  write(canvas, std::to_string(view.steps) + " steps, " + std::to_string(view.episodes) + " episodes saved",
+        left, 438);
+  write(canvas, view.step.estimate.valid ? "needle seen" : "needle not seen: " + view.step.estimate.reason,
+        left, 462, view.step.estimate.valid ? kText : kWarm);
   write(canvas, "arrows, stick: drive  + -: more, less", left, 494, kDim);
   write(canvas, "N: next episode   Esc: finish", left, 516, kDim);
   return canvas;
@@ -115,6 +119,7 @@ struct PilotWindow::State final : public control::Controller {
   void reset() override {
     next_episode = false;
     if (view.steps > 0) ++view.episodes;
+    if (quit) std::raise(SIGINT);  // ends as Ctrl-C does
   }
   geometry::Vector2 act(const task::Observation&) override {
     listen();
@@ -126,16 +131,25 @@ struct PilotWindow::State final : public control::Controller {
     SDL_Event event;
     while (SDL_PollEvent(&event) != 0) {
       if (event.type == SDL_QUIT) quit = true;
-      if (event.type == SDL_CONTROLLERDEVICEREMOVED && by_gamepad) quit = true;  // nobody holds the drive any more
+      if (event.type == SDL_CONTROLLERDEVICEREMOVED && by_gamepad)
+        quit = true;  // nobody holds the drive any more
       if (event.type == SDL_CONTROLLERBUTTONDOWN && event.cbutton.button == SDL_CONTROLLER_BUTTON_A)
         next_episode = true;
       if (event.type != SDL_KEYDOWN && event.type != SDL_KEYUP) continue;
       const bool down = event.type == SDL_KEYDOWN;
       switch (event.key.keysym.sym) {
-        case SDLK_LEFT: held[0] = down; break;
-        case SDLK_RIGHT: held[1] = down; break;
-        case SDLK_DOWN: held[2] = down; break;
-        case SDLK_UP: held[3] = down; break;
+        case SDLK_LEFT:
+          held[0] = down;
+          break;
+        case SDLK_RIGHT:
+          held[1] = down;
+          break;
+        case SDLK_DOWN:
+          held[2] = down;
+          break;
+        case SDLK_UP:
+          held[3] = down;
+          break;
         case SDLK_PLUS:
         case SDLK_KP_PLUS:
         case SDLK_EQUALS:
@@ -145,9 +159,14 @@ struct PilotWindow::State final : public control::Controller {
         case SDLK_KP_MINUS:
           if (down) strength = std::max(0.1, strength - 0.1);
           break;
-        case SDLK_n: next_episode = next_episode || down; break;
-        case SDLK_ESCAPE: quit = quit || down; break;
-        default: break;
+        case SDLK_n:
+          next_episode = next_episode || down;
+          break;
+        case SDLK_ESCAPE:
+          quit = quit || down;
+          break;
+        default:
+          break;
       }
     }
     view.drive = geometry::Vector2(strength * (held[1] - held[0]), strength * (held[3] - held[2]));
@@ -158,7 +177,7 @@ struct PilotWindow::State final : public control::Controller {
       };
       view.drive = geometry::Vector2(axis(SDL_CONTROLLER_AXIS_LEFTX), -axis(SDL_CONTROLLER_AXIS_LEFTY));
     }
-    if (quit) std::raise(SIGINT);  // ends as Ctrl-C does: what is finished is saved
+    next_episode = next_episode || quit;  // what was driven so far is saved first
   }
 
   void show(const control::StepRecord& step) {
@@ -166,11 +185,14 @@ struct PilotWindow::State final : public control::Controller {
     ++view.steps;
     if (step.estimate.valid) {
       const auto cell = [&](double at_m) {
-        return std::clamp(static_cast<int>((at_m / view.dish_radius_m + 1.0) * 0.5 * kPilotGrid), 0, kPilotGrid - 1);
+        return std::clamp(static_cast<int>((at_m / view.dish_radius_m + 1.0) * 0.5 * kPilotGrid), 0,
+                          kPilotGrid - 1);
       };
-      ++view.visits[static_cast<std::size_t>(cell(step.estimate.pose.y_m) * kPilotGrid + cell(step.estimate.pose.x_m))];
+      ++view.visits[static_cast<std::size_t>(cell(step.estimate.pose.y_m) * kPilotGrid +
+                                             cell(step.estimate.pose.x_m))];
     }
-    view.picture = bench != nullptr && bench->camera() != nullptr ? bench->camera()->frame().image : cv::Mat();
+    view.picture =
+        bench != nullptr && bench->camera() != nullptr ? bench->camera()->frame().image : cv::Mat();
     const cv::Mat canvas = paint_pilot_view(view);
     SDL_UpdateTexture(texture, nullptr, canvas.data, static_cast<int>(canvas.step));
     SDL_RenderCopy(renderer, texture, nullptr, nullptr);
@@ -193,7 +215,8 @@ PilotWindow::PilotWindow(const std::string& by, double max_current_A, double dis
     for (int i = 0; i < SDL_NumJoysticks() && state.gamepad == nullptr; ++i)
       if (SDL_IsGameController(i) == SDL_TRUE) state.gamepad = SDL_GameControllerOpen(i);
     if (state.gamepad == nullptr)
-      throw common::HardwareError("collect --by gamepad: no gamepad was found; connect one, or use --by keyboard");
+      throw common::HardwareError(
+          "collect --by gamepad: no gamepad was found; connect one, or use --by keyboard");
   }
   state.window = SDL_CreateWindow("lodestone collect", SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, kWidth,
                                   kHeight, SDL_WINDOW_SHOWN);
@@ -201,7 +224,8 @@ PilotWindow::PilotWindow(const std::string& by, double max_current_A, double dis
   state.renderer = SDL_CreateRenderer(state.window, -1, 0);
   if (state.renderer == nullptr) state.renderer = SDL_CreateRenderer(state.window, -1, SDL_RENDERER_SOFTWARE);
   if (state.renderer == nullptr) State::fail("nothing draws into the window");
-  state.texture = SDL_CreateTexture(state.renderer, SDL_PIXELFORMAT_BGR24, SDL_TEXTUREACCESS_STREAMING, kWidth, kHeight);
+  state.texture =
+      SDL_CreateTexture(state.renderer, SDL_PIXELFORMAT_BGR24, SDL_TEXTUREACCESS_STREAMING, kWidth, kHeight);
   if (state.texture == nullptr) State::fail("no texture");
 }
 

@@ -51,7 +51,8 @@ void field(const FieldOptions& options) {
 void add_rig(CLI::App& program, ConfigCatalogue& catalogue) {
   catalogue["rig"] = [] { return common::describe_config<RigConfig>(); };
   catalogue["rig check"] = [] { return describe_bench_config(); };
-  CLI::App* verb = program.add_subcommand("rig", "look at the rig itself: its field, its wiring, or an emulated one");
+  CLI::App* verb =
+      program.add_subcommand("rig", "look at the rig itself: its field, its wiring, or an emulated one");
   verb->require_subcommand(1);
   add_rig_check(*verb);
   add_rig_emulate(*verb);

@@ -52,7 +52,9 @@ struct CheckOptions {
   bool no_camera = false;
 };
 
-void print_line(const char* what, const std::string& found) { std::printf("%-22s %s\n", what, found.c_str()); }
+void print_line(const char* what, const std::string& found) {
+  std::printf("%-22s %s\n", what, found.c_str());
+}
 
 std::string number(double value, const char* unit, int digits = 1) {
   char text[48];
@@ -82,13 +84,15 @@ class Onlooker {
     }
     camera_ = rig::open_camera(config.rig.camera);
     const imaging::Frame frame = camera_->grab(2.0);
-    print_line("camera", std::to_string(frame.image.cols) + " x " + std::to_string(frame.image.rows) + " pixels");
+    print_line("camera",
+               std::to_string(frame.image.cols) + " x " + std::to_string(frame.image.rows) + " pixels");
     control::SensingConfig sensor = config.sensor;
     choose_segmenter(sensor);
     std::optional<imaging::Calibration> calibration;
     if (!sensor.calibration.empty()) calibration = imaging::read_calibration(sensor.calibration);
     sensor_.emplace(*camera_, vision::Segmenter::load(sensor.segmenter),
-                    rig::bench_of(config.rig, sensor.scene.bench), sensor.scene.lens, sensor.camera, calibration);
+                    rig::bench_of(config.rig, sensor.scene.bench), sensor.scene.lens, sensor.camera,
+                    calibration);
     const control::PoseEstimate seen = sensor_->observe();
     print_line("needle", seen.valid ? "seen at x " + number(1e3 * seen.pose.x_m, "mm") + ", y " +
                                           number(1e3 * seen.pose.y_m, "mm") + ", heading " +
@@ -109,8 +113,9 @@ class Onlooker {
 
 void check_emergency_stop(rig::SerialCoils& coils, bool yes) {
   if (coils.state().emergency_stop)
-    throw common::HardwareError("the emergency stop is open: release the switch, or connect pin 22 of the Arduino to "
-                                "ground through it; then `lodestone rig check --clear`");
+    throw common::HardwareError(
+        "the emergency stop is open: release the switch, or connect pin 22 of the Arduino to "
+        "ground through it; then `lodestone rig check --clear`");
   if (yes || !has_operator()) {
     print_line("emergency stop", "closed (press it and look again to test it)");
     return;
@@ -119,7 +124,8 @@ void check_emergency_stop(rig::SerialCoils& coils, bool yes) {
   std::fflush(stdout);
   for (int i = 0; i < 200 && !coils.state().emergency_stop; ++i) rest(0.1);
   if (!coils.state().emergency_stop)
-    throw common::HardwareError("the emergency stop was not seen to open: is it wired to pin 22 of the Arduino?");
+    throw common::HardwareError(
+        "the emergency stop was not seen to open: is it wired to pin 22 of the Arduino?");
   std::printf("- opened; release it ");
   std::fflush(stdout);
   for (int i = 0; i < 600 && coils.state().emergency_stop; ++i) rest(0.1);
@@ -153,7 +159,12 @@ bool check_coil(const BenchConfig& config, rig::SerialCoils& coils, control::Saf
   bool good = std::abs(largest_A - config.test_current_A) < 0.1 * config.test_current_A;
   if (!good) line += " - NOT what was asked";
   const std::optional<geometry::Pose2> after = onlooker.look();
-  const geometry::Vector2 towards(coil == 0 ? 1.0 : coil == 1 ? -1.0 : 0.0, coil == 2 ? 1.0 : coil == 3 ? -1.0 : 0.0);
+  const geometry::Vector2 towards(coil == 0   ? 1.0
+                                  : coil == 1 ? -1.0
+                                              : 0.0,
+                                  coil == 2   ? 1.0
+                                  : coil == 3 ? -1.0
+                                              : 0.0);
   if (before && after) {
     const auto along = [&](const geometry::Pose2& pose) {
       return std::cos(pose.heading_rad) * towards.x() + std::sin(pose.heading_rad) * towards.y();
@@ -167,7 +178,8 @@ bool check_coil(const BenchConfig& config, rig::SerialCoils& coils, control::Saf
       line += ", the needle did not turn far enough to tell its polarity";
     }
   } else if (has_operator() && !yes &&
-             !confirm("did the needle's taped end turn towards coil " + std::string(kCoilNames[coil]) + "?", false)) {
+             !confirm("did the needle's taped end turn towards coil " + std::string(kCoilNames[coil]) + "?",
+                      false)) {
     line += ", reversed or swapped: set rig.serial.polarity of this coil to -1, or swap the leads";
     good = false;
   }
@@ -227,12 +239,12 @@ void calibrate_coils(const CheckOptions& options) {
   common::Json inductance = common::Json::array();
   std::printf("%-8s %10s %10s %10s %12s\n", "coil", "R ohm", "L mH", "L/R ms", "residual A");
   for (int coil = 0; coil < rig::kCoilCount; ++coil) {
-    if (!confirm(std::string("measure coil ") + kCoilNames[coil] + "? It gets " + std::to_string(config.pulses) +
-                     " pulses of " + number(config.test_current_A, "A") + ".",
+    if (!confirm(std::string("measure coil ") + kCoilNames[coil] + "? It gets " +
+                     std::to_string(config.pulses) + " pulses of " + number(config.test_current_A, "A") + ".",
                  options.yes))
       throw common::Interrupted("calibrate coils: stopped; nothing was written");
-    const rig::CoilMeasurement found = rig::measure_coil(coils, guarded, coil, config.test_current_A,
-                                                         static_cast<int>(config.pulses), rest);
+    const rig::CoilMeasurement found =
+        rig::measure_coil(coils, guarded, coil, config.test_current_A, static_cast<int>(config.pulses), rest);
     std::printf("%-8s %10.3f %10.2f %10.2f %12.3f\n", kCoilNames[coil], found.resistance_ohm,
                 1e3 * found.inductance_H(), 1e3 * found.time_constant_s, found.rms_A);
     resistance.push_back(found.resistance_ohm);
@@ -242,10 +254,12 @@ void calibrate_coils(const CheckOptions& options) {
   common::Json serial = {{"resistance_ohm", resistance},
                          {"inductance_H", inductance},
                          {"resistance_at_C", config.safety.thermal.ambient_C}};
-  common::write_file_atomically(options.common.out, common::Json({{"rig", {{"serial", serial}}}}).dump(1) + "\n");
-  std::printf("wrote %s: copy rig.serial into the bench's configuration. The coils counted as %.0f C warm "
-              "(safety.thermal.ambient_C).\n",
-              options.common.out.c_str(), config.safety.thermal.ambient_C);
+  common::write_file_atomically(options.common.out,
+                                common::Json({{"rig", {{"serial", serial}}}}).dump(1) + "\n");
+  std::printf(
+      "wrote %s: copy rig.serial into the bench's configuration. The coils counted as %.0f C warm "
+      "(safety.thermal.ambient_C).\n",
+      options.common.out.c_str(), config.safety.thermal.ambient_C);
 }
 
 void emulate(const CheckOptions& options) {
@@ -265,10 +279,11 @@ void emulate(const CheckOptions& options) {
                      {"pixel_format", "RGB8"},
                      {"width_px", renderer->scene().camera.width_px},
                      {"height_px", renderer->scene().camera.height_px},
-                     {"frame_rate_hz", 15.0}};
+                     {"frame_rate_hz", 20.0}};
   const std::string json = common::Json({{"rig", rig}}).dump(1);
-  std::printf("emulated bench: give this configuration to deploy, collect, rig check or calibrate coils\n%s\n",
-              json.c_str());
+  std::printf(
+      "emulated bench: give this configuration to deploy, collect, rig check or calibrate coils\n%s\n",
+      json.c_str());
   std::fflush(stdout);
   if (!options.common.out.empty()) common::write_file_atomically(options.common.out, json + "\n");
   common::log_info("it runs until Ctrl-C");
@@ -310,7 +325,8 @@ void add_rig_emulate(CLI::App& rig) {
 }
 
 void add_calibrate_coils(CLI::App& calibrate) {
-  CLI::App* verb = calibrate.add_subcommand("coils", "measure resistance and inductance of the coils of a real bench");
+  CLI::App* verb =
+      calibrate.add_subcommand("coils", "measure resistance and inductance of the coils of a real bench");
   auto options = std::make_shared<CheckOptions>();
   add_bench_options(*verb, *options, true);
   verb->callback([options] { calibrate_coils(*options); });

@@ -70,10 +70,10 @@ struct Coils {
 
   bool pulsing;
   uint16_t pulses;
-  uint32_t pulse_us;  /* when it began */
+  uint32_t pulse_us; /* when it began */
   uint32_t length_us;
   int16_t target_mA[kCoils];
-  int16_t duty[kCoils];       /* wanted */
+  int16_t duty[kCoils];        /* wanted */
   uint32_t changed_us[kCoils]; /* when the wanted duty was last changed */
   uint32_t duty_level[kCoils]; /* leaky count of on-time, 1/1000 ms */
   int16_t current_mA[kCoils];

@@ -14,8 +14,8 @@ namespace wire {
 
 enum {
   kProtocolVersion = 1,
-  kCoils = 4,          /* +x, -x, +y, -y */
-  kMaxBody = 120,      /* bytes of a message after type and sequence number */
+  kCoils = 4,            /* +x, -x, +y, -y */
+  kMaxBody = 120,        /* bytes of a message after type and sequence number */
   kOverhead = 1 + 2 + 4, /* type, sequence number, checksum */
   kMaxMessage = kMaxBody + kOverhead,
   kMaxFrame = kMaxMessage + 3, /* delimiters before and after, one code byte (messages are below 254 bytes) */
@@ -75,28 +75,28 @@ enum StateBit {
 
 /* Sizes of the bodies. */
 enum {
-  kHelloBody = 5,           /* version u8, session u32 */
-  kHelloReplyBody = 12,     /* version u8, firmware major, minor, patch u8, reset cause u8, faults u16,
-                               largest current mA u16, longest pulse ms u16, controllers u8 */
-  kConfigureBody = 22,      /* struct CoilLimits, in order */
+  kHelloBody = 5,              /* version u8, session u32 */
+  kHelloReplyBody = 12,        /* version u8, firmware major, minor, patch u8, reset cause u8, faults u16,
+                                  largest current mA u16, longest pulse ms u16, controllers u8 */
+  kConfigureBody = 22,         /* struct CoilLimits, in order */
   kPulseBody = 2 * kCoils + 2, /* currents mA i16 x 4, length ms u16 */
-  kPulseReplyBody = 2,      /* pulses fired u16 */
-  kStatusReplyBody = 37,    /* struct CoilState, in order */
-  kTraceSampleBody = 4,     /* 0.1 ms since the pulse began u16, current mA i16; the body begins with
-                               the coil u8 and the number of samples u8 */
-  kRefusedBodySize = 4,     /* type refused u8, RefusalReason u8, detail u16 */
+  kPulseReplyBody = 2,         /* pulses fired u16 */
+  kStatusReplyBody = 37,       /* struct CoilState, in order */
+  kTraceSampleBody = 4,        /* 0.1 ms since the pulse began u16, current mA i16; the body begins with
+                                  the coil u8 and the number of samples u8 */
+  kRefusedBodySize = 4,        /* type refused u8, RefusalReason u8, detail u16 */
 };
 
 /* CONFIGURE: what the firmware watches. */
 struct CoilLimits {
   uint16_t max_current_mA;
   uint16_t max_pulse_ms;
-  uint16_t max_duty_permille;  /* share of time that a coil may be on, */
-  uint16_t duty_window_ms;     /* over about this time */
-  uint16_t min_supply_dV;      /* 0.1 V */
-  uint16_t max_board_dC;       /* 0.1 C */
-  uint16_t resistance_mohm[kCoils];   /* of the cold coils */
-  uint16_t max_resistance_permille;   /* of the cold resistance: how a coil that is too hot is known */
+  uint16_t max_duty_permille;       /* share of time that a coil may be on, */
+  uint16_t duty_window_ms;          /* over about this time */
+  uint16_t min_supply_dV;           /* 0.1 V */
+  uint16_t max_board_dC;            /* 0.1 C */
+  uint16_t resistance_mohm[kCoils]; /* of the cold coils */
+  uint16_t max_resistance_permille; /* of the cold resistance: how a coil that is too hot is known */
 };
 
 /* STATUS reply. */
@@ -151,7 +151,8 @@ struct Message {
   uint8_t body[kMaxBody];
 };
 
-/* Writes a frame of at most kMaxFrame bytes: 0, the stuffed message (no zero in it), 0. Returns its length. */
+/* Writes a frame of at most kMaxFrame bytes: 0, the stuffed message (no zero in it), 0. Returns its length.
+ */
 static inline uint8_t encode_frame(const struct Message* message, uint8_t* frame) {
   uint8_t raw[kMaxMessage];
   uint8_t* end = put_u16(put_u8(raw, message->type), message->sequence);
@@ -209,8 +210,7 @@ static inline bool decode_byte(struct FrameDecoder* decoder, uint8_t byte, struc
     at = (uint8_t)(at + code);
     if (at < length) raw[count++] = 0;
   }
-  good = good && count >= kOverhead &&
-         get_u32(raw + count - 4) == message_crc(raw, (uint8_t)(count - 4));
+  good = good && count >= kOverhead && get_u32(raw + count - 4) == message_crc(raw, (uint8_t)(count - 4));
   if (!good) {
     ++decoder->rejected;
     return false;

@@ -12,8 +12,8 @@ enum RoboClawCommand {
   kReadCurrents = 49,    /* i16, i16, 10 mA */
   kSetDutyRampM1 = 68,   /* u32, duty counts per second */
   kSetDutyRampM2 = 69,
-  kReadTemperature = 82, /* u16, 0.1 C */
-  kReadStatus = 90,      /* u32 */
+  kReadTemperature = 82,  /* u16, 0.1 C */
+  kReadStatus = 90,       /* u32 */
   kSetMaxCurrentM1 = 133, /* u32, u32, 10 mA */
   kSetMaxCurrentM2 = 134,
 };

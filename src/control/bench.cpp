@@ -50,7 +50,8 @@ class VirtualBench final : public Bench {
 
 class RealBench final : public Bench {
  public:
-  RealBench(const rig::RigConfig& rig, const SensingConfig& sensing, const SafetyConfig& safety, AskOperator ask)
+  RealBench(const rig::RigConfig& rig, const SensingConfig& sensing, const SafetyConfig& safety,
+            AskOperator ask)
       : rig_(rig), ask_(std::move(ask)) {
     if (sensing.kind != "camera")
       throw common::ConfigError("sensor.kind = \"" + sensing.kind +
@@ -59,8 +60,8 @@ class RealBench final : public Bench {
     std::optional<imaging::Calibration> calibration;
     if (!sensing.calibration.empty()) calibration = imaging::read_calibration(sensing.calibration);
     camera_ = rig::open_camera(rig.camera);
-    sensor_.emplace(*camera_, segmenter, rig::bench_of(rig, sensing.scene.bench), sensing.scene.lens, sensing.camera,
-                    calibration);
+    sensor_.emplace(*camera_, segmenter, rig::bench_of(rig, sensing.scene.bench), sensing.scene.lens,
+                    sensing.camera, calibration);
     device_ = std::make_unique<rig::SerialCoils>(rig.serial);
     coils_.emplace(*device_, safety, clock_, SafetySupervisor::Poses::kRequired, true);
   }

@@ -12,7 +12,8 @@ namespace {
 /// No target, only an end: after some steps, or when something says so.
 class UntilOver final : public Reference {
  public:
-  UntilOver(std::function<bool()> over, double duration_s) : over_(std::move(over)), duration_s_(duration_s) {}
+  UntilOver(std::function<bool()> over, double duration_s)
+      : over_(std::move(over)), duration_s_(duration_s) {}
   void reset() override {}
   geometry::Vector2 target(double, const geometry::Vector2&) override { return geometry::Vector2::Zero(); }
   bool finished(double time_s) const override { return over_() || time_s >= duration_s_; }
@@ -79,8 +80,8 @@ std::unique_ptr<Bench> make_exploration_bench(const CollectionConfig& config, st
 Collection::Collection(const CollectionConfig& config, std::int64_t session)
     : Collection(config, make_exploration_bench(config, session), std::nullopt, session) {}
 
-Collection::Collection(const CollectionConfig& config, std::unique_ptr<Bench> bench, std::optional<Pilot> pilot,
-                       std::int64_t session)
+Collection::Collection(const CollectionConfig& config, std::unique_ptr<Bench> bench,
+                       std::optional<Pilot> pilot, std::int64_t session)
     : config_(config),
       bench_(std::move(bench)),
       pilot_(std::move(pilot)),
@@ -94,12 +95,14 @@ data::Episode Collection::next_episode(std::int64_t max_steps) {
   for (int attempts = 0; attempts < 1000; ++attempts) {
     bench_->lay(explorer_.next_start([this](const geometry::Pose2& pose) { return bench_->fits(pose); }));
     // Half a period less, as the loop counts time in sums of periods.
-    UntilOver reference(pilot_ ? pilot_->episode_over : [this] { return explorer_.stuck(); },
-                        (static_cast<double>(max_steps) - 0.5) * config_.loop.period_s());
+    UntilOver reference(
+        pilot_ ? pilot_->episode_over : [this] { return explorer_.stuck(); },
+        (static_cast<double>(max_steps) - 0.5) * config_.loop.period_s());
     const task::ActionConfig action = action_config(config_);
     ControlLoop loop(loop_config(config_), action, bench_->coils(), bench_->sensor(), bench_->clock());
     Controller& controller = pilot_ ? *pilot_->controller : explorer_;
-    const LoopOutcome outcome = loop.run(controller, reference, pilot_ ? pilot_->watch : ControlLoop::Observer());
+    const LoopOutcome outcome =
+        loop.run(controller, reference, pilot_ ? pilot_->watch : ControlLoop::Observer());
     if (common::interrupted()) throw common::Interrupted("collection stopped by the user");
     const bool latched = bench_->coils().latched();
     const bool lost = !latched && !outcome.steps.empty() && !outcome.steps.back().estimate.valid;
@@ -124,9 +127,7 @@ data::Episode Collection::next_episode(std::int64_t max_steps) {
   throw common::HardwareError("collection stopped: the sensor gave no two poses in a row in 1000 attempts");
 }
 
-common::Json Collection::save() const {
-  return {{"bench", bench_->save()}, {"explorer", explorer_.save()}};
-}
+common::Json Collection::save() const { return {{"bench", bench_->save()}, {"explorer", explorer_.save()}}; }
 
 void Collection::restore(const common::Json& state) {
   try {

@@ -20,7 +20,8 @@ struct OperatorStop::Terminal {
   bool key() const {
     pollfd watched{STDIN_FILENO, POLLIN, 0};
     char pressed = 0;
-    return poll(&watched, 1, 0) == 1 && (watched.revents & POLLIN) != 0 && read(STDIN_FILENO, &pressed, 1) == 1;
+    return poll(&watched, 1, 0) == 1 && (watched.revents & POLLIN) != 0 &&
+           read(STDIN_FILENO, &pressed, 1) == 1;
   }
   termios before{};
 };

@@ -68,7 +68,8 @@ void SafetySupervisor::observe(const PoseEstimate& estimate) {
   const double now_s = clock_.now_s();
   const double age_s = now_s - estimate.stamp_s;
   if (!(std::abs(age_s) <= config_.max_pose_age_s))
-    latch(line("the pose is ", age_s, " s old, limit is ", config_.max_pose_age_s, " s: has the camera stalled, or was a clock set?"));
+    latch(line("the pose is ", age_s, " s old, limit is ", config_.max_pose_age_s,
+               " s: has the camera stalled, or was a clock set?"));
   if (had_pose_ && now_s > seen_s_ && !(estimate.stamp_s > pose_stamp_s_))
     latch("the sensor gave the same pose, or an older one, again: has the camera stalled?");
   const double distance_m = estimate.pose.position_m().norm();
@@ -141,8 +142,9 @@ void SafetySupervisor::check_status() {
       temperature_known_[coil] = true;
       thermal_.set_temperature_C(static_cast<int>(coil), measured_C);
     } else if (std::abs(measured_C - expected_C) > config_.temperature_tolerance_K) {
-      latch(line("coil ", kCoilNames[coil], " measures ", measured_C, " C where its pulses explain ", expected_C,
-                 " C: check its wires and the supply, or measure the coils again (lodestone calibrate coils)"));
+      latch(line(
+          "coil ", kCoilNames[coil], " measures ", measured_C, " C where its pulses explain ", expected_C,
+          " C: check its wires and the supply, or measure the coils again (lodestone calibrate coils)"));
     }
   }
 }
@@ -150,10 +152,12 @@ void SafetySupervisor::check_status() {
 void SafetySupervisor::check_duty(const rig::CoilPulse& pulse) {
   for (std::size_t coil = 0; coil < on_level_s_.size(); ++coil) {
     if (pulse.current_A[coil] == 0.0) continue;
-    if (on_level_s_[coil] + (1.0 - config_.max_duty) * pulse.duration_s > config_.max_duty * config_.duty_window_s)
+    if (on_level_s_[coil] + (1.0 - config_.max_duty) * pulse.duration_s >
+        config_.max_duty * config_.duty_window_s)
       latch(line("coil ", kCoilNames[coil], " would be on for more than ", 100.0 * config_.max_duty,
                  " % of the time over ", config_.duty_window_s, " s"));
-    const double hot_C = thermal_.after_pulse_C(static_cast<int>(coil), pulse.current_A[coil], pulse.duration_s);
+    const double hot_C =
+        thermal_.after_pulse_C(static_cast<int>(coil), pulse.current_A[coil], pulse.duration_s);
     if (!(hot_C <= config_.max_temperature_C))
       latch(line("this pulse would heat coil ", kCoilNames[coil], " to ", hot_C, " C, limit is ",
                  config_.max_temperature_C, " C"));
@@ -163,7 +167,8 @@ void SafetySupervisor::check_duty(const rig::CoilPulse& pulse) {
 void SafetySupervisor::apply(const rig::CoilPulse& pulse) {
   refuse_if_latched();
   check_operator();
-  if (poses_ == Poses::kRequired && !has_pose_) latch("a pulse was asked for, but nobody has seen the needle since the last");
+  if (poses_ == Poses::kRequired && !has_pose_)
+    latch("a pulse was asked for, but nobody has seen the needle since the last");
   const double now_s = clock_.now_s();
   settle_last_pulse(now_s);
   const rig::CoilPulse safe = within_limits(pulse);

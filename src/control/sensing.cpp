@@ -12,8 +12,8 @@ RigSensor::RigSensor(rig::VirtualRig& rig, const SensingConfig& config,
     by_camera_.emplace(*camera_, std::move(segmenter), config.scene.bench, config.scene.lens, config.camera,
                        bench.calibration);
   } else {
-    simulated_.emplace([&rig] { return rig.true_pose(); }, clock != nullptr ? *clock : rig.clock(), config.simulated,
-                       draw_calibration_error(config.simulated, bench.seed), noise);
+    simulated_.emplace([&rig] { return rig.true_pose(); }, clock != nullptr ? *clock : rig.clock(),
+                       config.simulated, draw_calibration_error(config.simulated, bench.seed), noise);
   }
 }
 

@@ -28,7 +28,8 @@ double ThermalModel::after_pulse_C(int coil, double current_A, double duration_s
   return relaxed(temperature_C_[static_cast<std::size_t>(coil)], power_W(coil, current_A), duration_s);
 }
 
-void ThermalModel::advance(const std::array<double, rig::kCoilCount>& current_A, double on_s, double total_s) {
+void ThermalModel::advance(const std::array<double, rig::kCoilCount>& current_A, double on_s,
+                           double total_s) {
   for (std::size_t i = 0; i < temperature_C_.size(); ++i) {
     temperature_C_[i] = after_pulse_C(static_cast<int>(i), current_A[i], on_s);
     temperature_C_[i] = relaxed(temperature_C_[i], 0.0, total_s - on_s);

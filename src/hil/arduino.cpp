@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::uint32_t kFrequency_Hz = 16000000;
 constexpr avr_cycle_count_t kLongestRun = 400;  // cycles between two looks at the clock: 25 us
-constexpr int kEmergencyPin = 0;  // PA0, pin 22 of an Arduino Mega
+constexpr int kEmergencyPin = 0;                // PA0, pin 22 of an Arduino Mega
 constexpr std::array<std::uint8_t, 2> kEndlessLoop = {0xff, 0xcf};  // rjmp to itself
 
 void no_sleep(avr_t*, avr_cycle_count_t) {}

@@ -24,7 +24,8 @@ constexpr double kFlowing_A = 0.1;  // more than this in a coil is current
 constexpr double kDrive_A = 5.0;
 constexpr double kLineDown_s = 1.5;
 constexpr double kHeldPulse_s = 4.0;
-constexpr const char* kFirstBeyondDevice = "camera stalls";  // from here on the list is about camera, needle and PC
+constexpr const char* kFirstBeyondDevice =
+    "camera stalls";  // from here on the list is about camera, needle and PC
 
 /// Looks at the needle as a good localiser would, or fails as a camera can.
 class DrillSensor final : public control::PoseSensor {
@@ -105,7 +106,9 @@ struct Chain {
         record(folder + "/record.csv") {
     serial.max_pulse_s = 0.5;
     action.scale = kDrive_A;
-    bench.watch = [this](double now_s, const std::array<double, rig::kCoilCount>& current_A) { watch(now_s, current_A); };
+    bench.watch = [this](double now_s, const std::array<double, rig::kCoilCount>& current_A) {
+      watch(now_s, current_A);
+    };
   }
 
   void start_anew() {
@@ -230,7 +233,8 @@ std::vector<FaultKind> make_faults() {
   };
   const auto nothing = [](Chain&) {};
   return {
-      {"garbage bytes to the firmware", false, [](Chain& c) { c.bench.inject_to_device(noise(200, 1)); }, nothing},
+      {"garbage bytes to the firmware", false, [](Chain& c) { c.bench.inject_to_device(noise(200, 1)); },
+       nothing},
       {"garbage bytes to the PC", false, [](Chain& c) { c.bench.inject_to_host(noise(200, 2)); }, nothing},
       {"truncated frame", false,
        [](Chain& c) {
@@ -246,7 +250,8 @@ std::vector<FaultKind> make_faults() {
        },
        no_filters},
       {"lost acknowledgement", false,
-       [](Chain& c) { c.bench.to_host_filter = per_byte(2, [](int, std::uint8_t&) { return false; }); }, no_filters},
+       [](Chain& c) { c.bench.to_host_filter = per_byte(2, [](int, std::uint8_t&) { return false; }); },
+       no_filters},
       {"duplicated acknowledgement", false,
        [](Chain& c) {
          auto seen = std::make_shared<std::vector<std::uint8_t>>();
@@ -310,14 +315,16 @@ std::vector<FaultKind> make_faults() {
        [](Chain& c) { c.bench.set_supply_V(34.0); }},
       {"emergency stop", true, [](Chain& c) { c.bench.arduino().set_emergency_stop(true); },
        [](Chain& c) { c.bench.arduino().set_emergency_stop(false); }},
-      {"camera stalls", true, [](Chain& c) { c.sensor.stalled = true; }, [](Chain& c) { c.sensor.stalled = false; }},
+      {"camera stalls", true, [](Chain& c) { c.sensor.stalled = true; },
+       [](Chain& c) { c.sensor.stalled = false; }},
       {"camera shows an old frame", true, [](Chain& c) { c.sensor.old_frame = true; },
        [](Chain& c) { c.sensor.old_frame = false; }},
       {"needle leaves the view", true, [](Chain& c) { c.sensor.needle_gone = true; },
        [](Chain& c) { c.sensor.needle_gone = false; }},
       {"needle seen outside the fence", true, [](Chain& c) { c.sensor.needle_outside = true; },
        [](Chain& c) { c.sensor.needle_outside = false; }},
-      {"disk full", true, [](Chain& c) { c.record.disk_full = true; }, [](Chain& c) { c.record.disk_full = false; }},
+      {"disk full", true, [](Chain& c) { c.record.disk_full = true; },
+       [](Chain& c) { c.record.disk_full = false; }},
       {"clock jumps forward", true, [](Chain& c) { c.sensor.stamp_error_s = -3600.0; }, nothing},
       {"clock jumps back", true, [](Chain& c) { c.sensor.stamp_error_s = 3600.0; }, nothing},
   };
@@ -329,8 +336,8 @@ const std::vector<FaultKind>& faults() {
 }
 
 const FaultKind& kind_of(const std::string& fault) {
-  const auto kind =
-      std::find_if(faults().begin(), faults().end(), [&](const FaultKind& each) { return each.name == fault; });
+  const auto kind = std::find_if(faults().begin(), faults().end(),
+                                 [&](const FaultKind& each) { return each.name == fault; });
   LODESTONE_CHECK(kind != faults().end(), "a fault of the list, not '" + fault + "'");
   return *kind;
 }
@@ -347,12 +354,13 @@ DrillResult run_with(Chain& chain, const FaultKind* kind, double duration_s) {
   control::PointReference reference({0.0, 0.0}, duration_s);
   control::ControlLoop loop(chain.timing, chain.action, *chain.supervisor, chain.sensor, chain.clock);
   {
-    const control::LoopOutcome outcome = loop.run(chain.controller, reference, [&](const control::StepRecord& step) {
-      chain.tend();
-      chain.record.write(step);
-      ++result.steps;
-      if (step.estimate.valid && !step.last) ++result.asked;
-    });
+    const control::LoopOutcome outcome =
+        loop.run(chain.controller, reference, [&](const control::StepRecord& step) {
+          chain.tend();
+          chain.record.write(step);
+          ++result.steps;
+          if (step.estimate.valid && !step.last) ++result.asked;
+        });
     result.stopped = !outcome.completed;
     result.reason = chain.host_dead ? "the PC was killed" : outcome.stop_reason;
   }
@@ -376,7 +384,8 @@ DrillResult run_with(Chain& chain, const FaultKind* kind, double duration_s) {
     result.pulses = (chain.coils->state().pulses - fired + 65536) % 65536;
     if (result.pulses != result.asked) broken("pulses were lost or fired twice");
     if (result.reason.empty())
-      result.reason = "ridden out, " + std::to_string(chain.coils->repeats() - repeats) + " requests repeated";
+      result.reason =
+          "ridden out, " + std::to_string(chain.coils->repeats() - repeats) + " requests repeated";
   }
   return result;
 }
@@ -419,8 +428,8 @@ DrillResult drill_held(const std::string& fault, std::uint64_t seed, const std::
   const FaultKind& kind = kind_of(fault);
   Chain chain(seed, folder);
   chain.serial.max_pulse_s = kHeldPulse_s;
-  chain.coils =
-      std::make_unique<rig::SerialCoils>(chain.serial, [&chain] { return std::make_unique<DrillPort>(chain); });
+  chain.coils = std::make_unique<rig::SerialCoils>(chain.serial,
+                                                   [&chain] { return std::make_unique<DrillPort>(chain); });
   chain.strike_at_s = chain.bench.now_s() + 1.0;
   chain.strike = kind.strike;
   DrillResult result;
@@ -462,8 +471,8 @@ DrillResult drill_held(const std::string& fault, std::uint64_t seed, const std::
 DrillResult drill(const std::string& fault, std::uint64_t seed, const std::string& folder) {
   const FaultKind& kind = kind_of(fault);
   Chain chain(seed, folder);
-  chain.coils =
-      std::make_unique<rig::SerialCoils>(chain.serial, [&chain] { return std::make_unique<DrillPort>(chain); });
+  chain.coils = std::make_unique<rig::SerialCoils>(chain.serial,
+                                                   [&chain] { return std::make_unique<DrillPort>(chain); });
   chain.start_anew();
   chain.strike_at_s = chain.bench.now_s() + 2.0;
   return run_with(chain, &kind, 6.0);
@@ -471,8 +480,8 @@ DrillResult drill(const std::string& fault, std::uint64_t seed, const std::strin
 
 HourReport drill_hour(std::int64_t pulses, std::uint64_t seed, const std::string& folder) {
   Chain chain(seed, folder);
-  chain.coils =
-      std::make_unique<rig::SerialCoils>(chain.serial, [&chain] { return std::make_unique<DrillPort>(chain); });
+  chain.coils = std::make_unique<rig::SerialCoils>(chain.serial,
+                                                   [&chain] { return std::make_unique<DrillPort>(chain); });
   chain.start_anew();
   common::RandomStream random(seed, "drill/hour");
   HourReport report;

@@ -33,8 +33,12 @@ EmulatedBench::EmulatedBench(rig::VirtualRig& rig)
   short_.fill(1.0);
   set_supply_V(rig.config().circuit.supply_V);
   arduino_ = std::make_unique<Arduino>(
-      [this](std::uint8_t byte) { to_host_.push_back({byte, arduino_->now_s() + start_s_ + kByte_s}); },
-      [this](std::uint8_t byte) { to_controllers_.push_back({byte, arduino_->now_s() + start_s_ + kByte_s}); });
+      [this](std::uint8_t byte) {
+        to_host_.push_back({byte, arduino_->now_s() + start_s_ + kByte_s});
+      },
+      [this](std::uint8_t byte) {
+        to_controllers_.push_back({byte, arduino_->now_s() + start_s_ + kByte_s});
+      });
 }
 
 EmulatedBench::~EmulatedBench() = default;

@@ -44,9 +44,11 @@ GigeCamera::GigeCamera(std::function<cv::Mat()> picture) : state_(std::make_uniq
   state_->camera = arv_gv_fake_camera_new("127.0.0.1", "LODESTONE");
   if (arv_gv_fake_camera_is_running(state_->camera) == 0) {
     g_clear_object(&state_->camera);
-    throw common::HardwareError("the emulated camera does not start: is its port (UDP 3956) in use by another one?");
+    throw common::HardwareError(
+        "the emulated camera does not start: is its port (UDP 3956) in use by another one?");
   }
-  arv_fake_camera_set_fill_pattern(arv_gv_fake_camera_get_fake_camera(state_->camera), State::paint, state_.get());
+  arv_fake_camera_set_fill_pattern(arv_gv_fake_camera_get_fake_camera(state_->camera), State::paint,
+                                   state_.get());
 }
 
 GigeCamera::~GigeCamera() { g_clear_object(&state_->camera); }

@@ -10,8 +10,9 @@ namespace lodestone::hil {
 /// A GigE Vision camera on the loopback that shows whatever it is given.
 class GigeCamera {
  public:
-  /// `picture` gives 8-bit BGR of the size asked for; it is called from the camera's thread, and an empty picture
-  /// sends the last one again. Throws HardwareError when its port (UDP 3956) is in use or Aravis is not built in.
+  /// `picture` gives 8-bit BGR of the size asked for; it is called from the camera's thread, and an empty
+  /// picture sends the last one again. Throws HardwareError when its port (UDP 3956) is in use or Aravis is
+  /// not built in.
   explicit GigeCamera(std::function<cv::Mat()> picture);
   ~GigeCamera();
   GigeCamera(const GigeCamera&) = delete;

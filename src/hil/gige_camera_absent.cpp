@@ -9,7 +9,8 @@ struct GigeCamera::State {
 
 bool GigeCamera::available() { return false; }
 GigeCamera::GigeCamera(std::function<cv::Mat()>) {
-  throw common::HardwareError("this build has no GigE Vision camera; install libaravis-dev and configure again");
+  throw common::HardwareError(
+      "this build has no GigE Vision camera; install libaravis-dev and configure again");
 }
 GigeCamera::~GigeCamera() = default;
 const std::string& GigeCamera::name() const { return state_->name; }

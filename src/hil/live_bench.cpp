@@ -88,7 +88,9 @@ LiveBench::~LiveBench() {
 }
 
 const std::string& LiveBench::port() const { return state_->line.name(); }
-const std::string& LiveBench::camera() const { return state_->camera ? state_->camera->name() : state_->no_camera; }
+const std::string& LiveBench::camera() const {
+  return state_->camera ? state_->camera->name() : state_->no_camera;
+}
 
 geometry::Pose2 LiveBench::true_pose() {
   const std::lock_guard<std::mutex> lock(state_->mutex);

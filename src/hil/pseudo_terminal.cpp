@@ -14,7 +14,8 @@
 
 namespace lodestone::hil {
 
-PseudoTerminal::PseudoTerminal() : device_(posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)), kept_(-1) {
+PseudoTerminal::PseudoTerminal()
+    : device_(posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)), kept_(-1) {
   char name[128] = "";
   const bool made = device_ >= 0 && grantpt(device_) == 0 && unlockpt(device_) == 0 &&
                     ptsname_r(device_, name, sizeof name) == 0;

@@ -30,12 +30,27 @@ std::uint16_t crc16(const std::vector<std::uint8_t>& bytes) {
 /// command this model does not know.
 int data_bytes(std::uint8_t command) {
   switch (command) {
-    case 14: return 1;
-    case 32: case 33: return 2;
-    case 34: case 68: case 69: return 4;
-    case 133: case 134: return 8;
-    case 15: case 24: case 49: case 82: case 83: case 90: return -1;
-    default: return -2;
+    case 14:
+      return 1;
+    case 32:
+    case 33:
+      return 2;
+    case 34:
+    case 68:
+    case 69:
+      return 4;
+    case 133:
+    case 134:
+      return 8;
+    case 15:
+    case 24:
+    case 49:
+    case 82:
+    case 83:
+    case 90:
+      return -1;
+    default:
+      return -2;
   }
 }
 
@@ -89,12 +104,19 @@ bool RoboClawModel::obey() {
     heard_s_ = now_s_;
     std::vector<std::uint8_t> reply;
     switch (packet_[1]) {
-      case 15: reply.push_back(static_cast<std::uint8_t>(std::lround(timeout_s_ * 10.0))); break;
-      case 24: put16(reply, std::lround(supply_V * 10.0)); break;
+      case 15:
+        reply.push_back(static_cast<std::uint8_t>(std::lround(timeout_s_ * 10.0)));
+        break;
+      case 24:
+        put16(reply, std::lround(supply_V * 10.0));
+        break;
       case 49:
         for (const double current : current_A) put16(reply, std::lround(current * 100.0));
         break;
-      case 82: case 83: put16(reply, std::lround(board_C * 10.0)); break;
+      case 82:
+      case 83:
+        put16(reply, std::lround(board_C * 10.0));
+        break;
       default:
         put16(reply, static_cast<long>(status() >> 16));
         put16(reply, static_cast<long>(status() & 0xffffu));
@@ -113,17 +135,31 @@ bool RoboClawModel::obey() {
   heard_s_ = now_s_;
   const std::uint8_t* at = packet_.data() + 2;
   switch (packet_[1]) {
-    case 14: timeout_s_ = at[0] / 10.0; break;
-    case 32: outputs_[0].target = signed16(at); break;
-    case 33: outputs_[1].target = signed16(at); break;
+    case 14:
+      timeout_s_ = at[0] / 10.0;
+      break;
+    case 32:
+      outputs_[0].target = signed16(at);
+      break;
+    case 33:
+      outputs_[1].target = signed16(at);
+      break;
     case 34:
       outputs_[0].target = signed16(at);
       outputs_[1].target = signed16(at + 2);
       break;
-    case 68: outputs_[0].ramp = unsigned32(at); break;
-    case 69: outputs_[1].ramp = unsigned32(at); break;
-    case 133: outputs_[0].max_current_A = unsigned32(at) / 100.0; break;
-    default: outputs_[1].max_current_A = unsigned32(at) / 100.0; break;
+    case 68:
+      outputs_[0].ramp = unsigned32(at);
+      break;
+    case 69:
+      outputs_[1].ramp = unsigned32(at);
+      break;
+    case 133:
+      outputs_[0].max_current_A = unsigned32(at) / 100.0;
+      break;
+    default:
+      outputs_[1].max_current_A = unsigned32(at) / 100.0;
+      break;
   }
   answer({0xff});
   return true;

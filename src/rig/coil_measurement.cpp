@@ -101,7 +101,8 @@ CoilMeasurement measure_coil(SerialCoils& coils, Coils& guarded, int coil, doubl
   const auto middle = [&](auto value) {
     std::vector<double> values;
     for (const CoilMeasurement& one : found) values.push_back(value(one));
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                     values.end());
     return values[values.size() / 2];
   };
   CoilMeasurement median;

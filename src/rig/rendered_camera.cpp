@@ -17,7 +17,10 @@ imaging::BenchGeometry bench_of(const VirtualRigConfig& rig, imaging::BenchGeome
 
 RenderedCamera::RenderedCamera(VirtualRig& rig, std::shared_ptr<const imaging::SceneRenderer> renderer,
                                common::RandomStream noise, common::Clock* clock)
-    : rig_(rig), clock_(clock != nullptr ? *clock : rig.clock()), renderer_(std::move(renderer)), noise_(noise) {}
+    : rig_(rig),
+      clock_(clock != nullptr ? *clock : rig.clock()),
+      renderer_(std::move(renderer)),
+      noise_(noise) {}
 
 imaging::Frame RenderedCamera::grab(double timeout_s) {
   const double exposure_s = renderer_->scene().exposure_s;

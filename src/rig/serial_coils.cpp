@@ -44,7 +44,8 @@ std::string joined(const std::vector<std::string>& texts) {
   return all;
 }
 
-std::vector<std::uint8_t> frame_of(std::uint8_t type, std::uint16_t sequence, const std::vector<std::uint8_t>& body) {
+std::vector<std::uint8_t> frame_of(std::uint8_t type, std::uint16_t sequence,
+                                   const std::vector<std::uint8_t>& body) {
   wire::Message message{};
   message.type = type;
   message.sequence = sequence;
@@ -78,14 +79,19 @@ class LinkLost final : public common::HardwareError {
       break;
     case wire::kRefusedSession:
       throw LinkLost("the coil controller refuses: it has restarted since the run began");
-    case wire::kRefusedSequence: throw LinkLost("the coil controller refuses: requests came out of order");
-    case wire::kRefusedLimit: why = "beyond its limit of " + std::to_string(detail) + " (mA or ms)"; break;
-    case wire::kRefusedFault:
-      why = joined(fault_texts(detail)) +
-            "; it stays off until `lodestone rig check --clear` has been run";
+    case wire::kRefusedSequence:
+      throw LinkLost("the coil controller refuses: requests came out of order");
+    case wire::kRefusedLimit:
+      why = "beyond its limit of " + std::to_string(detail) + " (mA or ms)";
       break;
-    case wire::kRefusedSetup: why = "the motor controllers are not ready: is their supply on?"; break;
-    default: why = "it does not understand the request; flash the firmware of this version";
+    case wire::kRefusedFault:
+      why = joined(fault_texts(detail)) + "; it stays off until `lodestone rig check --clear` has been run";
+      break;
+    case wire::kRefusedSetup:
+      why = "the motor controllers are not ready: is their supply on?";
+      break;
+    default:
+      why = "it does not understand the request; flash the firmware of this version";
   }
   throw Refusal("the coil controller refuses: " + why);
 }
@@ -110,7 +116,8 @@ void SerialConfig::validate() const {
 }
 
 SerialCoils::SerialCoils(const SerialConfig& config)
-    : SerialCoils(config, [config] { return open_serial_port(config.port, static_cast<int>(config.baud)); }) {}
+    : SerialCoils(config, [config] { return open_serial_port(config.port, static_cast<int>(config.baud)); }) {
+}
 
 SerialCoils::SerialCoils(const SerialConfig& config, OpenPort open)
     : config_(config), open_(std::move(open)), decoder_(std::make_unique<Decoder>()) {
@@ -178,9 +185,10 @@ void SerialCoils::configure() {
   limits.duty_window_ms = scaled(config_.duty_window_s, 1e3);
   limits.min_supply_dV = scaled(config_.min_supply_V, 10.0);
   limits.max_board_dC = scaled(config_.max_board_C, 10.0);
-  for (std::size_t i = 0; i < kCoilCount; ++i) limits.resistance_mohm[i] = scaled(config_.resistance_ohm[i], 1e3);
-  limits.max_resistance_permille =
-      scaled(1.0 + config_.temperature_coefficient_per_K * (config_.max_coil_C - config_.resistance_at_C), 1e3);
+  for (std::size_t i = 0; i < kCoilCount; ++i)
+    limits.resistance_mohm[i] = scaled(config_.resistance_ohm[i], 1e3);
+  limits.max_resistance_permille = scaled(
+      1.0 + config_.temperature_coefficient_per_K * (config_.max_coil_C - config_.resistance_at_C), 1e3);
   std::vector<std::uint8_t> body(wire::kConfigureBody);
   wire::put_limits(body.data(), &limits);
   exchange(wire::kConfigure, body);
@@ -193,8 +201,9 @@ void SerialCoils::wait_until_ready() {
     std::uint8_t nothing = 0;  // the port's time is the only time there is here
     port_->read(&nothing, 1, kLook_s);
   }
-  throw common::HardwareError("the motor controllers do not answer the coil controller: is their supply on, are "
-                              "their addresses 0x80 and 0x81 and their mode packet serial at 115200 baud?");
+  throw common::HardwareError(
+      "the motor controllers do not answer the coil controller: is their supply on, are "
+      "their addresses 0x80 and 0x81 and their mode packet serial at 115200 baud?");
 }
 
 std::vector<std::uint8_t> SerialCoils::exchange(std::uint8_t type, const std::vector<std::uint8_t>& body) {
@@ -210,12 +219,15 @@ std::vector<std::uint8_t> SerialCoils::exchange(std::uint8_t type, const std::ve
         const std::size_t count = port_->read(bytes, sizeof bytes, kReadSlice_s);
         if (count == 0) waited_s += kReadSlice_s;
         // Bytes without end would hold the loop; a reply is never longer than a few frames of them.
-        else waited_s += 1e-4 * static_cast<double>(count);
+        else
+          waited_s += 1e-4 * static_cast<double>(count);
         for (std::size_t i = 0; i < count; ++i) {
           wire::Message message{};
-          if (!wire::decode_byte(&decoder_->frames, bytes[i], &message) || message.sequence != sequence_) continue;
+          if (!wire::decode_byte(&decoder_->frames, bytes[i], &message) || message.sequence != sequence_)
+            continue;
           const std::vector<std::uint8_t> content(message.body, message.body + message.length);
-          if (message.type == wire::kRefused && !content.empty() && content[0] == type) throw_refusal(content);
+          if (message.type == wire::kRefused && !content.empty() && content[0] == type)
+            throw_refusal(content);
           if (message.type == (type | wire::kReply)) return content;
         }
       }
@@ -253,8 +265,8 @@ void SerialCoils::apply(const CoilPulse& pulse) {
   }
   if (!(pulse.duration_s >= 0.0 && pulse.duration_s <= config_.max_pulse_s))
     throw common::HardwareError("serial coils: duration = " + std::to_string(pulse.duration_s) +
-                                " s is refused; it must be within 0 and " + std::to_string(config_.max_pulse_s) +
-                                " s");
+                                " s is refused; it must be within 0 and " +
+                                std::to_string(config_.max_pulse_s) + " s");
   wire::put_u16(at, static_cast<std::uint16_t>(std::lround(1e3 * pulse.duration_s)));
   request(wire::kPulse, body);
 }
@@ -280,7 +292,8 @@ void SerialCoils::stop() noexcept {
 
 CoilControllerState SerialCoils::decode_state(const std::vector<std::uint8_t>& body) const {
   if (body.size() != wire::kStatusReplyBody)
-    throw common::HardwareError("the coil controller's status has the wrong size; flash the firmware of this version");
+    throw common::HardwareError(
+        "the coil controller's status has the wrong size; flash the firmware of this version");
   wire::CoilState raw{};
   wire::get_state(body.data(), &raw);
   CoilControllerState state;
@@ -321,9 +334,9 @@ CurrentTrace SerialCoils::trace() {
   if (body.size() < 2 || body[0] >= kCoilCount || body.size() != 2u + 4u * body[1]) return trace;
   trace.coil = body[0];
   for (std::size_t i = 0; i < body[1]; ++i)
-    trace.samples.push_back({1e-4 * wire::get_u16(body.data() + 2 + 4 * i),
-                             1e-3 * wire::get_i16(body.data() + 4 + 4 * i) *
-                                 static_cast<double>(config_.polarity[body[0]])});
+    trace.samples.push_back(
+        {1e-4 * wire::get_u16(body.data() + 2 + 4 * i),
+         1e-3 * wire::get_i16(body.data() + 4 + 4 * i) * static_cast<double>(config_.polarity[body[0]])});
   return trace;
 }
 

@@ -26,7 +26,8 @@ unsigned int milliseconds(double seconds) {
 std::string reason_for(const std::string& name, int code) {
   if (access(name.c_str(), F_OK) != 0) return "there is no such port";
   if (access(name.c_str(), R_OK | W_OK) != 0)
-    return "this user may not use it; add the user to the group that owns it (often dialout) and log in again";
+    return "this user may not use it; add the user to the group that owns it (often dialout) and log in "
+           "again";
   if (code == EBUSY) return "another program has it open";
   return std::strerror(code);
 }
@@ -34,7 +35,8 @@ std::string reason_for(const std::string& name, int code) {
 std::string known_ports() {
   std::string names;
   for (const SerialPortInfo& port : list_serial_ports())
-    names += (names.empty() ? "" : ", ") + port.name + (port.description.empty() ? "" : " (" + port.description + ")");
+    names += (names.empty() ? "" : ", ") + port.name +
+             (port.description.empty() ? "" : " (" + port.description + ")");
   return names.empty() ? "no serial port was found: is the cable plugged in?" : "ports found: " + names;
 }
 
@@ -45,8 +47,8 @@ class LibSerialPort final : public SerialPort {
     if (sp_get_port_by_name(name.c_str(), &port_) != SP_OK || sp_open(port_, SP_MODE_READ_WRITE) != SP_OK) {
       const int code = errno;
       sp_free_port(port_);
-      throw common::HardwareError("serial port " + name + " cannot be opened: " + reason_for(name, code) + "; " +
-                                  known_ports());
+      throw common::HardwareError("serial port " + name + " cannot be opened: " + reason_for(name, code) +
+                                  "; " + known_ports());
     }
     const bool set = sp_set_baudrate(port_, baud) == SP_OK && sp_set_bits(port_, 8) == SP_OK &&
                      sp_set_parity(port_, SP_PARITY_NONE) == SP_OK && sp_set_stopbits(port_, 1) == SP_OK &&
@@ -56,7 +58,8 @@ class LibSerialPort final : public SerialPort {
     // Two programs at one bench would each believe that they know what the coils do.
     const bool alone = handle >= 0 && ioctl(handle, TIOCEXCL) == 0;
     if (!set || !alone) {
-      const std::string why = set ? "it cannot be had for this program alone" : "it does not take " + std::to_string(baud) + " baud";
+      const std::string why = set ? "it cannot be had for this program alone"
+                                  : "it does not take " + std::to_string(baud) + " baud";
       close();
       throw common::HardwareError("serial port " + name + ": " + why);
     }

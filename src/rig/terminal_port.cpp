@@ -75,6 +75,8 @@ class TerminalPort final : public SerialPort {
 
 }  // namespace
 
-std::unique_ptr<SerialPort> open_terminal(const std::string& name) { return std::make_unique<TerminalPort>(name); }
+std::unique_ptr<SerialPort> open_terminal(const std::string& name) {
+  return std::make_unique<TerminalPort>(name);
+}
 
 }  // namespace lodestone::rig

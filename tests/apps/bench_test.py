@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The program on an emulated bench, as somebody with a real one uses it. usage: bench_test.py LODESTONE SOURCE"""
+"""The program on an emulated bench, as somebody with a real one uses it. usage: bench_test.py LODESTONE SOURCE
+[PTY_AS_PORT]"""
 import json
 import os
 import pathlib
@@ -108,6 +109,29 @@ finally:
     emulator.send_signal(signal.SIGINT)
     text, _ = emulator.communicate(timeout=20)
 assert emulator.returncode == 0, text
+
+# The same through libserialport, which takes the pseudo-terminal for a device; then the bench vanishes.
+if len(sys.argv) > 3:
+    bench.unlink()
+    emulator = start("rig", "emulate", "--no-camera", "--out", bench)
+    try:
+        for _ in range(100):
+            if bench.exists():
+                break
+            time.sleep(0.1)
+        port = json.loads(bench.read_text())["rig"]["serial"]["port"].replace("/dev/", "/dev/./")
+        preloaded = {"LD_PRELOAD": sys.argv[3]}
+        expect(run("rig", "check", "--port", port, "--no-camera", "--yes", env=preloaded), "the bench is ready")
+        running = start("calibrate", "coils", "--port", port, "--yes", "--set", "pulses=50", "--out",
+                        folder / "never.json", env={**os.environ, **preloaded})
+        time.sleep(3)
+    finally:
+        emulator.kill()
+        emulator.wait()
+    text, _ = running.communicate(timeout=20)
+    assert running.returncode == 1, text
+    expect(text, "serial port")
+    assert not (folder / "never.json").exists()
 
 # By hand, without a display: nothing is pressed, so the needle rests, but every episode is on disk.
 headless = {"SDL_VIDEODRIVER": "dummy"}

@@ -28,7 +28,8 @@ std::pair<std::string, int> last_words_of_child(const std::vector<int>& signals)
   close(ends[1]);
   char text[16];
   std::string said;
-  for (ssize_t count = 0; (count = read(ends[0], text, sizeof text)) > 0;) said.append(text, static_cast<std::size_t>(count));
+  for (ssize_t count = 0; (count = read(ends[0], text, sizeof text)) > 0;)
+    said.append(text, static_cast<std::size_t>(count));
   close(ends[0]);
   int status = 0;
   waitpid(child, &status, 0);

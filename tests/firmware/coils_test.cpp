@@ -23,9 +23,7 @@ struct Device {
   int board_dC = 300;
   int drives = 0;
 
-  Device() {
-    coils_init(&coils, {this, to_host, to_controllers}, 1, false);
-  }
+  Device() { coils_init(&coils, {this, to_host, to_controllers}, 1, false); }
   static void to_host(void* self, const std::uint8_t* bytes, std::uint8_t count) {
     auto& device = *static_cast<Device*>(self);
     for (int i = 0; i < count; ++i) {
@@ -48,20 +46,31 @@ struct Device {
       reply.push_back(static_cast<std::uint8_t>(value));
     };
     switch (request[1]) {
-      case kReadSerialTimeout: reply = {2}; break;
-      case kReadMainBattery: put(supply_dV); break;
+      case kReadSerialTimeout:
+        reply = {2};
+        break;
+      case kReadMainBattery:
+        put(supply_dV);
+        break;
       case kReadCurrents:
         for (int i = 0; i < 2; ++i) put(duty[first + i] * 3400 / 32767 * 100 / 190);
         break;
-      case kReadStatus: put(0); put(0); break;
-      case kReadTemperature: put(board_dC); break;
+      case kReadStatus:
+        put(0);
+        put(0);
+        break;
+      case kReadTemperature:
+        put(board_dC);
+        break;
       case kDriveDuty:
         ++drives;
         for (int i = 0; i < 2; ++i)
           duty[first + i] = static_cast<std::int16_t>(request[2 + 2 * i] << 8 | request[3 + 2 * i]);
         coils_controller_byte(&coils, 0xff);
         return;
-      default: coils_controller_byte(&coils, 0xff); return;
+      default:
+        coils_controller_byte(&coils, 0xff);
+        return;
     }
     std::uint16_t crc = 0;
     for (int i = 0; i < 2; ++i) crc = roboclaw_crc(crc, request[static_cast<std::size_t>(i)]);
@@ -70,7 +79,8 @@ struct Device {
     for (const std::uint8_t byte : reply) coils_controller_byte(&coils, byte);
   }
   void run(double ms) {
-    for (const std::uint32_t end = now_us + static_cast<std::uint32_t>(1000 * ms); now_us != end; now_us += 500) {
+    for (const std::uint32_t end = now_us + static_cast<std::uint32_t>(1000 * ms); now_us != end;
+         now_us += 500) {
       coils_tick(&coils, now_us, open_switch);
       answer();
     }
@@ -89,7 +99,8 @@ struct Device {
     return replies.front();
   }
   void start(std::uint16_t sequence = 10) {
-    CHECK(ask(wire::kHello, sequence, {wire::kProtocolVersion, 1, 2, 3, 4}).type == (wire::kHello | wire::kReply));
+    CHECK(ask(wire::kHello, sequence, {wire::kProtocolVersion, 1, 2, 3, 4}).type ==
+          (wire::kHello | wire::kReply));
     const wire::CoilLimits limits{15000, 2000, 1000, 10000, 200, 800, {1900, 1900, 1900, 1900}, 1351};
     std::vector<std::uint8_t> body(wire::kConfigureBody);
     wire::put_limits(body.data(), &limits);

@@ -8,7 +8,8 @@ using namespace lodestone;
 
 namespace {
 
-std::vector<std::uint8_t> frame_of(std::uint8_t type, std::uint16_t sequence, const std::vector<std::uint8_t>& body) {
+std::vector<std::uint8_t> frame_of(std::uint8_t type, std::uint16_t sequence,
+                                   const std::vector<std::uint8_t>& body) {
   wire::Message message{};
   message.type = type;
   message.sequence = sequence;
@@ -51,7 +52,8 @@ TEST_CASE("messages of every length come back as they were") {
   for (int length = 0; length <= wire::kMaxBody; ++length) {
     for (const int kind : {0, 1, 2}) {
       std::vector<std::uint8_t> body(static_cast<std::size_t>(length));
-      for (std::uint8_t& byte : body) byte = kind == 0 ? 0 : kind == 1 ? 0xff : static_cast<std::uint8_t>(random());
+      for (std::uint8_t& byte : body)
+        byte = kind == 0 ? 0 : kind == 1 ? 0xff : static_cast<std::uint8_t>(random());
       const auto found = decode(decoder, frame_of(0x35, static_cast<std::uint16_t>(random()), body));
       REQUIRE(found.size() == 1);
       CHECK(body_of(found.front()) == body);
@@ -61,7 +63,8 @@ TEST_CASE("messages of every length come back as they were") {
 }
 
 TEST_CASE("no single bit flip at any place goes unnoticed, and the next frame is read") {
-  const std::vector<std::uint8_t> frame = frame_of(wire::kPulse, 77, {0x88, 0x13, 0, 0, 0, 0, 0x30, 0xf8, 100, 0});
+  const std::vector<std::uint8_t> frame =
+      frame_of(wire::kPulse, 77, {0x88, 0x13, 0, 0, 0, 0, 0x30, 0xf8, 100, 0});
   const std::vector<std::uint8_t> next = frame_of(wire::kPing, 78, {});
   for (std::size_t bit = 0; bit < 8 * frame.size(); ++bit) {
     std::vector<std::uint8_t> bytes = frame;
@@ -70,8 +73,8 @@ TEST_CASE("no single bit flip at any place goes unnoticed, and the next frame is
     wire::FrameDecoder decoder{};
     const auto found = decode(decoder, bytes);
     CAPTURE(bit);
-    // A flip in a delimiter may leave the frame whole: the other frame's delimiter stands for it, or noise that
-    // is no frame stands before it. What is read is then exactly what was sent.
+    // A flip in a delimiter may leave the frame whole: the other frame's delimiter stands for it, or noise
+    // that is no frame stands before it. What is read is then exactly what was sent.
     REQUIRE(found.size() <= 2);
     REQUIRE(!found.empty());
     CHECK(found.back().type == wire::kPing);
@@ -141,7 +144,8 @@ TEST_CASE("the decoder of the host takes ten million inputs of any kind") {
       message.type = static_cast<std::uint8_t>(random());
       message.sequence = static_cast<std::uint16_t>(random());
       message.length = static_cast<std::uint8_t>(random() % 24);
-      for (int i = 0; i < message.length; ++i) message.body[i] = static_cast<std::uint8_t>(random() & random());
+      for (int i = 0; i < message.length; ++i)
+        message.body[i] = static_cast<std::uint8_t>(random() & random());
       std::uint8_t frame[wire::kMaxFrame];
       count = wire::encode_frame(&message, frame);
       std::copy(frame, frame + count, bytes);

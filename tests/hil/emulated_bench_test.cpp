@@ -17,7 +17,8 @@ namespace {
 struct Bench {
   explicit Bench(const rig::VirtualRigConfig& config = {}) : rig(config, 1), bench(rig) {
     serial.max_pulse_s = 2.0;
-    coils = std::make_unique<rig::SerialCoils>(serial, [this] { return std::make_unique<hil::LockstepPort>(bench); });
+    coils = std::make_unique<rig::SerialCoils>(serial,
+                                               [this] { return std::make_unique<hil::LockstepPort>(bench); });
   }
   void wait(double time_s) { bench.advance_to(bench.now_s() + time_s); }
 

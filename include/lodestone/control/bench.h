@@ -49,9 +49,9 @@ std::unique_ptr<Bench> make_virtual_bench(const rig::VirtualRigConfig& rig, cons
 /// Asks an operator to lay the needle near a pose and returns once that is done.
 using AskOperator = std::function<void(const geometry::Pose2& pose)>;
 
-/// The bench on the serial port, under its camera. Pictures are calibrated from `sensing.calibration`, or from
-/// the first one. Any key in the terminal stops. Without `ask`, lay() throws. Throws HardwareError, IoError,
-/// ConfigError and CheckpointError when a part is missing.
+/// The bench on the serial port, under its camera. Pictures are calibrated from `sensing.calibration`, or
+/// from the first one. Any key in the terminal stops. Without `ask`, lay() throws. Throws HardwareError,
+/// IoError, ConfigError and CheckpointError when a part is missing.
 std::unique_ptr<Bench> make_real_bench(const rig::RigConfig& rig, const SensingConfig& sensing,
                                        const SafetyConfig& safety, AskOperator ask = {});
 

@@ -76,8 +76,8 @@ class Collection {
              std::int64_t session = 0);
 
   /// The next episode, of at most `max_steps` steps: from where the operator laid the needle until the step
-  /// limit, a stuck needle, a missing pose, or the pilot's word. Observations are sensed poses, actions signed axis currents in
-  /// A. Throws Interrupted (the episode is lost) and HardwareError.
+  /// limit, a stuck needle, a missing pose, or the pilot's word. Observations are sensed poses, actions
+  /// signed axis currents in A. Throws Interrupted (the episode is lost) and HardwareError.
   data::Episode next_episode(std::int64_t max_steps);
 
   /// Everything that changes, between two episodes; going on after restore() is bitwise as if never stopped.

@@ -29,7 +29,8 @@ struct ControlLoopConfig {
     v.field("pulse_s", pulse_s, "s", "length of a current pulse", {0.001, 10.0});
     v.field("rest_s", rest_s, "s", "rest after it, until the needle lies still", {0.0, 10.0});
     v.field("decide_s", decide_s, "s",
-            "time for looking and deciding: pulses begin so long after their step began, however fast that was; 0: "
+            "time for looking and deciding: pulses begin so long after their step began, however fast that "
+            "was; 0: "
             "as soon as possible",
             {0.0, 1.0});
     v.field("max_invalid_poses", max_invalid_poses, "",

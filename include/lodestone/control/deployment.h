@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lodestone/common/thread_pool.h"
+#include "lodestone/control/bench.h"
 #include "lodestone/control/control_loop.h"
 #include "lodestone/control/decorators.h"
 #include "lodestone/control/dipole_pull.h"
@@ -16,7 +17,6 @@
 #include "lodestone/control/sensing.h"
 #include "lodestone/control/trial.h"
 #include "lodestone/control/trial_video.h"
-#include "lodestone/control/bench.h"
 #include "lodestone/rig/rig_config.h"
 
 namespace lodestone::control {
@@ -101,7 +101,8 @@ struct ControllerSource {
 /// The baseline at the rig's largest current.
 ControllerSource baseline_source(const DeploymentConfig& config);
 
-/// What drives a virtual rig: its own coils and clock, or a whole emulated bench around it, which `keep` keeps.
+/// What drives a virtual rig: its own coils and clock, or a whole emulated bench around it, which `keep`
+/// keeps.
 struct RigDrive {
   rig::Coils* coils = nullptr;
   common::Clock* clock = nullptr;
@@ -109,14 +110,14 @@ struct RigDrive {
 };
 using MakeDrive = std::function<RigDrive(rig::VirtualRig& rig)>;
 
-/// One trial on a bench, from where the needle lies. `truth`, where somebody knows it, is for scoring only; the
-/// sensed pose stands for it elsewhere. `watch` sees every observation before its pulse.
+/// One trial on a bench, from where the needle lies. `truth`, where somebody knows it, is for scoring only;
+/// the sensed pose stands for it elsewhere. `watch` sees every observation before its pulse.
 TrialResult run_on_bench(Bench& bench, const DeploymentConfig& config, const TrialPlan& plan,
                          const ControllerSource& source, const std::function<geometry::Pose2()>& truth = {},
                          const ControlLoop::Observer& watch = {});
 
-/// Runs trials, each on a virtual rig of its own with its own random streams, so that results depend neither on
-/// threads nor on which other trials are run.
+/// Runs trials, each on a virtual rig of its own with its own random streams, so that results depend neither
+/// on threads nor on which other trials are run.
 class Deployment {
  public:
   /// `drive`, when given, must be safe to call from several threads.

@@ -9,8 +9,8 @@ namespace lodestone::control {
 /// terminal.
 class OperatorStop {
  public:
-  /// `file`: a run stops as soon as this file exists; empty: no file is looked for. Keys are watched only when
-  /// `keys` is set and the program was started in a terminal.
+  /// `file`: a run stops as soon as this file exists; empty: no file is looked for. Keys are watched only
+  /// when `keys` is set and the program was started in a terminal.
   explicit OperatorStop(std::string file, bool keys = false);
   ~OperatorStop();
   OperatorStop(const OperatorStop&) = delete;

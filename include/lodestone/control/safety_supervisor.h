@@ -13,8 +13,8 @@
 
 namespace lodestone::control {
 
-/// What the coils may be asked for, and what a run must keep to. Every bound has a range of its own; none can be
-/// switched off.
+/// What the coils may be asked for, and what a run must keep to. Every bound has a range of its own; none can
+/// be switched off.
 struct SafetyConfig {
   double max_current_A = 15.0;
   double max_pulse_s = 0.25;
@@ -41,8 +41,8 @@ struct SafetyConfig {
     v.field("duty_window_s", duty_window_s, "s", "over about this time", {0.1, 60.0});
     v.field("temperature_tolerance_K", temperature_tolerance_K, "K",
             "a coil that measures so far from what its pulses explain stops the run", {1.0, 60.0});
-    v.field("geofence_m", geofence_m, "m", "a needle seen further from the dish centre than this stops the run",
-            {1e-3, 1.0});
+    v.field("geofence_m", geofence_m, "m",
+            "a needle seen further from the dish centre than this stops the run", {1e-3, 1.0});
     v.field("max_pose_age_s", max_pose_age_s, "s", "a pose older than this stops the run", {0.01, 2.0});
     v.field("max_late_s", max_late_s, "s", "a step that begins later than this is a missed deadline",
             {1e-3, 1.0});
@@ -52,11 +52,11 @@ struct SafetyConfig {
   }
 };
 
-/// Stands in front of every Coils. It limits current, power and pulse length, and it stops all coils for good on
-/// anything it does not trust: numbers that are none, opposite coils driven together, faults and temperatures of
-/// the device, temperatures that the pulses do not explain, too much time switched on; a pose that is missing,
-/// old, repeated or outside the fence; missed deadlines; the operator. The reason is kept and logged, and every
-/// pulse after that is refused.
+/// Stands in front of every Coils. It limits current, power and pulse length, and it stops all coils for good
+/// on anything it does not trust: numbers that are none, opposite coils driven together, faults and
+/// temperatures of the device, temperatures that the pulses do not explain, too much time switched on; a pose
+/// that is missing, old, repeated or outside the fence; missed deadlines; the operator. The reason is kept
+/// and logged, and every pulse after that is refused.
 class SafetySupervisor final : public rig::Coils {
  public:
   /// Whether pulses need a pose: they do, except where a bench is measured without a needle.
@@ -98,8 +98,8 @@ class SafetySupervisor final : public rig::Coils {
   std::string reason_;
   std::int64_t limited_ = 0;
   std::int64_t late_steps_ = 0;
-  bool has_pose_ = false;   // since the last pulse
-  bool had_pose_ = false;   // ever
+  bool has_pose_ = false;  // since the last pulse
+  bool had_pose_ = false;  // ever
   double pose_stamp_s_ = 0.0;
   double seen_s_ = 0.0;  // when that pose was handed in
   rig::CoilPulse last_;

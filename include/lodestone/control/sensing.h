@@ -30,7 +30,8 @@ struct SensingConfig {
         {"camera", "simulated"});
     v.field("segmenter", segmenter, "", "folder of the segmenter checkpoint; empty: the one that is shipped");
     v.field("calibration", calibration, "",
-            "calibration.json of a real bench, as lodestone calibrate wrote it; empty: made from the first picture");
+            "calibration.json of a real bench, as lodestone calibrate wrote it; empty: made from the first "
+            "picture");
     v.group("camera", camera, "from pictures to poses");
     v.group("scene", scene, "what the bench looks like; sizes of dish, coils and needle come from the rig");
     v.group("simulated", simulated, "errors of the simulated localiser");

@@ -31,8 +31,8 @@ class Arduino {
 
   /// The switch on pin 22: open means stop.
   void set_emergency_stop(bool open);
-  /// The main loop stops where it is and interrupts go on, until a reset: what a mistake in the firmware would
-  /// do.
+  /// The main loop stops where it is and interrupts go on, until a reset: what a mistake in the firmware
+  /// would do.
   void hang();
   /// How often the watchdog (or anything else) has reset the chip.
   int resets() const;

@@ -34,8 +34,8 @@ DrillResult drill(const std::string& fault, std::uint64_t seed, const std::strin
 /// The faults of the list that strike line, firmware, motor controllers or coils.
 std::vector<std::string> device_fault_names();
 
-/// The same in the middle of a pulse that would last for seconds, so that only what notices the fault can end it:
-/// the PC looks at the status every 50 ms and stops on the first fault.
+/// The same in the middle of a pulse that would last for seconds, so that only what notices the fault can end
+/// it: the PC looks at the status every 50 ms and stops on the first fault.
 DrillResult drill_held(const std::string& fault, std::uint64_t seed, const std::string& folder);
 
 struct HourReport {
@@ -43,12 +43,12 @@ struct HourReport {
   std::int64_t pulses = 0;
   double simulated_s = 0.0;
   std::int64_t unsafe = 0;
-  double longest_on_s = 0.0;    ///< longest stretch with current in any coil
+  double longest_on_s = 0.0;  ///< longest stretch with current in any coil
   double largest_current_A = 0.0;
 };
 
-/// Many pulses with one random fault a minute; after every stop an operator mends the fault, clears it and goes
-/// on.
+/// Many pulses with one random fault a minute; after every stop an operator mends the fault, clears it and
+/// goes on.
 HourReport drill_hour(std::int64_t pulses, std::uint64_t seed, const std::string& folder);
 
 }  // namespace lodestone::hil

@@ -16,8 +16,8 @@ namespace lodestone::hil {
 /// camera a GigE Vision camera on the loopback (where Aravis is built in). Safe to call from any thread.
 class LiveBench {
  public:
-  /// `renderer` paints what the camera sees; without one there is no camera. Throws HardwareError when there is
-  /// no emulator, no pseudo-terminal or no free camera port (UDP 3956).
+  /// `renderer` paints what the camera sees; without one there is no camera. Throws HardwareError when there
+  /// is no emulator, no pseudo-terminal or no free camera port (UDP 3956).
   LiveBench(const rig::VirtualRigConfig& rig, std::uint64_t seed,
             std::shared_ptr<const imaging::SceneRenderer> renderer = nullptr);
   ~LiveBench();

@@ -28,15 +28,15 @@ class RoboClawModel {
   std::array<double, 2> current_A{};  ///< what its shunts see; the bench writes it
   double supply_V = 34.0;
   double board_C = 30.0;
-  bool powered = true;  ///< false: dead and off
-  bool deaf = false;    ///< hears nothing (its receiving line is cut)
-  bool mute = false;    ///< answers nothing (its sending line is cut)
+  bool powered = true;          ///< false: dead and off
+  bool deaf = false;            ///< hears nothing (its receiving line is cut)
+  bool mute = false;            ///< answers nothing (its sending line is cut)
   bool emergency_stop = false;  ///< its own S3 input
 
  private:
   struct Output {
-    double duty = 0.0;    // counts, +-32767
-    double target = 0.0;  // counts
+    double duty = 0.0;       // counts, +-32767
+    double target = 0.0;     // counts
     double ramp = 655359.0;  // counts/s
     double max_current_A = 60.0;
     double over_since_s = -1.0;

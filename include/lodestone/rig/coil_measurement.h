@@ -13,12 +13,12 @@ struct CoilMeasurement {
 };
 
 /// Fits I(t) of a coil behind a voltage that rises evenly for `ramp_s` and then stays:
-/// tau dI/dt + I = I_end min(1, (t - t0)/ramp_s). Unknown are tau, t0 and I_end. Throws DataError when there are
-/// fewer than six samples or no rise among them.
+/// tau dI/dt + I = I_end min(1, (t - t0)/ramp_s). Unknown are tau, t0 and I_end. Throws DataError when there
+/// are fewer than six samples or no rise among them.
 CoilMeasurement fit_rise(const CurrentTrace& trace, double ramp_s);
 
-/// Sends pulses through one coil, long enough for its resistance to be told, and fits their rise; the median of
-/// `pulses`. The needle will move. `rest` waits between them. Throws HardwareError and DataError.
+/// Sends pulses through one coil, long enough for its resistance to be told, and fits their rise; the median
+/// of `pulses`. The needle will move. `rest` waits between them. Throws HardwareError and DataError.
 CoilMeasurement measure_coil(SerialCoils& coils, Coils& guarded, int coil, double current_A, int pulses,
                              const std::function<void(double seconds)>& rest);
 

@@ -8,8 +8,8 @@
 
 namespace lodestone::rig {
 
-/// The rig of a run: which coils are driven, the virtual rig's figures (they describe dish, coils and needle of
-/// a real bench, too), and how a real bench is connected.
+/// The rig of a run: which coils are driven, the virtual rig's figures (they describe dish, coils and needle
+/// of a real bench, too), and how a real bench is connected.
 struct RigConfig : VirtualRigConfig {
   std::string coils = "simulated";
   SerialConfig serial;
@@ -19,7 +19,8 @@ struct RigConfig : VirtualRigConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("coils", coils, "",
-            "simulated: the virtual rig with its own camera; serial: the coil controller on rig.serial.port under "
+            "simulated: the virtual rig with its own camera; serial: the coil controller on rig.serial.port "
+            "under "
             "the camera of rig.camera",
             {"simulated", "serial"});
     VirtualRigConfig::visit(v);

@@ -59,8 +59,10 @@ struct SerialConfig {
             {-20.0, 60.0});
     v.field("temperature_coefficient_per_K", temperature_coefficient_per_K, "1/K",
             "relative change of resistance; copper by default", {1e-3, 1e-2});
-    v.field("polarity", polarity, "", "1 where a positive current makes a field towards the coil, -1 where it is "
-            "wired the other way round", {-1.0, 1.0});
+    v.field("polarity", polarity, "",
+            "1 where a positive current makes a field towards the coil, -1 where it is "
+            "wired the other way round",
+            {-1.0, 1.0});
   }
   void validate() const;
 };
@@ -91,17 +93,17 @@ struct CurrentTrace {
   std::vector<std::pair<double, double>> samples;  ///< s, A
 };
 
-/// The four coils behind the coil controller (firmware/coils; docs/serial-protocol.md). One request at a time,
-/// repeated until answered; repetitions never fire a pulse twice. Whatever call finds the port gone or the
-/// controller silent throws, and the next one connects anew. While it exists, a program that dies of a signal
-/// still sends a stop; one that is killed outright is caught by the firmware, which cuts a pulse after 500 ms of
-/// silence. Temperatures are those that the coils' resistance tells.
+/// The four coils behind the coil controller (firmware/coils; docs/serial-protocol.md). One request at a
+/// time, repeated until answered; repetitions never fire a pulse twice. Whatever call finds the port gone or
+/// the controller silent throws, and the next one connects anew. While it exists, a program that dies of a
+/// signal still sends a stop; one that is killed outright is caught by the firmware, which cuts a pulse after
+/// 500 ms of silence. Temperatures are those that the coils' resistance tells.
 class SerialCoils final : public Coils {
  public:
   using OpenPort = std::function<std::unique_ptr<SerialPort>()>;
 
-  /// Connects, hands over the limits and waits until the motor controllers are ready. Throws HardwareError with
-  /// what to do about it.
+  /// Connects, hands over the limits and waits until the motor controllers are ready. Throws HardwareError
+  /// with what to do about it.
   explicit SerialCoils(const SerialConfig& config);
   SerialCoils(const SerialConfig& config, OpenPort open);
   ~SerialCoils() override;

@@ -12,8 +12,8 @@ namespace lodestone::rig {
 class SerialPort {
  public:
   virtual ~SerialPort() = default;
-  /// Waits for at least one byte. Returns how many came, 0 at the timeout. Throws HardwareError when the port is
-  /// gone.
+  /// Waits for at least one byte. Returns how many came, 0 at the timeout. Throws HardwareError when the port
+  /// is gone.
   virtual std::size_t read(std::uint8_t* bytes, std::size_t most, double timeout_s) = 0;
   /// Throws HardwareError when the port is gone or does not take the bytes in time.
   virtual void write(const std::uint8_t* bytes, std::size_t count, double timeout_s) = 0;
