@@ -8,7 +8,8 @@ enum {
   kControllerTimeout_100ms = 2, /* the controllers stop by themselves after this */
   kPulseReading_us = 3000,      /* of the driven controllers, during a pulse */
   kIdleReading_us = 20000,
-  kSettle_us = 75000,      /* from a change of duty until current and duty tell the resistance */
+  kSettle_us = 60000,      /* from the end of a duty's ramp until current and duty tell the resistance, */
+  kFullRamp_us = 50000,    /* which takes so long for the whole duty */
   kStray_us = 150000,      /* from switching a coil off until its current must be gone */
   kTellingCurrent_mA = 1000, /* below this a resistance would be too coarse (the controllers give 10 mA) */
   kStrayCurrent_mA = 500,
@@ -101,7 +102,8 @@ static void take_current(struct Coils* coils, uint8_t coil, int16_t measured_mA)
   if (!coils->configured) return;
   if (size_mA > (uint32_t)coils->limits.max_current_mA * 5 / 4 + 500) latch(coils, kFaultOverCurrent);
   if (target_mA == 0 && steady_us > kStray_us && size_mA > kStrayCurrent_mA) latch(coils, kFaultStrayCurrent);
-  if (!coils->pulsing || target_mA < kTellingCurrent_mA || steady_us < kSettle_us) return;
+  const uint32_t ramp_us = (uint32_t)magnitude(coils->duty[coil]) * (kFullRamp_us / 100) / kRoboClawFullDuty * 100;
+  if (!coils->pulsing || target_mA < kTellingCurrent_mA || steady_us < kSettle_us + ramp_us) return;
   if (size_mA < target_mA / 4) {
     latch(coils, kFaultNoCurrent);
     return;
@@ -145,6 +147,7 @@ static void millisecond(struct Coils* coils) {
 static void send_request(struct Coils* coils, uint8_t controller, uint8_t command, const uint8_t* data,
                          uint8_t count, uint8_t reply_bytes) {
   struct BusTransaction* bus = &coils->bus;
+  bus->both = false;
   uint8_t packet[kRoboClawMaxRequest];
   uint8_t length = 0;
   packet[length++] = (uint8_t)(kRoboClawAddress + controller);
@@ -189,11 +192,19 @@ static void send_duty(struct Coils* coils, uint8_t controller) {
   uint8_t data[4];
   for (uint8_t i = 0; i < 2; ++i) {
     const int16_t duty = coils->duty[2 * controller + i];
-    coils->bus.duty[i] = duty;
+    coils->bus.duty[2 * controller + i] = duty;
     data[2 * i] = (uint8_t)((uint16_t)duty >> 8);
     data[2 * i + 1] = (uint8_t)duty;
   }
   send_request(coils, controller, kDriveDuty, data, 4, 1);
+}
+
+/* Both axes of a field must begin and end together: the second command follows the first without waiting, and the
+ * acknowledgements come one after the other. */
+static void send_both_duties(struct Coils* coils) {
+  for (uint8_t c = 0; c < kControllers; ++c) send_duty(coils, c);
+  coils->bus.both = true;
+  coils->bus.wanted = kControllers;
 }
 
 static bool duty_differs(const struct Coils* coils, uint8_t controller) {
@@ -208,6 +219,16 @@ static bool driven(const struct Coils* coils, uint8_t controller) {
 /* What is most urgent: switching off, switching on, setting up, looking. */
 static void next_transaction(struct Coils* coils) {
   const uint8_t last = coils->bus.controller;
+  bool all_well = true; /* a controller that has fallen silent is spoken to alone, so that the other is not held up */
+  bool all_differ = true;
+  for (uint8_t c = 0; c < kControllers; ++c) {
+    all_well = all_well && coils->controllers[c].duty_known && coils->controllers[c].unanswered == 0;
+    all_differ = all_differ && duty_differs(coils, c);
+  }
+  if (all_well && all_differ) {
+    send_both_duties(coils);
+    return;
+  }
   for (uint8_t i = 1; i <= kControllers; ++i) { /* the other one first, so that a dead one does not block it */
     const uint8_t c = (uint8_t)((last + i) % kControllers);
     if (duty_differs(coils, c) && !driven(coils, c)) {
@@ -245,14 +266,19 @@ static void next_transaction(struct Coils* coils) {
 static void take_reply(struct Coils* coils) {
   struct BusTransaction* bus = &coils->bus;
   struct MotorController* controller = &coils->controllers[bus->controller];
+  if (bus->both) {
+    bus->busy = false;
+    for (uint8_t i = 0; i < 2 * kControllers; ++i) coils->controllers[i / 2].duty[i % 2] = bus->duty[i];
+    return;
+  }
   const uint16_t first = (uint16_t)((uint16_t)bus->reply[0] << 8 | bus->reply[1]);
   const uint16_t second = (uint16_t)((uint16_t)bus->reply[2] << 8 | bus->reply[3]);
   bus->busy = false;
   controller->unanswered = 0;
   switch (bus->command) {
     case kDriveDuty:
-      controller->duty[0] = bus->duty[0];
-      controller->duty[1] = bus->duty[1];
+      controller->duty[0] = bus->duty[2 * bus->controller];
+      controller->duty[1] = bus->duty[2 * bus->controller + 1];
       controller->duty_known = true;
       break;
     case kReadSerialTimeout: /* one that forgets its timeout would go on without us */
@@ -290,8 +316,10 @@ void coils_controller_byte(struct Coils* coils, uint8_t byte) {
   if (!bus->busy || bus->got >= bus->wanted) return;
   bus->reply[bus->got++] = byte;
   if (bus->got < bus->wanted) return;
-  if (bus->wanted == 1) {
-    if (bus->reply[0] == kRoboClawAcknowledged) take_reply(coils);
+  if (bus->wanted == 1 || bus->both) {
+    bool acknowledged = true;
+    for (uint8_t i = 0; i < bus->wanted; ++i) acknowledged = acknowledged && bus->reply[i] == kRoboClawAcknowledged;
+    if (acknowledged) take_reply(coils);
     return; /* anything else: the timeout repeats the request */
   }
   uint16_t crc = bus->crc;
@@ -307,6 +335,11 @@ static void tend_bus(struct Coils* coils) {
     struct MotorController* controller = &coils->controllers[bus->controller];
     bus->busy = false;
     if (bus->command == kDriveDuty) controller->duty_known = false; /* it may have heard us all the same */
+    if (bus->both) { /* who it was shows when they are spoken to alone */
+      for (uint8_t c = 0; c < kControllers; ++c) coils->controllers[c].duty_known = false;
+      next_transaction(coils);
+      return;
+    }
     if (++controller->unanswered >= kMaxTries) {
       const bool was_ready = ready(coils);
       controller->setup_step = 0; /* it may have lost its power and with it what we set */

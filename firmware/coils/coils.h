@@ -33,7 +33,8 @@ struct BusTransaction {
   uint16_t crc; /* over the request, goes on over the reply */
   uint32_t sent_us;
   uint8_t reply[kRoboClawMaxReply];
-  int16_t duty[2]; /* of a kDriveDuty in flight */
+  bool both;                      /* a kDriveDuty to both controllers, which both acknowledge */
+  int16_t duty[2 * kControllers]; /* of a kDriveDuty in flight */
 };
 
 struct MotorController {

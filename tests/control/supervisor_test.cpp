@@ -1,5 +1,6 @@
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -219,7 +220,8 @@ TEST_CASE("the thermal model heats as R i2 and cools towards the room") {
 
 TEST_CASE("a stop file stops the run") {
   Bench bench;
-  const auto folder = std::filesystem::temp_directory_path() / "lodestone-stop-test";
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("lodestone-stop-test-" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   bench.config.stop_file = (folder / "STOP").string();
   std::filesystem::remove(bench.config.stop_file);

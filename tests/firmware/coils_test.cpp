@@ -14,7 +14,7 @@ struct Device {
   ::Coils coils{};
   std::vector<wire::Message> replies;
   wire::FrameDecoder decoder{};
-  std::vector<std::uint8_t> packet;
+  std::vector<std::vector<std::uint8_t>> packets;
   std::uint32_t now_us = 0;
   bool open_switch = false;
   bool answering = true;
@@ -33,12 +33,15 @@ struct Device {
   }
   static void to_controllers(void* self, const std::uint8_t* bytes, std::uint8_t count) {
     auto& device = *static_cast<Device*>(self);
-    device.packet.assign(bytes, bytes + count);
+    device.packets.emplace_back(bytes, bytes + count);
   }
   void answer() {
-    if (packet.empty() || !answering) return;
-    const std::vector<std::uint8_t> request = packet;
-    packet.clear();
+    std::vector<std::vector<std::uint8_t>> waiting;
+    waiting.swap(packets);
+    if (!answering) return;
+    for (const std::vector<std::uint8_t>& request : waiting) answer(request);
+  }
+  void answer(const std::vector<std::uint8_t>& request) {
     const int first = 2 * (request[0] - kRoboClawAddress);
     std::vector<std::uint8_t> reply;
     const auto put = [&](int value) {

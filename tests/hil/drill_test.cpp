@@ -1,5 +1,7 @@
 #include "lodestone/hil/drill.h"
 
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 #include <filesystem>
 
@@ -7,7 +9,8 @@ using namespace lodestone;
 
 namespace {
 std::string scratch() {
-  const auto folder = std::filesystem::temp_directory_path() / "lodestone-drill-test";
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("lodestone-drill-test-" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   return folder.string();
 }
