@@ -48,6 +48,13 @@ check(["calibrate", "--camera", "missing.png", "--out", "run"], 1, "missing.png"
 check(["calibrate", "--set", "camera.kind=uvc", "--camera", "99", "--out", "run"], 1, "99")
 check(["calibrate", "--rendered", "--check", "missing.json"], 2, "missing.json", "does not exist")
 check(["colect", "--out", "run"], 2, "unknown verb colect", "collect")
+check(["deploy", "--set", "rig.coils=cereal", "--out", "run"], 2, "rig.coils", "serial")
+check(["deploy", "--set", "safety.max_temperature_C=1000", "--controller", "baseline", "--out", "run"], 2,
+      "max_temperature_C", "155")
+check(["rig", "check"], 2, "rig.serial.port")
+check(["rig", "check", "--port", "/dev/ttyNOTHING"], 1, "no such port")
+check(["bench", "hil"], 2, "--out")
+check(["calibrate", "coils", "--port", "/dev/ttyNOTHING"], 2, "--out")
 check(["config", "--print", "nothing"], 2, "nothing", "collect")
 
 for verb in ("collect", "train-dynamics", "train-policy", "deploy", "train-segmenter", "calibrate"):
@@ -58,9 +65,9 @@ for verb in ("collect", "train-dynamics", "train-policy", "deploy", "train-segme
 # Every preset is read without a complaint: the first thing missing is --out.
 for preset in sorted((source / "configs").glob("*/*.json")):
     verb = {"collect": "collect", "dynamics": "train-dynamics", "policy": "train-policy", "deploy": "deploy",
-            "segmenter": "train-segmenter"}[
+            "segmenter": "train-segmenter", "hil": "bench hil"}[
         preset.stem.split("_")[0]]
-    check([verb, "--config", str(preset)], 2, "--out")
+    check([*verb.split(), "--config", str(preset)], 2, "--out")
 
 print("\n".join(failures) or "every bad input was reported in one line")
 sys.exit(bool(failures))
