@@ -152,8 +152,7 @@ static void send_request(struct Coils* coils, uint8_t controller, uint8_t comman
   uint8_t length = 0;
   packet[length++] = (uint8_t)(kRoboClawAddress + controller);
   packet[length++] = command;
-  memcpy(packet + length, data, count);
-  length = (uint8_t)(length + count);
+  for (uint8_t i = 0; i < count; ++i) packet[length++] = data[i];
   uint16_t crc = 0;
   for (uint8_t i = 0; i < length; ++i) crc = roboclaw_crc(crc, packet[i]);
   bus->busy = true;
