@@ -1,5 +1,6 @@
 #include "bench_session.h"
 
+#include <termios.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -35,14 +36,17 @@ std::unique_ptr<control::Bench> open_bench(const rig::RigConfig& rig, const cont
   control::AskOperator ask;
   if (has_operator())
     ask = [](const geometry::Pose2& pose) {
+      // A key from before the question answers nothing: hands may still be in the dish. What follows the
+      // first byte of an arrow key would stop the run.
+      tcflush(STDIN_FILENO, TCIFLUSH);
       std::printf(
           "\nLay the needle near x = %.0f mm, y = %.0f mm, its taped end towards %.0f degrees, take your "
-          "hands "
-          "away and press any key. ",
+          "hands away and press any key. ",
           1e3 * pose.x_m, 1e3 * pose.y_m, pose.heading_rad * 180.0 / 3.14159265358979323846);
       std::fflush(stdout);
       char key = 0;
       if (read(STDIN_FILENO, &key, 1) != 1) throw common::HardwareError("nobody answers at the terminal");
+      tcflush(STDIN_FILENO, TCIFLUSH);
       std::printf("\n");
     };
   auto bench = control::make_real_bench(rig, sensor, safety, ask);

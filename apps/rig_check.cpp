@@ -64,7 +64,6 @@ std::string number(double value, const char* unit, int digits = 1) {
 
 BenchConfig resolve(const CommonOptions& options) {
   auto config = resolve_config<BenchConfig>(options);
-  config.safety.max_pulse_s = std::max(config.safety.max_pulse_s, 0.25);
   config.safety.max_current_A = std::min(config.safety.max_current_A, config.rig.serial.max_current_A);
   return config;
 }

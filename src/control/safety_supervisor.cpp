@@ -75,7 +75,7 @@ void SafetySupervisor::observe(const PoseEstimate& estimate) {
   const double distance_m = estimate.pose.position_m().norm();
   if (!(distance_m <= config_.geofence_m))
     latch(line("the needle is seen ", 1e3 * distance_m, " mm from the dish centre, beyond the fence at ",
-               1e3 * config_.geofence_m, " mm"));
+               1e3 * config_.geofence_m, " mm (safety.geofence_m)"));
   has_pose_ = true;
   had_pose_ = true;
   pose_stamp_s_ = estimate.stamp_s;

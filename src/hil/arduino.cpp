@@ -78,8 +78,6 @@ struct Arduino::State {
   }
 };
 
-bool Arduino::available() { return true; }
-
 Arduino::Arduino(Sink to_host, Sink to_controllers) : state_(std::make_unique<State>()) {
   avr_global_logger_set(quiet);
   State& state = *state_;

@@ -5,7 +5,6 @@ namespace lodestone::hil {
 
 struct Arduino::State {};
 
-bool Arduino::available() { return false; }
 Arduino::Arduino(Sink, Sink) {
   throw common::HardwareError(
       "this build cannot emulate the coil controller; install gcc-avr, avr-libc and libsimavr-dev and "

@@ -37,8 +37,6 @@ struct GigeCamera::State {
   }
 };
 
-bool GigeCamera::available() { return true; }
-
 GigeCamera::GigeCamera(std::function<cv::Mat()> picture) : state_(std::make_unique<State>()) {
   state_->picture = std::move(picture);
   state_->camera = arv_gv_fake_camera_new("127.0.0.1", "LODESTONE");

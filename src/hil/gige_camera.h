@@ -18,7 +18,6 @@ class GigeCamera {
   GigeCamera(const GigeCamera&) = delete;
   GigeCamera& operator=(const GigeCamera&) = delete;
 
-  static bool available();
   const std::string& name() const;
 
  private:

@@ -7,7 +7,6 @@ struct GigeCamera::State {
   std::string name;
 };
 
-bool GigeCamera::available() { return false; }
 GigeCamera::GigeCamera(std::function<cv::Mat()>) {
   throw common::HardwareError(
       "this build has no GigE Vision camera; install libaravis-dev and configure again");

@@ -32,7 +32,6 @@ struct LiveBench::State {
   std::mutex mutex;
   double lost_s = 0.0;
   std::atomic<bool> ending{false};
-  std::atomic<bool> stalled{false};
   std::unique_ptr<GigeCamera> camera;
   std::string no_camera;
   std::thread thread;
@@ -63,7 +62,6 @@ struct LiveBench::State {
   }
 
   cv::Mat picture() {
-    if (stalled) return {};
     imaging::NeedleView needle;
     {
       const std::lock_guard<std::mutex> lock(mutex);
@@ -106,8 +104,6 @@ void LiveBench::with(const std::function<void(EmulatedBench& bench)>& action) {
   const std::lock_guard<std::mutex> lock(state_->mutex);
   action(state_->bench);
 }
-
-void LiveBench::stall_camera(bool stalled) { state_->stalled = stalled; }
 
 double LiveBench::lost_s() {
   const std::lock_guard<std::mutex> lock(state_->mutex);

@@ -130,6 +130,21 @@ TEST_CASE("a restarted firmware is noticed, says why, and stays off until cleare
   CHECK_NOTHROW(b.coils->apply({{1.0, 0.0, 0.0, 0.0}, 0.1}));
 }
 
+TEST_CASE("a driver that does not switch off, and a coil that is not connected, are named") {
+  Bench b;
+  SECTION("a driver that sticks: all that is left is the supply") {
+    b.bench.stick_driver(2, 0.1);
+    b.wait(0.5);
+    CHECK_THROWS_WITH(b.coils->apply({{1.0, 0.0, 0.0, 0.0}, 0.1}), Contains("cut its supply"));
+  }
+  SECTION("a broken wire") {
+    b.bench.short_coil(1, 100.0);
+    b.coils->apply({{0.0, 3.0, 0.0, 0.0}, 0.2});
+    b.wait(0.3);
+    CHECK_THROWS_WITH(b.coils->apply({{0.0, 3.0, 0.0, 0.0}, 0.2}), Contains("is it connected"));
+  }
+}
+
 TEST_CASE("motor controllers without power are told apart from a missing coil controller") {
   rig::VirtualRig rig(rig::VirtualRigConfig{}, 1);
   hil::EmulatedBench bench(rig);

@@ -18,9 +18,6 @@ class Arduino {
   Arduino(const Arduino&) = delete;
   Arduino& operator=(const Arduino&) = delete;
 
-  /// Whether this build can emulate.
-  static bool available();
-
   /// Since the start, in simulated time.
   double now_s() const;
   void run_until(double time_s);

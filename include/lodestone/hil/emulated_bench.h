@@ -33,8 +33,6 @@ class EmulatedBench {
   void host_write(const std::uint8_t* bytes, std::size_t count);
   /// The next byte that has arrived at the PC.
   bool host_read(std::uint8_t& byte);
-  /// Bytes still on their way to the firmware.
-  bool host_writing() const { return !to_device_.empty(); }
 
   /// Currents in the coils now, A, +x -x +y -y. What the needle feels, not what anyone measured.
   std::array<double, rig::kCoilCount> current_A() const;
@@ -54,7 +52,8 @@ class EmulatedBench {
   void set_supply_V(double volt);
   /// A driver that sticks: this coil gets this duty whatever its controller says; NaN mends it.
   void stick_driver(int coil, double duty);
-  /// A coil with shorted turns: its resistance falls to this share (and its inductance with it).
+  /// A coil with shorted turns: its resistance falls to this share (and its inductance with it). Above 1: a
+  /// bad contact.
   void short_coil(int coil, double share);
   /// Heats a coil to this temperature, at once.
   void heat_coil(int coil, double temperature_C);

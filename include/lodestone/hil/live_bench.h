@@ -33,8 +33,6 @@ class LiveBench {
   void place(const geometry::Pose2& pose);
   /// Runs `action` between two steps: to put in a fault, or to look.
   void with(const std::function<void(EmulatedBench& bench)>& action);
-  /// The camera sends nothing more while this is set.
-  void stall_camera(bool stalled);
   /// Simulated seconds that could not keep up with real time, in all: a machine too slow or too busy.
   double lost_s();
 
