@@ -12,6 +12,7 @@
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/progress.h"
 #include "lodestone/common/run_folder.h"
+#include "lodestone/common/statistics.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/nets/gemm.h"
 #include "models.h"
@@ -23,13 +24,8 @@ namespace {
 
 constexpr std::array<std::int64_t, 4> kScales = {1024, 4096, 16384, 65536};  // environments of an MBS
 
-double percentile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values.empty() ? 0.0
-                        : values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
-
-double median(const std::vector<double>& values) { return percentile(values, 0.5); }
+using common::median;
+using common::percentile;
 
 /// A figure's rounds, and where it is compared with the BLAS, the BLAS' rounds beside them: a machine whose
 /// pace changes changes both.

@@ -11,6 +11,9 @@
 #include "lodestone/common/run_folder.h"
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/control/collection.h"
+#include "lodestone/control/decorators.h"
+#include "lodestone/control/goal_seeker.h"
+#include "lodestone/control/policy_controller.h"
 #include "lodestone/data/coverage.h"
 #include "lodestone/data/dataset_file.h"
 #include "lodestone/nets/blas.h"
@@ -26,19 +29,31 @@ struct CollectConfig {
   control::CollectionConfig collection;
   std::int64_t threads = 0;
   std::string by = "explorer";
+  std::string policy;
+  control::GoalSeekerConfig seek;
+  control::DecoratorConfig decorators;
 
   /// Whether a stretch that was lost can be driven again exactly as it was.
-  bool repeatable() const { return by == "explorer" && !collection.rig.real(); }
+  bool repeatable() const { return !by_hand() && !collection.rig.real(); }
+  bool by_hand() const { return by == "keyboard" || by == "gamepad"; }
   template <class Visitor>
   void visit(Visitor& v) {
     collection.visit(v);
     v.field("threads", threads, "", "sessions explored at the same time; 0 means one per processor",
             {0, 1024});
-    v.field("by", by, "", "who drives: the guided explorer, or you, at the keyboard or a gamepad",
-            {"explorer", "keyboard", "gamepad"});
+    v.field("by", by, "",
+            "who drives: the guided explorer, a policy that goes from target to target, or you, at the "
+            "keyboard or a "
+            "gamepad",
+            {"explorer", "policy", "keyboard", "gamepad"});
+    v.field("policy", policy, "", "folder of the policy checkpoint that drives, with by = policy");
+    v.group("seek", seek, "how a policy explores");
+    v.group("decorators", decorators, "what is put around that policy");
   }
   void validate() const {
     collection.rig.validate();
+    if (by == "policy" && policy.empty())
+      throw common::ConfigError("by = policy: --policy DIR is missing; name a policy checkpoint");
     if (!repeatable() && collection.sessions != 1)
       throw common::ConfigError("sessions = " + std::to_string(collection.sessions) +
                                 ": a real bench, or a human at the controls, has one at a time");
@@ -52,11 +67,33 @@ constexpr std::int64_t kRoundsPerState = 10;
 
 using Sessions = std::vector<std::unique_ptr<control::Collection>>;
 
+/// The policy that was trained on the first round drives the second one.
+control::Pilot policy_pilot(const CollectConfig& config, std::int64_t session) {
+  const nets::Policy policy = nets::load_policy(config.policy);
+  if (policy.goal != "point")
+    throw common::ConfigError(config.policy + " was trained for goal \"" + policy.goal +
+                              "\"; exploring needs a policy for points");
+  if (policy.action.scale != config.collection.rig.max_current_A)
+    throw common::ConfigError(
+        config.policy + ": its largest drive is " + std::to_string(policy.action.scale) + ", the rig's is " +
+        std::to_string(config.collection.rig.max_current_A) + " A; the policy was trained for another rig");
+  const auto seeker = std::make_shared<control::GoalSeeker>(
+      control::decorate(std::make_unique<control::PolicyController>(policy), config.decorators), config.seek,
+      common::RandomStream(static_cast<std::uint64_t>(config.collection.seed), "collect/targets",
+                           static_cast<std::uint64_t>(session)));
+  control::Pilot pilot;
+  pilot.controller = seeker.get();
+  pilot.episode_over = [seeker] { return false; };
+  pilot.save = [seeker] { return seeker->save(); };
+  pilot.restore = [seeker](const std::string& state) { seeker->restore(state); };
+  return pilot;
+}
+
 /// A single session with somebody at the controls, or on a real bench.
 std::unique_ptr<control::Collection> make_live_session(const CollectConfig& config, const std::string& out,
                                                        std::unique_ptr<PilotWindow>& window) {
   const control::CollectionConfig& collection = config.collection;
-  if (config.by != "explorer")
+  if (config.by_hand())
     window =
         std::make_unique<PilotWindow>(config.by, collection.rig.max_current_A, collection.rig.dish.radius_m);
   std::unique_ptr<control::Bench> bench =
@@ -64,6 +101,7 @@ std::unique_ptr<control::Collection> make_live_session(const CollectConfig& conf
                             : control::make_exploration_bench(collection, 0, true);
   std::optional<control::Pilot> pilot;
   if (window) pilot = window->pilot(*bench);
+  if (config.by == "policy") pilot = policy_pilot(config, 0);
   return std::make_unique<control::Collection>(collection, std::move(bench), std::move(pilot));
 }
 
@@ -75,8 +113,12 @@ Sessions make_sessions(const CollectConfig& collect, const std::string& out,
     return sessions;
   }
   const control::CollectionConfig& config = collect.collection;
-  for (std::int64_t session = 0; session < config.sessions; ++session)
-    sessions.push_back(std::make_unique<control::Collection>(config, session));
+  for (std::int64_t session = 0; session < config.sessions; ++session) {
+    std::optional<control::Pilot> pilot;
+    if (collect.by == "policy") pilot = policy_pilot(collect, session);
+    sessions.push_back(std::make_unique<control::Collection>(
+        config, control::make_exploration_bench(config, session), std::move(pilot), session));
+  }
   return sessions;
 }
 
@@ -181,8 +223,7 @@ void collect(const CommonOptions& options) {
     for (std::int64_t round = 1; transitions < total; ++round) {
       for (data::Episode& episode : explore(sessions, config.collection.episode_steps, per_round, pool)) {
         if (transitions >= total) break;
-        if (transitions + episode.length() > total)
-          episode = control::first_steps(episode, total - transitions);
+        if (transitions + episode.length() > total) episode = data::first_steps(episode, total - transitions);
         if (episodes >= stored) writer->write(episode);
         ++episodes;
         transitions += episode.length();
@@ -217,7 +258,13 @@ void add_collect(CLI::App& program, ConfigCatalogue& catalogue) {
   verb->add_option_function<std::string>(
       "--by",
       [options](const std::string& who) { options->overrides.push_back("by=" + common::Json(who).dump()); },
-      "explorer, keyboard or gamepad");
+      "explorer, policy, keyboard or gamepad");
+  verb->add_option_function<std::string>(
+      "--policy",
+      [options](const std::string& folder) {
+        options->overrides.push_back("policy=" + common::Json(folder).dump());
+      },
+      "folder of the policy checkpoint for --by policy");
   verb->callback([options] { collect(*options); });
 }
 

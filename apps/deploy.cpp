@@ -12,9 +12,9 @@
 #include "lodestone/common/progress.h"
 #include "lodestone/common/run_folder.h"
 #include "lodestone/control/deployment.h"
-#include "lodestone/control/policy_controller.h"
 #include "lodestone/control/recorder.h"
 #include "lodestone/nets/blas.h"
+#include "lodestone/nets/dynamics.h"
 #include "lodestone/nets/policy.h"
 #include "models.h"
 #include "verb.h"
@@ -27,6 +27,7 @@ struct DeployConfig {
   control::DeploymentConfig deployment;
   std::int64_t threads = 0;
   std::string policy;
+  std::string dynamics;
   std::string task = "all";
   std::vector<double> target_mm;
   std::string on_rig = "explored";
@@ -38,13 +39,18 @@ struct DeployConfig {
     deployment.visit(v);
     v.field("threads", threads, "", "trials at the same time; 0 means one per processor", {0, 1024});
     v.field("policy", policy, "", "folder of the policy checkpoint");
-    v.field("task", task, "", "centre, point, square, circle, all, or a path file.csv (columns x_m,y_m)");
+    v.field("dynamics", dynamics, "", "folder of the dynamics checkpoint that the planner plans in");
+    v.field("task", task, "",
+            "centre, point, pose, square, circle, all, or a path file.csv (columns x_m,y_m)");
     v.field("target_mm", target_mm, "mm", "x, y of the target of `point`; drawn for each trial when empty",
             {-1000.0, 1000.0});
     v.field("on_rig", on_rig, "",
             "the rig that was explored, rigs with new friction and calibration error, or both",
             {"explored", "unseen", "both"});
-    v.field("controller", controller, "", "what drives", {"policy", "baseline", "both"});
+    v.field("controller", controller, "",
+            "what drives: a trained policy, the proportional baseline, both, or a planner in the learned "
+            "simulator",
+            {"policy", "baseline", "both", "planner"});
     v.field("realtime", realtime, "", "wait as long as a real rig would");
   }
   void validate() const {
@@ -69,6 +75,7 @@ struct Job {
   std::vector<std::string> tasks;
   std::optional<geometry::Path> path;
   std::optional<geometry::Vector2> target_m;
+  std::optional<task::Region> region;  ///< that starts and targets lie in
   std::vector<control::RigKind> rigs;
   std::vector<control::ControllerSource> sources;
   common::Json provenance = common::Json::object();  ///< of the policy
@@ -80,43 +87,29 @@ void choose_tasks(const DeployConfig& config, Job& job) {
     job.tasks = {"path"};
   } else if (config.task == "all") {
     job.tasks = kTasks;
-  } else if (std::find(kTasks.begin(), kTasks.end(), config.task) != kTasks.end()) {
+  } else if (config.task == "pose" || std::find(kTasks.begin(), kTasks.end(), config.task) != kTasks.end()) {
     job.tasks = {config.task};
   } else {
-    throw common::ConfigError("task = \"" + config.task +
-                              "\", must be centre, point, square, circle, all, or the name of a .csv file");
+    throw common::ConfigError(
+        "task = \"" + config.task +
+        "\", must be centre, point, pose, square, circle, all, or the name of a .csv file");
   }
   if (config.target_mm.size() == 2)
     job.target_m = geometry::Vector2(1e-3 * config.target_mm[0], 1e-3 * config.target_mm[1]);
 }
 
-control::ControllerSource policy_source(const DeployConfig& config, Job& job) {
-  if (config.policy.empty())
-    throw common::ConfigError(
-        "deploy: --policy DIR is missing; name a policy checkpoint, or use --controller baseline");
-  const nets::Policy policy = nets::load_policy(config.policy);
-  const double limit_A = config.deployment.rig.max_current_A;
-  if (policy.action.scale > limit_A)
-    throw common::ConfigError(config.policy + ": its largest drive is " +
-                              std::to_string(policy.action.scale) + ", the rig takes " +
-                              std::to_string(limit_A) + " A at most; the policy was trained for another rig");
-  if (policy.goal == "centre") {
-    if (config.task == "all")
-      job.tasks = {"centre"};
-    else if (job.tasks != std::vector<std::string>{"centre"})
-      throw common::ConfigError(
-          "task = \"" + config.task + "\": " + config.policy +
-          " was trained for the centre only; use --task centre or a random-target policy");
+/// A policy can do what it was trained for, and no other task.
+void check_goal(const DeployConfig& config, const nets::Policy& policy, Job& job) {
+  const std::string name = policy.goal;
+  if (config.task == "all") {
+    if (name != "point") job.tasks = {name};
+    return;
   }
-  job.provenance = policy.provenance;
-  control::ControllerSource source;
-  source.name = "policy";
-  source.action = policy.action;
-  const control::DecoratorConfig decorators = config.deployment.decorators;
-  source.make = [policy, decorators] {
-    return control::decorate(std::make_unique<control::PolicyController>(policy), decorators);
-  };
-  return source;
+  const bool fits = name == "point" ? config.task != "pose" : config.task == name;
+  if (!fits)
+    throw common::ConfigError("task = \"" + config.task + "\": " + config.policy +
+                              " was trained for goal \"" + name + "\" only; use --task " +
+                              (name == "point" ? "point, or a path" : name) + ", or another policy");
 }
 
 Job plan_job(const DeployConfig& config) {
@@ -124,8 +117,34 @@ Job plan_job(const DeployConfig& config) {
   choose_tasks(config, job);
   if (config.on_rig != "unseen") job.rigs.push_back(control::RigKind::kExplored);
   if (config.on_rig != "explored") job.rigs.push_back(control::RigKind::kUnseen);
-  if (config.controller != "baseline") job.sources.push_back(policy_source(config, job));
-  if (config.controller != "policy") job.sources.push_back(control::baseline_source(config.deployment));
+  const bool by_policy = config.controller == "policy" || config.controller == "both";
+  std::optional<nets::Policy> policy;
+  if (!config.policy.empty()) policy = nets::load_policy(config.policy);
+  if (by_policy) {
+    if (!policy)
+      throw common::ConfigError(
+          "deploy: --policy DIR is missing; name a policy checkpoint, or use --controller baseline or "
+          "planner");
+    check_goal(config, *policy, job);
+    job.sources.push_back(control::policy_source(config.deployment, *policy, config.policy));
+    job.provenance = policy->provenance;
+  }
+  if (config.controller == "planner") {
+    if (config.dynamics.empty())
+      throw common::ConfigError(
+          "controller = planner: --set dynamics=DIR is missing; name a dynamics checkpoint");
+    job.sources.push_back(
+        control::planner_source(config.deployment, nets::load_dynamics(config.dynamics), config.dynamics));
+  }
+  if (config.controller == "baseline" || config.controller == "both")
+    job.sources.push_back(control::baseline_source(config.deployment));
+  if (config.deployment.trials.within == "reachable") {
+    if (!policy || !policy->region)
+      throw common::ConfigError(
+          "trials.within = \"reachable\" needs a policy that was trained with task.within = "
+          "\"reachable\" (its map of the dish): --policy DIR");
+    job.region = policy->region;
+  }
   return job;
 }
 
@@ -186,6 +205,11 @@ common::Json summarise_task(const std::vector<control::TrialResult>& results) {
   return summary;
 }
 
+/// The tasks' keys stand at the top for what was asked for, and under "baseline" for what it is held against.
+common::Json& part_of(common::Json& summary, const control::ControllerSource& source) {
+  return source.name == "baseline" ? summary["baseline"] : summary;
+}
+
 /// Runs everything; keeps files, progress and the summary in step.
 class Run {
  public:
@@ -205,7 +229,7 @@ class Run {
     TrialsFile trials(folder + "/trials.json");
     common::Json summary = common::Json::object();
     for (const control::ControllerSource& source : job_.sources) {
-      common::Json& part = source.name == "baseline" ? summary["baseline"] : summary;
+      common::Json& part = part_of(summary, source);
       for (const std::string& task : job_.tasks) {
         const auto results = run_task(kind, source, task, trials);
         part[task] = summarise_task(results);
@@ -222,9 +246,9 @@ class Run {
                                              const std::string& task, TrialsFile& trials) {
     std::vector<control::TrialPlan> plans;
     for (std::int64_t index = 0; index < config_.deployment.trials.count; ++index)
-      plans.push_back(
-          control::plan_trial(config_.deployment, task, index, job_.target_m, job_.path,
-                              [this](const geometry::Pose2& pose) { return deployment_.fits(pose); }));
+      plans.push_back(control::plan_trial(
+          config_.deployment, task, index, job_.target_m, job_.path,
+          [this](const geometry::Pose2& pose) { return deployment_.fits(pose); }, region()));
     std::vector<control::TrialResult> results;
     const std::size_t batch = 2 * pool_.size();
     for (std::size_t first = 0; first < plans.size(); first += batch) {
@@ -249,6 +273,7 @@ class Run {
     return results;
   }
 
+  const task::Region* region() const { return job_.region ? &*job_.region : nullptr; }
   std::string video_folder() const { return config_.deployment.record.enabled ? out_ + "/videos" : ""; }
 
   const DeployConfig& config_;
@@ -278,7 +303,7 @@ class BenchRun {
     TrialsFile trials(out_ + "/trials.json");
     common::Json summary = common::Json::object();
     for (const control::ControllerSource& source : job_.sources) {
-      common::Json& part = source.name == "baseline" ? summary["baseline"] : summary;
+      common::Json& part = part_of(summary, source);
       for (const std::string& task : job_.tasks) {
         std::vector<control::TrialResult> results;
         for (std::int64_t index = 0; index < config_.deployment.trials.count && stop_.empty(); ++index) {
@@ -300,9 +325,10 @@ class BenchRun {
  private:
   control::TrialResult run_one(const control::ControllerSource& source, const std::string& task,
                                std::int64_t index) {
-    const control::TrialPlan plan =
-        control::plan_trial(config_.deployment, task, index, job_.target_m, job_.path,
-                            [this](const geometry::Pose2& pose) { return bench_->fits(pose); });
+    const control::TrialPlan plan = control::plan_trial(
+        config_.deployment, task, index, job_.target_m, job_.path,
+        [this](const geometry::Pose2& pose) { return bench_->fits(pose); },
+        job_.region ? &*job_.region : nullptr);
     if (has_operator()) bench_->lay(plan.start);
     std::optional<control::TrialVideo> video;
     const control::RecordingConfig& record = config_.deployment.record;
@@ -335,12 +361,12 @@ class BenchRun {
   std::string stop_;
 };
 
-void print_table(const common::Json& summary, const char* rig) {
+void print_table(const common::Json& summary, const char* rig, const std::string& first) {
   const auto print_part = [&](const common::Json& part, const char* controller) {
     for (const auto& [task, values] : part.items())
       if (values.contains("mean_error_mm")) print_row(rig, controller, task, values);
   };
-  print_part(summary, "policy");
+  print_part(summary, first.c_str());
   if (summary.contains("baseline")) print_part(summary["baseline"], "baseline");
 }
 
@@ -358,7 +384,7 @@ void deploy_on_bench(const DeployConfig& config, const Job& job, const std::stri
   common::write_file_atomically(out + "/summary.json", summary.dump(1) + "\n");
   std::printf("Errors in mm as the camera saw them: nobody knows the true pose on a real bench.\n");
   print_heading();
-  print_table(summary, "real");
+  print_table(summary, "real", job.sources.front().name);
   if (common::interrupted())
     throw common::Interrupted("deploy: stopped by the user; the finished trials are in " + out);
   if (!run.stop().empty()) throw common::HardwareError("deploy: stopped: " + run.stop());
@@ -396,7 +422,8 @@ void deploy(const CommonOptions& options) {
       "Errors in mm against the true pose. centre, point: distance at the end of a trial; paths: cross-track "
       "error of all samples after the approach.\n");
   print_heading();
-  for (const auto& [kind, values] : by_rig.items()) print_table(values, kind.c_str());
+  for (const auto& [kind, values] : by_rig.items())
+    print_table(values, kind.c_str(), job.sources.front().name);
 }
 
 }  // namespace
@@ -419,12 +446,21 @@ void add_deploy(CLI::App& program, ConfigCatalogue& catalogue) {
         },
         meaning);
   };
+  verb->add_option_function<std::string>(
+      "--models",
+      [options](const std::string& folder) {
+        options->overrides.push_back("policy=" + common::Json(folder).dump());
+        if (options->config_file.empty()) options->config_file = folder + "/deploy.json";
+      },
+      "folder of a released model: its policy, with its deploy.json as the configuration where none is "
+      "named");
   shorthand("--policy", "policy", true, "folder of the policy checkpoint");
-  shorthand("--task", "task", true, "centre, point, square, circle, all, or FILE.csv with columns x_m,y_m");
+  shorthand("--task", "task", true,
+            "centre, point, pose, square, circle, all, or FILE.csv with columns x_m,y_m");
   shorthand("--trials", "trials.count", false, "trials per task");
   shorthand("--rig", "on_rig", true, "explored, unseen or both");
   shorthand("--sensor", "sensor.kind", true, "camera or simulated");
-  shorthand("--controller", "controller", true, "policy, baseline or both");
+  shorthand("--controller", "controller", true, "policy, baseline, both or planner");
   verb->add_option_function<std::string>(
       "--target-mm",
       [options](const std::string& value) { options->overrides.push_back("target_mm=[" + value + "]"); },

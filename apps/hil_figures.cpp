@@ -12,8 +12,8 @@
 #include "lodestone/common/log.h"
 #include "lodestone/common/progress.h"
 #include "lodestone/common/run_folder.h"
+#include "lodestone/common/statistics.h"
 #include "lodestone/control/deployment.h"
-#include "lodestone/control/policy_controller.h"
 #include "lodestone/hil/drill.h"
 #include "lodestone/hil/live_bench.h"
 #include "lodestone/hil/lockstep_port.h"
@@ -57,24 +57,12 @@ struct HilConfig {
   void validate() const { deployment.rig.validate(); }
 };
 
-double percentile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values.empty() ? 0.0
-                        : values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
-
 control::ControllerSource source_of(const HilConfig& config) {
   if (config.policy.empty()) return control::baseline_source(config.deployment);
-  const nets::Policy policy = nets::load_policy(config.policy);
-  control::ControllerSource source;
-  source.name = "policy";
-  source.action = policy.action;
-  const control::DecoratorConfig decorators = config.deployment.decorators;
-  source.make = [policy, decorators] {
-    return control::decorate(std::make_unique<control::PolicyController>(policy), decorators);
-  };
-  return source;
+  return control::policy_source(config.deployment, nets::load_policy(config.policy), config.policy);
 }
+
+using common::percentile;
 
 /// Collects figures and what they must keep to.
 class Figures {

@@ -24,7 +24,8 @@ void train_dynamics(const CommonOptions& options) {
         "train-dynamics needs transitions: --set data=FILE.h5 (from collect or import)");
   }
   nets::use_one_blas_thread();
-  const data::Dataset dataset = data::read_any_dataset(config.data);
+  data::Dataset dataset = data::read_recordings(config.data);
+  if (config.transitions > 0) dataset = data::first_transitions(std::move(dataset), config.transitions);
   const common::Json json = common::config_to_json(config);
   common::start_run_folder(options.out, "train-dynamics", json, config.seed, options.resume);
   rl::DynamicsTrainingResult result = rl::train_dynamics(dataset, config, options.out, options.resume);

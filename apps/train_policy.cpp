@@ -46,7 +46,8 @@ void train_policy(const CommonOptions& options) {
   const common::Json json = common::config_to_json(config);
   common::start_run_folder(options.out, "train-policy", json, config.seed, options.resume);
   const rl::PolicyRunResult result =
-      rl::train_policy(config, *environments.training, *environments.evaluation, options.out, options.resume);
+      rl::train_policy(config, *environments.training, *environments.evaluation, options.out, options.resume,
+                       environments.region.get());
   nets::set_policy_provenance(options.out + "/checkpoint", provenance(config, result));
   common::write_file_atomically(result_file, result.json().dump(2) + "\n");
   common::log_info("wrote " + options.out + "/checkpoint and result.json");

@@ -51,19 +51,6 @@ data::DatasetInfo dataset_info(const CollectionConfig& config) {
   return info;
 }
 
-data::Episode first_steps(const data::Episode& episode, std::int64_t steps) {
-  LODESTONE_CHECK(steps >= 1 && steps <= episode.length(), "a part of the episode");
-  const auto n = static_cast<std::size_t>(steps);
-  data::Episode part = episode;
-  part.observations.resize(episode.observations.size() / (episode.terminations.size() + 1) * (n + 1));
-  part.actions.resize(data::kActionSize * n);
-  part.terminations.resize(n);
-  part.truncations.resize(n);
-  part.zero_current.resize(n);
-  if (part.terminations.back() == 0) part.truncations.back() = 1;
-  return part;
-}
-
 std::unique_ptr<Bench> make_exploration_bench(const CollectionConfig& config, std::int64_t session,
                                               bool realtime) {
   const auto seed = static_cast<std::uint64_t>(config.seed);
@@ -127,12 +114,17 @@ data::Episode Collection::next_episode(std::int64_t max_steps) {
   throw common::HardwareError("collection stopped: the sensor gave no two poses in a row in 1000 attempts");
 }
 
-common::Json Collection::save() const { return {{"bench", bench_->save()}, {"explorer", explorer_.save()}}; }
+common::Json Collection::save() const {
+  common::Json state = {{"bench", bench_->save()}, {"explorer", explorer_.save()}};
+  if (pilot_ && pilot_->save) state["pilot"] = pilot_->save();
+  return state;
+}
 
 void Collection::restore(const common::Json& state) {
   try {
     bench_->restore(state.at("bench"));
     explorer_.restore(state.at("explorer"));
+    if (pilot_ && pilot_->restore) pilot_->restore(state.at("pilot").get<std::string>());
   } catch (const common::Json::exception& error) {
     throw common::DataError(std::string("collection state is malformed: ") + error.what());
   }

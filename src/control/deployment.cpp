@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "lodestone/common/error.h"
+#include "lodestone/control/policy_controller.h"
+#include "lodestone/physics/viscosity.h"
 #include "lodestone/task/task.h"
 
 namespace lodestone::control {
@@ -17,6 +19,22 @@ std::uint64_t trial_seed(const DeploymentConfig& config, const TrialPlan& plan) 
                              static_cast<std::uint64_t>(plan.index));
 }
 
+void check_scale(const DeploymentConfig& config, double scale_A, const std::string& what) {
+  if (scale_A > config.rig.max_current_A)
+    throw common::ConfigError(what + ": its largest drive is " + std::to_string(scale_A) +
+                              ", the rig takes " + std::to_string(config.rig.max_current_A) +
+                              " A at most; it was trained for another rig");
+}
+
+/// A rig nobody has seen: another room temperature changes coils and fluid.
+rig::RigConfig warmed(rig::RigConfig config, double temperature_C) {
+  const double change = physics::water_glycerol_viscosity_Pa_s(temperature_C) /
+                        physics::water_glycerol_viscosity_Pa_s(physics::kNominalFluid_C);
+  config.fluid.viscosity_Pa_s *= change;
+  config.circuit.ambient_C = temperature_C;
+  return config;
+}
+
 }  // namespace
 
 const char* to_string(RigKind kind) { return kind == RigKind::kExplored ? "explored" : "unseen"; }
@@ -24,7 +42,7 @@ const char* to_string(RigKind kind) { return kind == RigKind::kExplored ? "explo
 TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, std::int64_t index,
                      const std::optional<geometry::Vector2>& target_m,
                      const std::optional<geometry::Path>& path,
-                     const std::function<bool(const geometry::Pose2&)>& fits) {
+                     const std::function<bool(const geometry::Pose2&)>& fits, const task::Region* region) {
   TrialPlan plan;
   plan.task = task;
   plan.index = index;
@@ -39,9 +57,10 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
                                 ": no start inside the dish was found; use a smaller radius");
     const geometry::Vector2 start_m = task::draw_in_disc(config.trials.start_radius_m, random);
     plan.start = {start_m.x(), start_m.y(), random.uniform(-kPi, kPi)};
-  } while (!fits(plan.start));
-  const geometry::Vector2 drawn_m = task::draw_in_disc(config.trials.goal_radius_m, random);
-  if (task == "point")
+  } while (!fits(plan.start) || (region != nullptr && !region->contains(plan.start.position_m())));
+  const auto draw = [&] { return task::draw_in_disc(config.trials.goal_radius_m, random); };
+  const geometry::Vector2 drawn_m = region != nullptr ? region->draw(draw) : draw();
+  if (task == "point" || task == "pose")
     plan.target_m = target_m.value_or(drawn_m);
   else if (task == "square")
     plan.path = geometry::Path::square(config.trials.square_side_m);
@@ -50,8 +69,37 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
   else if (task == "path")
     plan.path = path;
   else
-    LODESTONE_CHECK(task == "centre", "a task: centre, point, square, circle or path, not " + task);
+    LODESTONE_CHECK(task == "centre", "a task: centre, point, pose, square, circle or path, not " + task);
+  if (task == "pose") plan.target_heading_rad = random.uniform(-kPi, kPi);
   return plan;
+}
+
+ControllerSource policy_source(const DeploymentConfig& config, const nets::Policy& policy,
+                               const std::string& what) {
+  check_scale(config, policy.action.scale, what);
+  ControllerSource source;
+  source.name = "policy";
+  source.action = policy.action;
+  source.make = [policy, decorators = config.decorators] {
+    return decorate(std::make_unique<PolicyController>(policy), decorators);
+  };
+  return source;
+}
+
+ControllerSource planner_source(const DeploymentConfig& config, const nets::DynamicsModel& model,
+                                const std::string& what) {
+  check_scale(config, model.info.action_scale, what);
+  ControllerSource source;
+  source.name = "planner";
+  source.action.scale = model.info.action_scale;
+  source.action.one_axis_at_a_time = model.info.one_axis_at_a_time;
+  const auto shared = std::make_shared<const PlannerModel>(model);
+  source.make = [shared, config] {
+    return decorate(
+        std::make_unique<Planner>(shared, config.planner, static_cast<std::uint64_t>(config.seed)),
+        config.decorators);
+  };
+  return source;
 }
 
 ControllerSource baseline_source(const DeploymentConfig& config) {
@@ -111,7 +159,9 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   const bool explored = kind == RigKind::kExplored;
   const std::uint64_t rig_seed =
       explored ? static_cast<std::uint64_t>(config_.rig_seed) : common::derive_seed(seed, "unseen rig");
-  rig::VirtualRig rig(config_.rig, rig_seed, sample_rig_->field_table());
+  common::RandomStream room(seed, "unseen temperature");
+  rig::VirtualRig rig(explored ? config_.rig : warmed(config_.rig, config_.trials.temperature_C.draw(room)),
+                      rig_seed, sample_rig_->field_table());
   // The scatter from pulse to pulse belongs to the trial, or trials on the explored rig would all see the
   // same.
   common::Json state = rig.save();

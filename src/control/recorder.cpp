@@ -10,6 +10,7 @@ namespace lodestone::control {
 namespace {
 
 constexpr double kMmPerM = 1000.0;
+constexpr double kDegPerRad = 180.0 / 3.14159265358979323846;
 
 common::Json pose_mm(const geometry::Pose2& pose) {
   return {kMmPerM * pose.x_m, kMmPerM * pose.y_m, pose.heading_rad};
@@ -30,6 +31,7 @@ common::Json score_to_json(const TrialScore& score) {
   json["final_error_mm"] = kMmPerM * score.final_error_m;
   json["success"] = score.success;
   json["hold_error_mm"] = maybe(score.hold_error_m, kMmPerM);
+  json["heading_error_deg"] = maybe(score.heading_error_rad, kDegPerRad);
   json["cross_track_rms_mm"] = maybe(score.cross_track_rms_m, kMmPerM);
   json["time_rms_error_mm"] = maybe(score.time_rms_m, kMmPerM);
   json["steps_to_reach"] = maybe(score.steps_to_reach);
@@ -81,6 +83,7 @@ common::Json trial_to_json(const TrialResult& result) {
     json["path_mm"] = points;
   } else {
     json["target_mm"] = point_mm(result.plan.target_m);
+    if (result.plan.target_heading_rad) json["target_heading_rad"] = *result.plan.target_heading_rad;
   }
   common::Json trajectory = common::Json::array();
   common::Json sensed = common::Json::array();

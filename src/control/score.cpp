@@ -9,6 +9,7 @@ namespace lodestone::control {
 
 namespace {
 
+constexpr double kDegPerRad = 180.0 / 3.14159265358979323846;
 constexpr double kMmPerM = 1000.0;
 
 double distance_m(const ScoredSample& sample) { return (sample.position_m - sample.target_m).norm(); }
@@ -124,6 +125,8 @@ common::Json summarise_trials(const std::vector<const TrialScore*>& trials) {
   json["steps_to_reach"] = mean_of(trials, 1.0, [](const TrialScore& t) { return t.steps_to_reach; });
   json["seconds_to_reach"] = mean_of(trials, 1.0, [](const TrialScore& t) { return t.seconds_to_reach; });
   json["hold_error_mm"] = mean_of(trials, kMmPerM, [](const TrialScore& t) { return t.hold_error_m; });
+  json["heading_error_deg"] =
+      mean_of(trials, kDegPerRad, [](const TrialScore& t) { return t.heading_error_rad; });
   json["cross_track_rms_mm"] =
       mean_of(trials, kMmPerM, [](const TrialScore& t) { return t.cross_track_rms_m; });
   json["time_rms_error_mm"] = mean_of(trials, kMmPerM, [](const TrialScore& t) { return t.time_rms_m; });

@@ -1,10 +1,14 @@
 #include "lodestone/control/trial.h"
 
+#include <cmath>
+
 #include "lodestone/common/error.h"
 
 namespace lodestone::control {
 
 namespace {
+
+constexpr double kDegPerRad = 180.0 / 3.14159265358979323846;
 
 std::vector<ScoredSample> scored(const std::vector<TrialSample>& samples, bool truth) {
   std::vector<ScoredSample> out;
@@ -20,6 +24,19 @@ std::vector<ScoredSample> scored(const std::vector<TrialSample>& samples, bool t
   return out;
 }
 
+/// Error of the heading at the end of a trial whose target has one.
+void note_heading(const TrialResult& result, double target_rad, bool truth, const ScoreConfig& config,
+                  TrialScore& score) {
+  const TrialSample* last = nullptr;
+  for (const TrialSample& sample : result.samples) {
+    if (truth || sample.step.estimate.valid) last = &sample;
+  }
+  if (last == nullptr) return;
+  const double heading_rad = truth ? last->true_pose.heading_rad : last->step.estimate.pose.heading_rad;
+  score.heading_error_rad = std::abs(geometry::wrap_angle(heading_rad - target_rad));
+  score.success = score.success && *score.heading_error_rad <= config.success_heading_deg / kDegPerRad;
+}
+
 }  // namespace
 
 TrialResult run_trial(const TrialPlan& plan, ControlLoop& loop, Controller& controller,
@@ -27,7 +44,7 @@ TrialResult run_trial(const TrialPlan& plan, ControlLoop& loop, Controller& cont
                       const ControlLoop::Observer& watch) {
   TrialResult result;
   result.plan = plan;
-  PointReference point(plan.target_m, plan.duration_s);
+  PointReference point(plan.target_m, plan.duration_s, plan.target_heading_rad);
   std::optional<PathReference> path;
   if (plan.path) path.emplace(*plan.path, plan.reference);
   Reference& reference = path ? static_cast<Reference&>(*path) : point;
@@ -46,6 +63,7 @@ TrialResult run_trial(const TrialPlan& plan, ControlLoop& loop, Controller& cont
   const auto judge = [&](bool truth) {
     const std::vector<ScoredSample> samples = scored(result.samples, truth);
     TrialScore out = plan.path ? score_path(samples, *plan.path, score) : score_point(samples, score);
+    if (plan.target_heading_rad) note_heading(result, *plan.target_heading_rad, truth, score, out);
     out.success = out.success && result.completed;
     return out;
   };

@@ -46,6 +46,35 @@ std::int64_t Dataset::transitions() const {
                          [](std::int64_t sum, const Episode& e) { return sum + e.length(); });
 }
 
+Episode first_steps(const Episode& episode, std::int64_t steps) {
+  LODESTONE_CHECK(steps >= 1 && steps <= episode.length(), "a part of the episode");
+  const auto n = static_cast<std::size_t>(steps);
+  Episode part = episode;
+  part.observations.resize(episode.observations.size() / (episode.terminations.size() + 1) * (n + 1));
+  part.actions.resize(kActionSize * n);
+  part.terminations.resize(n);
+  part.truncations.resize(n);
+  part.zero_current.resize(n);
+  if (part.terminations.back() == 0) part.truncations.back() = 1;
+  return part;
+}
+
+Dataset first_transitions(Dataset dataset, std::int64_t count) {
+  LODESTONE_CHECK(count >= 1, "at least one transition");
+  std::int64_t seen = 0;
+  for (std::size_t i = 0; i < dataset.episodes.size(); ++i) {
+    Episode& episode = dataset.episodes[i];
+    if (seen + episode.length() < count) {
+      seen += episode.length();
+      continue;
+    }
+    if (seen + episode.length() > count) episode = first_steps(episode, count - seen);
+    dataset.episodes.resize(i + 1);
+    break;
+  }
+  return dataset;
+}
+
 TransitionTable flatten(const Dataset& dataset, bool with_zero_current) {
   TransitionTable table;
   table.state_size = state_size(dataset.info.layout);

@@ -217,6 +217,30 @@ struct DatasetWriter::State {
   }
 };
 
+Dataset read_recordings(const std::string& paths) {
+  Dataset all;
+  std::istringstream names(paths);
+  bool first = true;
+  for (std::string path; std::getline(names, path, ',');) {
+    Dataset part = read_any_dataset(path);
+    if (first) {
+      all = std::move(part);
+      first = false;
+      continue;
+    }
+    if (part.info.layout != all.info.layout || part.info.action_unit != all.info.action_unit ||
+        part.info.action_scale != all.info.action_scale ||
+        part.info.control_period_s != all.info.control_period_s)
+      throw DataError(
+          path + ": state, unit or scale of the actions, or period differ from the recordings before it in " +
+          paths);
+    all.info.one_axis_at_a_time = all.info.one_axis_at_a_time && part.info.one_axis_at_a_time;
+    all.info.source += ", " + part.info.source;
+    for (Episode& episode : part.episodes) all.episodes.push_back(std::move(episode));
+  }
+  return all;
+}
+
 DatasetWriter::DatasetWriter(const std::string& path, const DatasetInfo& info, bool append)
     : state_(std::make_unique<State>()) {
   silence_hdf5();

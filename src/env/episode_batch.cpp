@@ -9,15 +9,15 @@ namespace lodestone::env {
 namespace {
 
 constexpr int kStartTries = 16;
-constexpr std::int64_t kSlotNumbers = 12;
+constexpr std::int64_t kSlotNumbers = 13;
 
 /// The numbers of a slot that outlive a step, in the order checkpoints hold them.
 template <class Visit>
 void visit_numbers(geometry::Pose2& pose, task::Observation& seen, Visit&& visit) {
   for (double* value :
        {&pose.x_m, &pose.y_m, &pose.heading_rad, &seen.pose.x_m, &seen.pose.y_m, &seen.pose.heading_rad,
-        &seen.target_m.x(), &seen.target_m.y(), &seen.last_action.x(), &seen.last_action.y(),
-        &seen.last_displacement_m.x(), &seen.last_displacement_m.y()}) {
+        &seen.target_m.x(), &seen.target_m.y(), &seen.target_heading_rad, &seen.last_action.x(),
+        &seen.last_action.y(), &seen.last_displacement_m.x(), &seen.last_displacement_m.y()}) {
     visit(*value);
   }
 }
@@ -43,7 +43,8 @@ EpisodeBatch::EpisodeBatch(const EpisodeSettings& settings, const SensorNoise& n
   }
   slots_.reserve(static_cast<std::size_t>(settings.count));
   for (std::int64_t i = 0; i < settings.count; ++i) {
-    slots_.push_back({{}, {}, 0, common::RandomStream(settings.seed, name, static_cast<std::uint64_t>(i))});
+    slots_.push_back(
+        {{}, {}, 0, 0, common::RandomStream(settings.seed, name, static_cast<std::uint64_t>(i))});
   }
   result_.observation = torch::zeros({settings.count, columns_});
   result_.final_observation = torch::zeros({settings.count, columns_});
@@ -79,7 +80,9 @@ void EpisodeBatch::begin(std::size_t i,
   slot.step = 0;
   for (int attempt = 0; attempt < kStartTries; ++attempt) {
     slot.pose = draw_start(slot.random);
-    slot.seen.target_m = task::draw_goal(task, slot.random);
+    const task::Goal goal = task::draw_goal(task, slot.random, settings_.region.get());
+    slot.seen.target_m = goal.position_m;
+    slot.seen.target_heading_rad = goal.heading_rad;
     const double distance_m = (slot.pose.position_m() - slot.seen.target_m).norm();
     if (!task.end_on_success || distance_m >= task.success_radius_m) break;
   }
@@ -94,11 +97,22 @@ geometry::Vector2 EpisodeBatch::drive(std::size_t i, const float* action) {
   return task::axis_drive(wanted, settings_.action);
 }
 
-bool EpisodeBatch::finish(std::size_t i, const geometry::Pose2& next) {
+bool EpisodeBatch::finish(std::size_t i, const geometry::Pose2& next, const StepExtra& extra) {
   Slot& slot = slots_[i];
   ++slot.step;
-  const task::StepOutcome outcome = task::judge_step(settings_.task, slot.pose.position_m(),
-                                                     next.position_m(), slot.seen.target_m, slot.step);
+  ++slot.age;
+  task::Step step;
+  step.before = slot.pose;
+  step.after = next;
+  step.goal = {slot.seen.target_m, slot.seen.target_heading_rad};
+  step.action = slot.seen.last_action;
+  step.index = slot.step;
+  if (settings_.shrink_steps > 0)
+    step.progress = static_cast<double>(slot.age) / static_cast<double>(settings_.shrink_steps);
+  task::StepOutcome outcome = task::judge_step(settings_.task, step);
+  outcome.reward -= extra.penalty;
+  outcome.terminated = outcome.terminated || extra.stop;
+  outcome.truncated = !outcome.terminated && (outcome.truncated || extra.cut);
   slot.pose = next;
   const geometry::Vector2 before_m = slot.seen.pose.position_m();
   slot.seen.pose = sense(slot);
@@ -119,7 +133,7 @@ bool EpisodeBatch::finish(std::size_t i, const geometry::Pose2& next) {
 void EpisodeBatch::exchange_state(EnvState& state, bool load) {
   const auto count = static_cast<std::int64_t>(slots_.size());
   torch::Tensor numbers = torch::empty({count, kSlotNumbers}, torch::kFloat64);
-  torch::Tensor steps = torch::empty({count}, torch::kInt64);
+  torch::Tensor steps = torch::empty({count, 2}, torch::kInt64);  // of the episode, of all
   if (load) {
     numbers.copy_(state_tensor(state, "episodes", numbers));
     steps.copy_(state_tensor(state, "steps", steps));
@@ -132,7 +146,7 @@ void EpisodeBatch::exchange_state(EnvState& state, bool load) {
   double* number = numbers.data_ptr<double>();
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     Slot& slot = slots_[i];
-    std::int64_t& step = steps.data_ptr<std::int64_t>()[i];
+    std::int64_t* step = steps.data_ptr<std::int64_t>() + 2 * i;
     visit_numbers(slot.pose, slot.seen, [&](double& value) {
       if (load) {
         value = *number++;
@@ -141,12 +155,14 @@ void EpisodeBatch::exchange_state(EnvState& state, bool load) {
       }
     });
     if (load) {
-      slot.step = step;
+      slot.step = step[0];
+      slot.age = step[1];
       slot.random.restore(state.facts.at("random").at(i).get<std::string>());
       encoder_.encode(slot.seen,
                       result_.observation.data_ptr<float>() + static_cast<std::int64_t>(i) * columns_);
     } else {
-      step = slot.step;
+      step[0] = slot.step;
+      step[1] = slot.age;
       state.facts["random"].push_back(slot.random.save());
     }
   }

@@ -12,13 +12,15 @@ namespace {
 /// Fixed, so that results do not depend on the number of threads; its activations fit a core's cache.
 constexpr std::size_t kShardRows = 512;
 
-std::vector<geometry::Pose2> starts_within(const nets::DynamicsModel& model, double radius_m) {
+std::vector<geometry::Pose2> starts_within(const nets::DynamicsModel& model, double radius_m,
+                                           const task::Region* region) {
   const std::vector<double> states = nets::to_vector(model.start_states);
   const auto size = static_cast<std::size_t>(data::state_size(model.info.layout));
   std::vector<geometry::Pose2> starts;
   for (std::size_t i = 0; i + size <= states.size(); i += size) {
     const geometry::Pose2 pose{states[i], states[i + 1], size == 3 ? states[i + 2] : 0.0};
-    if (pose.position_m().norm() <= radius_m) starts.push_back(pose);
+    if (pose.position_m().norm() <= radius_m && (region == nullptr || region->contains(pose.position_m())))
+      starts.push_back(pose);
   }
   if (starts.empty()) {
     throw common::ConfigError("task.start_radius_m = " + std::to_string(radius_m) +
@@ -40,9 +42,11 @@ MbsEnv::MbsEnv(const nets::DynamicsModel& model, const EpisodeSettings& settings
                std::int64_t threads)
     : config_(config),
       mean_(config.ensemble == "mean" && model.members.size() > 1),
+      sample_(config.outcome == "sample"),
+      disagreement_(config.disagreement_penalty > 0.0 || config.disagreement_stop_m > 0.0),
       members_(fold(model)),
       state_size_(static_cast<std::size_t>(data::state_size(model.info.layout))),
-      starts_(starts_within(model, settings.task.start_radius_m)),
+      starts_(starts_within(model, settings.task.start_radius_m, settings.region.get())),
       episodes_(settings, {config.pose_noise_m, config.heading_noise_rad}, "mbs"),
       member_(static_cast<std::size_t>(settings.count), 0),
       drive_factor_(static_cast<std::size_t>(settings.count), 1.0),
@@ -51,6 +55,18 @@ MbsEnv::MbsEnv(const nets::DynamicsModel& model, const EpisodeSettings& settings
     throw common::ConfigError("encoder.heading = \"" + settings.encoder.heading +
                               "\", but the model's state has no heading; set it to \"none\"");
   }
+  if (sample_ && model.config.components == 0)
+    throw common::ConfigError(
+        "mbs.outcome = \"sample\", but the dynamics predict single values; train them with "
+        "model.components of 1 or more");
+  if (sample_ && mean_)
+    throw common::ConfigError(
+        "mbs.outcome = \"sample\" needs one member at a time: set mbs.ensemble to per_episode or "
+        "per_step");
+  if (disagreement_ && members_.size() < 2)
+    throw common::ConfigError(
+        "mbs.disagreement_penalty and disagreement_stop_m need an ensemble; train the dynamics "
+        "with model.members of 2 or more");
   reset();
 }
 
@@ -91,15 +107,22 @@ void MbsEnv::step_shard(std::size_t shard, const float* actions) {
   } else {
     predict(*scratch);
   }
+  if (disagreement_) measure_disagreement(*scratch);
   // Rows that do not move come first in `row`, see gather().
   for (std::size_t k = 0; k < scratch->row.size(); ++k) {
     const std::size_t i = scratch->row[k];
     geometry::Pose2 next = episodes_.pose(i);
+    StepExtra extra;
     if (k >= scratch->first_of_member.front()) {
       const double* state = &scratch->next[(k - scratch->first_of_member.front()) * state_size_];
       next = {state[0], state[1], state_size_ == 3 ? state[2] : 0.0};
+      if (disagreement_) {
+        const double apart_m = scratch->disagreement_m[k - scratch->first_of_member.front()];
+        extra.penalty = config_.disagreement_penalty * apart_m / episodes_.settings().task.dish_radius_m;
+        extra.stop = config_.disagreement_stop_m > 0.0 && apart_m > config_.disagreement_stop_m;
+      }
     }
-    if (episodes_.finish(i, next)) begin(i);
+    if (episodes_.finish(i, next, extra)) begin(i);
   }
   give_back(std::move(scratch));
 }
@@ -157,15 +180,24 @@ void MbsEnv::gather(std::size_t first, std::size_t last, Scratch& scratch) const
   // Each start has moved on to its group's end: entry g is now where group g + 1 begins.
 }
 
-void MbsEnv::predict(Scratch& scratch) const {
+void MbsEnv::predict(Scratch& scratch) {
   const std::size_t resting = scratch.first_of_member.front();
+  scratch.random.clear();
+  for (std::size_t k = resting; sample_ && k < scratch.row.size(); ++k)
+    scratch.random.push_back(&episodes_.random(scratch.row[k]));
   for (std::size_t m = 0; m < members_.size(); ++m) {
     const std::size_t begin = scratch.first_of_member[m] - resting;
     const std::size_t rows = scratch.first_of_member[m + 1] - resting - begin;
     if (rows == 0) continue;
-    members_[m].predict(&scratch.state[begin * state_size_], &scratch.gathered_drive[2 * begin],
-                        static_cast<std::int64_t>(rows), &scratch.next[begin * state_size_],
-                        scratch.workspace);
+    const double* state = &scratch.state[begin * state_size_];
+    const double* drive = &scratch.gathered_drive[2 * begin];
+    double* next = &scratch.next[begin * state_size_];
+    if (sample_) {
+      members_[m].sample(state, drive, static_cast<std::int64_t>(rows), &scratch.random[begin], next,
+                         scratch.workspace);
+    } else {
+      members_[m].predict(state, drive, static_cast<std::int64_t>(rows), next, scratch.workspace);
+    }
   }
 }
 
@@ -188,6 +220,33 @@ void MbsEnv::predict_mean(Scratch& scratch) const {
   for (std::size_t k = 0; k < scratch.next.size(); ++k) {
     scratch.next[k] += scratch.state[k];
     if (state_size_ == 3 && k % 3 == 2) scratch.next[k] = geometry::wrap_angle(scratch.next[k]);
+  }
+}
+
+/// Root mean square distance of the members' expected positions from their mean.
+void MbsEnv::measure_disagreement(Scratch& scratch) const {
+  const std::size_t rows = scratch.gathered_drive.size() / 2;
+  scratch.disagreement_m.assign(rows, 0.0);
+  if (rows == 0) return;
+  scratch.mean_position.assign(2 * rows, 0.0);
+  scratch.one_member.resize(rows * state_size_);
+  for (const nets::FoldedDynamics& member : members_) {
+    member.predict(scratch.state.data(), scratch.gathered_drive.data(), static_cast<std::int64_t>(rows),
+                   scratch.one_member.data(), scratch.workspace);
+    for (std::size_t row = 0; row < rows; ++row) {
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        const double value = scratch.one_member[row * state_size_ + axis];
+        scratch.mean_position[2 * row + axis] += value;
+        scratch.disagreement_m[row] += value * value;
+      }
+    }
+  }
+  const auto count = static_cast<double>(members_.size());
+  for (std::size_t row = 0; row < rows; ++row) {
+    const double x = scratch.mean_position[2 * row] / count;
+    const double y = scratch.mean_position[2 * row + 1] / count;
+    scratch.disagreement_m[row] =
+        std::sqrt(std::max(0.0, scratch.disagreement_m[row] / count - x * x - y * y));
   }
 }
 

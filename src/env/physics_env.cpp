@@ -22,7 +22,8 @@ geometry::Pose2 beyond_wall_when_touching(geometry::Pose2 pose, double dish_radi
 
 PhysicsEnv::PhysicsEnv(const EpisodeSettings& settings, const PhysicsEnvConfig& config, std::int64_t threads)
     : config_(config),
-      simulator_(config.simulator),
+      drawn_(static_cast<std::size_t>(settings.count)),
+      simulators_(config.randomise.enabled ? drawn_.size() : 1, physics::PlainSimulator(config.simulator)),
       episodes_(settings, {config.pose_noise_m, config.heading_noise_rad}, "physics"),
       pool_(static_cast<std::size_t>(threads)) {
   reset();
@@ -34,10 +35,43 @@ std::size_t PhysicsEnv::shards() const {
 
 void PhysicsEnv::begin(std::size_t i) {
   const double radius_m = episodes_.settings().task.start_radius_m;
-  episodes_.begin(i, [radius_m](common::RandomStream& random) {
-    const geometry::Vector2 position_m = task::draw_in_disc(radius_m, random);
+  const task::Region* region = episodes_.settings().region.get();
+  episodes_.begin(i, [radius_m, region](common::RandomStream& random) {
+    const auto draw = [&] { return task::draw_in_disc(radius_m, random); };
+    const geometry::Vector2 position_m = region != nullptr ? region->draw(draw) : draw();
     return geometry::Pose2{position_m.x(), position_m.y(), random.uniform(-kPi, kPi)};
   });
+  if (!config_.randomise.enabled) return;
+  common::RandomStream& random = episodes_.random(i);
+  const RandomisationConfig& ranges = config_.randomise;
+  drawn_[i] = {ranges.moment_A_m2.draw(random), ranges.viscosity_Pa_s.draw(random),
+               ranges.friction_coefficient.draw(random)};
+  simulators_[i] = simulator_with(drawn_[i]);
+}
+
+physics::PlainSimulator PhysicsEnv::simulator_with(const Drawn& drawn) const {
+  physics::PlainSimulatorConfig config = config_.simulator;
+  config.moment_A_m2 = drawn[0];
+  config.viscosity_Pa_s = drawn[1];
+  config.friction_coefficient = drawn[2];
+  return physics::PlainSimulator(config);
+}
+
+void PhysicsEnv::exchange_state(EnvState& state, bool load) {
+  episodes_.exchange_state(state, load);
+  if (!config_.randomise.enabled) return;
+  torch::Tensor numbers = torch::empty({episodes_.spec().count, 3}, torch::kFloat64);
+  double* number = numbers.data_ptr<double>();
+  if (!load) {
+    for (const Drawn& drawn : drawn_) number = std::copy(drawn.begin(), drawn.end(), number);
+    state.tensors["drawn"] = numbers;
+    return;
+  }
+  numbers.copy_(state_tensor(state, "drawn", numbers));
+  for (std::size_t i = 0; i < drawn_.size(); ++i, number += 3) {
+    std::copy_n(number, 3, drawn_[i].begin());
+    simulators_[i] = simulator_with(drawn_[i]);
+  }
 }
 
 torch::Tensor PhysicsEnv::reset() {
@@ -49,7 +83,8 @@ void PhysicsEnv::step_one(std::size_t i, const float* action) {
   const geometry::Vector2 drive_A = episodes_.drive(i, action);
   geometry::Pose2 next = episodes_.pose(i);
   if (!drive_A.isZero(0.0)) {
-    next = simulator_.step(next, task::coil_currents(drive_A), config_.pulse_s, config_.rest_s);
+    next = simulators_[simulators_.size() > 1 ? i : 0].step(next, task::coil_currents(drive_A),
+                                                            config_.pulse_s, config_.rest_s);
     next = beyond_wall_when_touching(next, config_.simulator.dish_radius_m);
   }
   if (episodes_.finish(i, next)) begin(i);

@@ -50,7 +50,7 @@ DynamicsNetworkImpl::DynamicsNetworkImpl(const DynamicsConfig& config, data::Sta
     layers->push_back(torch::nn::ReLU());
     width = hidden;
   }
-  layers->push_back(torch::nn::Linear(width, outputs));
+  layers->push_back(torch::nn::Linear(width, config.components > 0 ? mixture().outputs() : outputs));
   layers_ = register_module("layers", layers);
 }
 
@@ -68,7 +68,8 @@ torch::Tensor DynamicsNetworkImpl::normalised_input(const torch::Tensor& state,
 
 torch::Tensor DynamicsNetworkImpl::normalised_output(const torch::Tensor& state,
                                                      const torch::Tensor& action) {
-  return layers_->forward(normalised_input(state, action));
+  const torch::Tensor raw = layers_->forward(normalised_input(state, action));
+  return config_.components > 0 ? mixture_mean(raw, mixture()) : raw;
 }
 
 torch::Tensor DynamicsNetworkImpl::normalised_target(const torch::Tensor& state,
@@ -114,6 +115,17 @@ std::vector<DynamicsNetwork> make_dynamics_members(const DynamicsConfig& config,
     initialise_linear_layers(*members.back(), random);
   }
   return members;
+}
+
+std::vector<task::Move> recorded_moves(const DynamicsModel& model) {
+  const torch::Tensor from = model.training_rows.state.to(torch::kFloat64).contiguous();
+  const torch::Tensor to = model.training_rows.next_state.to(torch::kFloat64).contiguous();
+  const double* before = from.data_ptr<double>();
+  const double* after = to.data_ptr<double>();
+  std::vector<task::Move> moves;
+  for (std::int64_t row = 0; row < from.size(0); ++row, before += from.size(1), after += from.size(1))
+    moves.push_back({{before[0], before[1]}, {after[0], after[1]}});
+  return moves;
 }
 
 torch::Tensor predict_mean(DynamicsModel& model, const torch::Tensor& state, const torch::Tensor& action) {

@@ -64,7 +64,10 @@ class Folder {
 FoldedDynamics::FoldedDynamics(DynamicsNetwork& network)
     : state_size_(data::state_size(network->layout())),
       predicts_change_(network->config().form == "delta"),
-      sine_cosine_(predicts_change_ && network->layout() == data::StateLayout::kPose) {
+      sine_cosine_(predicts_change_ && network->layout() == data::StateLayout::kPose),
+      mixture_(network->mixture()),
+      output_mean_(static_cast<std::size_t>(state_size_), 0.0F),
+      output_std_(static_cast<std::size_t>(state_size_), 1.0F) {
   const torch::NoGradGuard no_grad;
   Folder folder(network->input_mean, network->input_std);
   for (const auto& child : network->layers()->children()) {
@@ -78,7 +81,12 @@ FoldedDynamics::FoldedDynamics(DynamicsNetwork& network)
       folder.add_relu();
     }
   }
-  folder.affine(network->output_std.to(torch::kFloat64), network->output_mean.to(torch::kFloat64));
+  if (mixture_.components == 0) {
+    folder.affine(network->output_std.to(torch::kFloat64), network->output_mean.to(torch::kFloat64));
+  } else {
+    std::copy_n(network->output_mean.contiguous().data_ptr<float>(), state_size_, output_mean_.begin());
+    std::copy_n(network->output_std.contiguous().data_ptr<float>(), state_size_, output_std_.begin());
+  }
   for (std::size_t i = 0; i < folder.weights().size(); ++i) {
     const torch::Tensor weight = folder.weights()[i].to(torch::kFloat32).contiguous();
     layers_.push_back({PackedMatrix<float>({weight.data_ptr<float>(), weight.size(1), weight.size(0), true}),
@@ -104,16 +112,17 @@ void FoldedDynamics::write_features(const double* state, const double* drive, st
 
 void FoldedDynamics::write_next(const double* state, const float* output, std::int64_t rows,
                                 double* next) const {
+  const auto size = static_cast<std::size_t>(state_size_);
   const double keep = predicts_change_ ? 1.0 : 0.0;
-  for (std::int64_t i = 0; i < rows * state_size_; ++i)
-    next[i] = keep * state[i] + static_cast<double>(output[i]);
-  if (state_size_ < 3) return;
-  for (std::int64_t row = 0; row < rows; ++row) next[3 * row + 2] = geometry::wrap_angle(next[3 * row + 2]);
+  for (std::int64_t row = 0; row < rows; ++row, state += size, output += size, next += size) {
+    for (std::size_t i = 0; i < size; ++i)
+      next[i] = keep * state[i] + static_cast<double>(output_mean_[i] + output_std_[i] * output[i]);
+    if (size == 3) next[2] = geometry::wrap_angle(next[2]);
+  }
 }
 
-void FoldedDynamics::predict(const double* state, const double* drive, std::int64_t rows, double* next,
-                             Workspace& workspace) const {
-  if (rows == 0) return;
+const float* FoldedDynamics::evaluate(const double* state, const double* drive, std::int64_t rows,
+                                      Workspace& workspace) const {
   std::vector<torch::Tensor>& buffers = workspace.activations_;
   if (workspace.rows_ < rows || buffers.size() != layers_.size() + 1) {
     buffers.assign(1, torch::empty({rows, layers_.front().weight.k()}));
@@ -127,7 +136,31 @@ void FoldedDynamics::predict(const double* state, const double* drive, std::int6
                     buffers[i + 1].data_ptr<float>(),
                     {layer.bias.data_ptr<float>(), i + 1 < layers_.size(), nullptr});
   }
-  write_next(state, buffers.back().data_ptr<float>(), rows, next);
+  return buffers.back().data_ptr<float>();
+}
+
+void FoldedDynamics::predict(const double* state, const double* drive, std::int64_t rows, double* next,
+                             Workspace& workspace) const {
+  if (rows == 0) return;
+  const float* output = evaluate(state, drive, rows, workspace);
+  if (mixture_.components == 0) return write_next(state, output, rows, next);
+  float mean[3];
+  for (std::int64_t row = 0; row < rows; ++row) {
+    mixture_mean(output + row * mixture_.outputs(), mixture_, mean);
+    write_next(state + row * state_size_, mean, 1, next + row * state_size_);
+  }
+}
+
+void FoldedDynamics::sample(const double* state, const double* drive, std::int64_t rows,
+                            common::RandomStream* const* random, double* next, Workspace& workspace) const {
+  if (mixture_.components == 0) return predict(state, drive, rows, next, workspace);
+  if (rows == 0) return;
+  const float* output = evaluate(state, drive, rows, workspace);
+  float drawn[3];
+  for (std::int64_t row = 0; row < rows; ++row) {
+    mixture_draw(output + row * mixture_.outputs(), mixture_, *random[row], drawn);
+    write_next(state + row * state_size_, drawn, 1, next + row * state_size_);
+  }
 }
 
 }  // namespace lodestone::nets

@@ -91,6 +91,7 @@ void save_policy(const std::string& folder, const Policy& policy, const Json& ru
   checkpoint.facts["encoder"] = common::config_to_json(policy.encoder);
   checkpoint.facts["action"] = common::config_to_json(policy.action);
   checkpoint.facts["goal"] = policy.goal;
+  if (policy.region) checkpoint.facts["region"] = policy.region->json();
   checkpoint.facts["metrics"] = metrics;
   checkpoint.facts["provenance"] = policy.provenance;
   checkpoint.parts["actor"] = module_tensors(*policy.actor);
@@ -115,9 +116,13 @@ Policy load_policy(const std::string& folder) {
     policy.encoder = common::config_from_json<task::EncoderConfig>(checkpoint.facts.at("encoder"), what);
     policy.action = common::config_from_json<task::ActionConfig>(checkpoint.facts.at("action"), what);
     policy.goal = checkpoint.facts.at("goal").get<std::string>();
+    if (checkpoint.facts.contains("region"))
+      policy.region = task::Region::from_json(checkpoint.facts["region"]);
     policy.provenance = checkpoint.facts.value("provenance", Json::object());
   } catch (const Json::exception& error) {
     throw CheckpointError(what + ": facts are malformed: " + error.what());
+  } catch (const common::DataError& error) {
+    throw CheckpointError(what + ": " + error.what());
   } catch (const common::ConfigError& error) {
     throw CheckpointError(what + ": encoder or action is malformed: " + error.what());
   }

@@ -75,7 +75,7 @@ void DynamicsMember::run_epoch(std::int64_t epoch) {
                        target.narrow(0, first, config_.batch_size), learning_rate());
   }
   train_loss_ = sum / static_cast<double>(steps_per_epoch_);
-  validation_loss_ = squared_error();
+  validation_loss_ = validation_error();
   if (validation_loss_ < best_loss_) {
     best_loss_ = validation_loss_;
     stale_epochs_ = 0;
@@ -89,9 +89,10 @@ void DynamicsMember::run_epoch(std::int64_t epoch) {
 double DynamicsMember::train_batch(const torch::Tensor& input, const torch::Tensor& target, double rate) {
   parameters_.zero_gradient();
   const torch::Tensor output = network_->layers()->forward(input);
-  const torch::Tensor loss = config_.loss == "huber"
-                                 ? torch::huber_loss(output, target, at::Reduction::Mean, config_.huber_delta)
-                                 : torch::mse_loss(output, target);
+  const torch::Tensor loss =
+      network_->mixture().components > 0 ? nets::mixture_loss(output, target, network_->mixture())
+      : config_.loss == "huber" ? torch::huber_loss(output, target, at::Reduction::Mean, config_.huber_delta)
+                                : torch::mse_loss(output, target);
   loss.backward();
   optimiser_step(rate);
   const double value = loss.item<double>();
@@ -126,16 +127,19 @@ void DynamicsMember::optimiser_step(double rate) {
             static_cast<std::size_t>(count), rate, steps_);
 }
 
-double DynamicsMember::squared_error() {
+double DynamicsMember::validation_error() {
   constexpr std::int64_t kChunk = 4096;
   const torch::NoGradGuard no_grad;
   network_->eval();
   double sum = 0.0;
   for (std::int64_t first = 0; first < validation_input_.size(0); first += kChunk) {
     const std::int64_t rows = std::min(kChunk, validation_input_.size(0) - first);
-    const torch::Tensor error = network_->layers()->forward(validation_input_.narrow(0, first, rows)) -
-                                validation_target_.narrow(0, first, rows);
-    sum += error.square().sum().item<double>();
+    const torch::Tensor output = network_->layers()->forward(validation_input_.narrow(0, first, rows));
+    const torch::Tensor target = validation_target_.narrow(0, first, rows);
+    sum += network_->mixture().components > 0
+               ? nets::mixture_loss(output, target, network_->mixture()).item<double>() *
+                     static_cast<double>(target.numel())
+               : (output - target).square().sum().item<double>();
   }
   return sum / static_cast<double>(validation_target_.numel());
 }

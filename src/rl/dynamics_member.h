@@ -50,7 +50,8 @@ class DynamicsMember {
   double train_batch(const torch::Tensor& input, const torch::Tensor& target, double learning_rate);
   void optimiser_step(double learning_rate);
   double learning_rate() const;
-  double squared_error();
+  /// Mean squared error, or negative log-likelihood where a distribution is predicted.
+  double validation_error();
   nets::NamedTensors own_state() const;
 
   nets::DynamicsNetwork network_;

@@ -1,14 +1,30 @@
 #include "lodestone/rl/policy_environments.h"
 
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/random.h"
+#include "lodestone/data/dataset_file.h"
+#include "lodestone/env/joined_env.h"
 #include "lodestone/env/mbs_env.h"
 #include "lodestone/env/physics_env.h"
 #include "lodestone/nets/dynamics.h"
 
 namespace lodestone::rl {
+
+namespace {
+
+/// Where the training data moved, as far as the task wants to know.
+std::shared_ptr<const task::Region> region_for(const TrainPolicyConfig& config,
+                                               const std::optional<nets::DynamicsModel>& model) {
+  if (config.task.within != "reachable") return nullptr;
+  if (!model) throw common::ConfigError("task.within = \"reachable\" needs data to map: --set dynamics=DIR");
+  return std::make_shared<const task::Region>(nets::recorded_moves(*model), config.region);
+}
+
+}  // namespace
 
 PolicyEnvironments make_policy_environments(TrainPolicyConfig& config) {
   std::optional<nets::DynamicsModel> model;
@@ -19,22 +35,44 @@ PolicyEnvironments make_policy_environments(TrainPolicyConfig& config) {
     throw common::ConfigError(
         "train-policy needs the learned simulator: --set dynamics=DIR (checkpoint of train-dynamics)");
   }
-  const auto make = [&](std::int64_t count, const char* name,
-                        std::int64_t threads) -> std::unique_ptr<env::VecEnv> {
+  PolicyEnvironments made;
+  made.region = region_for(config, model);
+  const auto settings_for = [&](std::int64_t count, const char* name) {
     env::EpisodeSettings settings;
     settings.count = count;
     settings.task = config.task;
     settings.encoder = config.encoder;
     settings.action = config.action;
     settings.seed = common::derive_seed(static_cast<std::uint64_t>(config.seed), name);
-    if (config.simulator == "mbs") {
+    settings.region = made.region;
+    return settings;
+  };
+  const auto simulate = [&](const env::EpisodeSettings& settings,
+                            std::int64_t threads) -> std::unique_ptr<env::VecEnv> {
+    if (config.simulator == "mbs")
       return std::make_unique<env::MbsEnv>(*model, settings, config.mbs, threads);
-    }
     return std::make_unique<env::PhysicsEnv>(settings, config.physics, threads);
   };
-  const std::int64_t beside_updates = config.training.learning.overlap ? 1 : config.threads;
-  return {make(config.training.environments, "training", beside_updates),
-          make(config.training.evaluation_episodes, "evaluation", config.threads)};
+  const PolicyTrainingConfig& training = config.training;
+  const std::int64_t simulated = training.environments - config.replay.environments;
+  std::vector<std::unique_ptr<env::VecEnv>> parts;
+  const auto add = [&](std::unique_ptr<env::VecEnv> part) { parts.push_back(std::move(part)); };
+  // Only while it learns does the success radius shrink; it is scored with the last one.
+  const std::int64_t shrink_steps = training.learning.env_steps / training.environments;
+  if (simulated > 0) {
+    env::EpisodeSettings settings = settings_for(simulated, "training");
+    settings.shrink_steps = shrink_steps;
+    add(simulate(settings, training.learning.overlap ? 1 : config.threads));
+  }
+  if (config.replay.environments > 0) {
+    env::EpisodeSettings settings = settings_for(config.replay.environments, "replay");
+    settings.shrink_steps = shrink_steps;
+    add(std::make_unique<env::ReplayEnv>(data::read_recordings(config.recorded), settings, config.replay));
+  }
+  made.training =
+      parts.size() == 1 ? std::move(parts.front()) : std::make_unique<env::JoinedEnv>(std::move(parts));
+  made.evaluation = simulate(settings_for(training.evaluation_episodes, "evaluation"), config.threads);
+  return made;
 }
 
 }  // namespace lodestone::rl

@@ -39,20 +39,6 @@ PolicyEvaluation::PolicyEvaluation(env::VecEnv& environments, const task::Encode
   for (auto& [name, tensor] : start_.tensors) tensor = tensor.clone();
 }
 
-double PolicyEvaluation::goal_distance_m(const float* observation) const {
-  const int heading = encoder_.heading == "none" ? 0 : encoder_.heading == "angle" ? 1 : 2;
-  double x = observation[0];
-  double y = observation[1];
-  if (encoder_.relative_target) {
-    x = observation[2 + heading + (encoder_.target ? 2 : 0)];
-    y = observation[3 + heading + (encoder_.target ? 2 : 0)];
-  } else if (encoder_.target) {
-    x -= observation[2 + heading];
-    y -= observation[3 + heading];
-  }
-  return encoder_.length_scale_m * std::hypot(x, y);
-}
-
 PolicyScore PolicyEvaluation::run(Td3& policy) {
   const torch::NoGradGuard no_grad;
   env::EnvState start{start_.facts, {}};
@@ -86,7 +72,8 @@ PolicyScore PolicyEvaluation::run(Td3& policy) {
       }
       done[k] = 1;
       --left;
-      error_mm[k] = 1e3 * goal_distance_m(result.final_observation.data_ptr<float>() + i * columns);
+      error_mm[k] =
+          1e3 * encoder_.target_distance_m(result.final_observation.data_ptr<float>() + i * columns);
     }
     observation.copy_(result.observation);
   }

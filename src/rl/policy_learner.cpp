@@ -29,7 +29,8 @@ void load_same_shape(torch::Tensor& target, const nets::NamedTensors& stored, co
 }  // namespace
 
 PolicyLearner::PolicyLearner(const LearningConfig& learning, const Td3Config& td3, const NoiseConfig& noise,
-                             std::uint64_t seed, std::int64_t threads, env::VecEnv& environments)
+                             std::uint64_t seed, std::int64_t threads, env::VecEnv& environments,
+                             std::optional<Hindsight> hindsight)
     : learning_(learning),
       learning_rate_(td3.learning_rate),
       environments_(environments),
@@ -38,6 +39,7 @@ PolicyLearner::PolicyLearner(const LearningConfig& learning, const Td3Config& td
       buffer_(buffer_capacity(learning, environments.spec().count), environments.spec().observation_size,
               environments.spec().action_size),
       noise_(noise, environments.spec().count, environments.spec().action_size, seed),
+      hindsight_(std::move(hindsight)),
       overlap_(learning.overlap && threads > 1 ? 2 : 1) {
   observation_ = environments_.reset().clone();
   returns_ = torch::zeros({environments_.spec().count}, torch::kFloat32);
@@ -70,7 +72,9 @@ void PolicyLearner::step() {
   } else {
     result = environments_.step(action);
   }
-  buffer_.add(observation_, action, result);
+  const torch::Tensor& done = result.action.defined() ? result.action : action;
+  buffer_.add(observation_, done, result);
+  if (hindsight_) hindsight_->add(observation_, done, result, buffer_);
   noise_.episodes_ended(result.terminated.bitwise_or(result.truncated));
   count_episodes(result);
   observation_.copy_(result.observation);
@@ -136,6 +140,7 @@ void PolicyLearner::save(nets::Checkpoint& checkpoint) {
   checkpoint.parts["running"] = {
       {"observation", observation_.clone()}, {"returns", returns_.clone()}, {"lengths", lengths_.clone()}};
   checkpoint.facts["noise"] = noise_.save();
+  if (hindsight_) checkpoint.facts["hindsight"] = hindsight_->save();
   checkpoint.facts["env_steps"] = env_steps_;
   checkpoint.facts["due_updates"] = due_updates_;
 }
@@ -154,6 +159,7 @@ void PolicyLearner::load(const nets::Checkpoint& checkpoint) {
   td3_->load(checkpoint);
   buffer_.load(checkpoint.parts.at("buffer"));
   noise_.load(checkpoint.facts["noise"]);
+  if (hindsight_) hindsight_->load(checkpoint.facts.value("hindsight", common::Json()));
   const nets::NamedTensors& running = checkpoint.parts.at("running");
   load_same_shape(observation_, running, "observation");
   load_same_shape(returns_, running, "returns");

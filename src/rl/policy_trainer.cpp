@@ -56,18 +56,27 @@ std::string note(const PolicyScore& score) {
   return text;
 }
 
+std::optional<Hindsight> hindsight(const TrainPolicyConfig& config) {
+  const double share = config.training.learning.hindsight;
+  if (share <= 0.0) return std::nullopt;
+  return Hindsight(share, config.task, config.encoder, config.training.environments,
+                   static_cast<std::uint64_t>(config.seed));
+}
+
 /// One run: the learner, its best policy so far, and the files.
 class Run {
  public:
   Run(const TrainPolicyConfig& config, env::VecEnv& training, env::VecEnv& evaluation,
-      const std::string& folder)
+      const std::string& folder, const task::Region* region)
       : config_(config),
         folder_(folder),
         evaluation_(evaluation, config.encoder),
         learner_(config.training.learning, config.td3, config.noise, static_cast<std::uint64_t>(config.seed),
-                 thread_count(config.threads), training),
+                 thread_count(config.threads), training, hindsight(config)),
         log_(folder),
-        next_evaluation_(config.training.evaluate_every) {}
+        next_evaluation_(config.training.evaluate_every) {
+    if (region != nullptr) region_ = *region;
+  }
 
   void resume() {
     const nets::Checkpoint checkpoint = nets::load_checkpoint(folder_ + "/training", kKind);
@@ -163,6 +172,7 @@ class Run {
     policy.encoder = config_.encoder;
     policy.action = config_.action;
     policy.goal = config_.task.goal;
+    policy.region = region_;
     policy.actor = nets::Actor(weights.at("l1.weight").size(1), policy.hidden);
     nets::load_module_tensors(*policy.actor, weights, "trained actor");
     common::Json metrics = score_to_json(result_.evaluation);
@@ -199,6 +209,7 @@ class Run {
   std::int64_t next_evaluation_;
   std::vector<std::pair<double, double>> returns_;  // of every evaluation: training time in s, mean return
   PolicyRunResult result_;
+  std::optional<task::Region> region_;
 };
 
 }  // namespace
@@ -209,6 +220,16 @@ void TrainPolicyConfig::validate() const {
     throw common::ConfigError("training.warm_up_steps = " + std::to_string(learning.warm_up_steps) +
                               " must be below training.env_steps = " + std::to_string(learning.env_steps));
   }
+  if (replay.environments > training.environments) {
+    throw common::ConfigError(
+        "replay.environments = " + std::to_string(replay.environments) +
+        " must not exceed training.environments = " + std::to_string(training.environments));
+  }
+  if (replay.environments > 0 && recorded.empty()) {
+    throw common::ConfigError("replay.environments = " + std::to_string(replay.environments) +
+                              " needs a recording: --set recorded=FILE.h5");
+  }
+  replay.validate();
   if (td3.batch_size > learning.buffer_size) {
     throw common::ConfigError("training.buffer_size = " + std::to_string(learning.buffer_size) +
                               " must be at least td3.batch_size = " + std::to_string(td3.batch_size));
@@ -242,8 +263,8 @@ common::Json PolicyRunResult::json() const {
 }
 
 PolicyRunResult train_policy(const TrainPolicyConfig& config, env::VecEnv& training, env::VecEnv& evaluation,
-                             const std::string& folder, bool resume) {
-  Run run(config, training, evaluation, folder);
+                             const std::string& folder, bool resume, const task::Region* region) {
+  Run run(config, training, evaluation, folder, region);
   if (resume && std::filesystem::exists(folder + "/training")) run.resume();
   return run.train();
 }

@@ -5,9 +5,8 @@
 namespace lodestone::task {
 
 int ObservationEncoder::size() const {
-  const int heading = config_.heading == "none" ? 0 : config_.heading == "angle" ? 1 : 2;
-  return 2 + heading + (config_.target ? 2 : 0) + (config_.relative_target ? 2 : 0) +
-         (config_.memory ? 4 : 0);
+  return 2 + heading_size() + (config_.target ? 2 : 0) + (config_.relative_target ? 2 : 0) +
+         (config_.target_heading ? 2 : 0) + (config_.memory ? 4 : 0);
 }
 
 void ObservationEncoder::encode(const Observation& observation, float* out) const {
@@ -25,10 +24,39 @@ void ObservationEncoder::encode(const Observation& observation, float* out) cons
   }
   if (config_.target) put(observation.target_m, config_.length_scale_m);
   if (config_.relative_target) put(observation.target_m - position_m, config_.length_scale_m);
+  if (config_.target_heading) {
+    const double turn_rad = observation.target_heading_rad - observation.pose.heading_rad;
+    *out++ = static_cast<float>(std::sin(turn_rad));
+    *out++ = static_cast<float>(std::cos(turn_rad));
+  }
   if (config_.memory) {
     put(observation.last_action, 1.0);
     put(observation.last_displacement_m, config_.displacement_scale_m);
   }
+}
+
+geometry::Vector2 ObservationEncoder::position_m(const float* row) const {
+  return config_.length_scale_m * geometry::Vector2(row[0], row[1]);
+}
+
+double ObservationEncoder::target_distance_m(const float* row) const {
+  const int target = 2 + heading_size();
+  if (config_.relative_target) {
+    const float* vector = row + target + (config_.target ? 2 : 0);
+    return config_.length_scale_m * std::hypot(vector[0], vector[1]);
+  }
+  const geometry::Vector2 at_m = position_m(row);
+  return config_.target ? (position_m(row + target) - at_m).norm() : at_m.norm();
+}
+
+void ObservationEncoder::retarget(const geometry::Vector2& target_m, float* row) const {
+  float* out = row + 2 + heading_size();
+  const auto put = [&](const geometry::Vector2& vector_m) {
+    *out++ = static_cast<float>(vector_m.x() / config_.length_scale_m);
+    *out++ = static_cast<float>(vector_m.y() / config_.length_scale_m);
+  };
+  if (config_.target) put(target_m);
+  if (config_.relative_target) put(target_m - position_m(row));
 }
 
 }  // namespace lodestone::task

@@ -1,5 +1,6 @@
 #include "lodestone/task/task.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lodestone::task {
@@ -10,21 +11,39 @@ geometry::Vector2 draw_in_disc(double radius_m, common::RandomStream& random) {
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
-geometry::Vector2 draw_goal(const TaskConfig& config, common::RandomStream& random) {
-  return config.goal == "centre" ? geometry::Vector2::Zero() : draw_in_disc(config.goal_radius_m, random);
+Goal draw_goal(const TaskConfig& config, common::RandomStream& random, const Region* region) {
+  Goal goal;
+  if (config.goal == "centre") return goal;
+  const auto draw = [&] { return draw_in_disc(config.goal_radius_m, random); };
+  goal.position_m = region != nullptr ? region->draw(draw) : draw();
+  if (config.goal == "pose") goal.heading_rad = random.uniform(-M_PI, M_PI);
+  return goal;
 }
 
-StepOutcome judge_step(const TaskConfig& config, const geometry::Vector2& before_m,
-                       const geometry::Vector2& after_m, const geometry::Vector2& goal_m, std::int64_t step) {
-  const double distance_before = (before_m - goal_m).norm();
-  const double distance_after = (after_m - goal_m).norm();
+double success_radius_m(const TaskConfig& config, double progress) {
+  if (config.final_success_radius_m <= 0.0) return config.success_radius_m;
+  return config.success_radius_m +
+         std::min(1.0, progress) * (config.final_success_radius_m - config.success_radius_m);
+}
+
+StepOutcome judge_step(const TaskConfig& config, const Step& step) {
+  const double distance_before = (step.before.position_m() - step.goal.position_m).norm();
+  const double distance_after = (step.after.position_m() - step.goal.position_m).norm();
   StepOutcome outcome;
-  outcome.success = distance_after < config.success_radius_m;
-  outcome.reward = config.alpha * (distance_after - distance_before) / config.dish_radius_m +
-                   (outcome.success ? config.beta : 0.0) + config.tau;
+  outcome.success = distance_after < success_radius_m(config, step.progress);
+  outcome.reward = config.alpha * (distance_after - distance_before) / config.dish_radius_m + config.tau -
+                   config.current_cost * step.action.squaredNorm();
+  if (config.goal == "pose") {
+    const auto error = [&](const geometry::Pose2& pose) {
+      return std::abs(geometry::wrap_angle(pose.heading_rad - step.goal.heading_rad)) / M_PI;
+    };
+    outcome.reward += config.heading_alpha * (error(step.after) - error(step.before));
+    outcome.success = outcome.success && 180.0 * error(step.after) < config.success_heading_deg;
+  }
+  if (outcome.success) outcome.reward += config.beta;
   outcome.terminated = (config.end_on_success && outcome.success) ||
-                       (config.end_on_dish_exit && after_m.norm() > config.dish_radius_m);
-  outcome.truncated = !outcome.terminated && step >= config.max_steps;
+                       (config.end_on_dish_exit && step.after.position_m().norm() > config.dish_radius_m);
+  outcome.truncated = !outcome.terminated && step.index >= config.max_steps;
   return outcome;
 }
 

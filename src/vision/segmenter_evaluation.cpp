@@ -8,6 +8,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/interrupt.h"
+#include "lodestone/common/statistics.h"
 #include "lodestone/imaging/scene_renderer.h"
 #include "lodestone/nets/checkpoint.h"
 #include "lodestone/vision/segmenter_samples.h"
@@ -92,11 +93,7 @@ SceneResult run_scene(const std::shared_ptr<const Segmenter>& segmenter, const i
   return result;
 }
 
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
+using common::percentile;
 
 LocalisationScore score(const std::vector<Attempt>& attempts) {
   LocalisationScore out;

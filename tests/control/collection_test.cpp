@@ -83,7 +83,7 @@ TEST_CASE("the first steps of an episode are an episode") {
   control::Collection collection(simulated());
   data::Episode episode = collection.next_episode(25);
   while (episode.length() < 4) episode = collection.next_episode(25);
-  const data::Episode part = control::first_steps(episode, 3);
+  const data::Episode part = data::first_steps(episode, 3);
   CHECK(part.length() == 3);
   CHECK(part.observations.size() == 12);
   CHECK(part.actions.size() == 6);

@@ -196,3 +196,103 @@ TEST_CASE("a heading that the model lacks cannot be encoded", "[unit]") {
 
 }  // namespace
 }  // namespace lodestone::env
+namespace lodestone::env {
+namespace {
+
+/// Drives every environment fully to the right once; returns what happened.
+StepResult push(MbsEnv& environments) {
+  torch::Tensor actions = torch::zeros({environments.spec().count, 2});
+  actions.select(1, 0).fill_(1.0);
+  return environments.step(actions);
+}
+
+TEST_CASE("a predicted distribution is sampled, another draw in every environment", "[unit]") {
+  nets::DynamicsModel model = linear_model(data::StateLayout::kPosition, {kGain_m}, {0});
+  model.config.components = 2;
+  model.members = nets::make_dynamics_members(model.config, data::StateLayout::kPosition, 1);
+  {
+    // weights equal; means of the change 0 and 4 mm; spreads of e^-5.5
+    const torch::NoGradGuard no_grad;
+    for (torch::Tensor& parameter : model.members[0]->parameters()) parameter.zero_();
+    torch::Tensor bias = model.members[0]->named_parameters()["layers.2.bias"];
+    bias[2 + 2] = 4.0;
+    bias.narrow(0, 6, 4).fill_(-50.0);
+    model.members[0]->output_std.fill_(1e-3);
+    model.members[0]->eval();
+  }
+  EpisodeSettings settings = settings_for(600);
+  settings.task.end_on_success = false;
+  MbsConfig config;
+  config.ensemble = "per_step";
+  config.outcome = "sample";
+  MbsEnv environments(model, settings, config, 2);
+  const torch::Tensor before = environments.reset().clone();
+  const torch::Tensor moved =
+      42.5 * (push(environments).final_observation.select(1, 0) - before.select(1, 0));  // mm
+  const double share = (moved > 2.0).to(torch::kFloat32).mean().item<double>();
+  CHECK(share == Approx(0.5).margin(0.07));
+  CHECK(torch::minimum((moved - 4.0).abs(), moved.abs()).max().item<double>() < 0.05);
+
+  config.outcome = "mean";
+  MbsEnv mean(model, settings, config, 2);
+  const torch::Tensor start = mean.reset().clone();
+  const torch::Tensor by_mean = 42.5 * (push(mean).final_observation.select(1, 0) - start.select(1, 0));
+  CHECK((by_mean - 2.0).abs().max().item<double>() < 1e-3);
+
+  config.outcome = "sample";
+  const nets::DynamicsModel single = linear_model(data::StateLayout::kPosition, {kGain_m}, {0});
+  CHECK_THROWS_AS(MbsEnv(single, settings, config, 1), common::ConfigError);
+}
+
+TEST_CASE("disagreement of the members costs, and ends episodes where it is large", "[unit]") {
+  // The members move 10 mm and 6 mm: 2 mm RMS from their mean.
+  const nets::DynamicsModel model =
+      linear_model(data::StateLayout::kPosition, {kGain_m, 0.6 * kGain_m}, {0, 0});
+  EpisodeSettings settings = settings_for(50);
+  settings.task.end_on_success = false;
+  settings.task.end_on_dish_exit = false;
+  MbsConfig config;
+  MbsEnv plain(model, settings, config, 1);
+  config.disagreement_penalty = 3.0;
+  MbsEnv punished(model, settings, config, 1);
+  config.disagreement_stop_m = 0.0019;
+  MbsEnv stopped(model, settings, config, 1);
+  const StepResult free = tests::copy_of(push(plain));
+  const StepResult paid = tests::copy_of(push(punished));
+  CHECK((free.reward - paid.reward - 3.0 * 0.002 / 0.0425).abs().max().item<double>() < 1e-5);
+  CHECK(paid.terminated.sum().item<std::int64_t>() == 0);
+  CHECK(push(stopped).terminated.sum().item<std::int64_t>() == 50);
+  const nets::DynamicsModel alone = linear_model(data::StateLayout::kPosition, {kGain_m}, {0});
+  CHECK_THROWS_AS(MbsEnv(alone, settings, config, 1), common::ConfigError);
+}
+
+TEST_CASE("starts and goals keep to the region, and the radius shrinks with age", "[unit]") {
+  const nets::DynamicsModel model = linear_model(data::StateLayout::kPosition, {kGain_m}, {0});
+  EpisodeSettings settings = settings_for(200);
+  std::vector<task::Move> moves;
+  for (int i = 0; i < 2000; ++i) {
+    const double x = 0.02 * ((i * 37) % 100) / 100.0;  // the right half only
+    const double y = 0.02 * ((i * 61) % 100) / 100.0 - 0.01;
+    moves.push_back({{0.02 - x, -y}, {x, y}});
+  }
+  settings.region = std::make_shared<const task::Region>(moves, task::RegionConfig());
+  MbsEnv environments(model, settings, {}, 1);
+  const torch::Tensor seen = environments.reset();
+  for (std::int64_t i = 0; i < 200; ++i) {
+    CHECK(settings.region->contains(position_m(seen, i)));
+    CHECK(seen[i][2].item<double>() >= 0.0);
+  }
+  settings = settings_for(1);
+  settings.task.success_radius_m = 1.0;  // everything counts at first, nothing in the end
+  settings.task.final_success_radius_m = 1e-5;
+  settings.task.end_on_success = false;
+  settings.task.end_on_dish_exit = false;
+  settings.shrink_steps = 20;
+  MbsEnv shrinking(model, settings, {}, 1);
+  CHECK(push(shrinking).success[0].item<bool>());
+  for (int i = 0; i < 20; ++i) push(shrinking);
+  CHECK_FALSE(push(shrinking).success[0].item<bool>());
+}
+
+}  // namespace
+}  // namespace lodestone::env

@@ -44,5 +44,35 @@ TEST_CASE("the environment moves the needle as the simulator does", "[unit]") {
   CHECK(std::abs(geometry::wrap_angle(next[0][2].item<double>() - expected.heading_rad)) < 5e-3);
 }
 
+TEST_CASE("randomised simulators keep the promises too, and differ from episode to episode", "[unit]") {
+  const EpisodeSettings settings = short_episodes(20);
+  PhysicsEnvConfig config;
+  config.simulator.step_s = 2e-3;
+  config.randomise.enabled = true;
+  tests::check_vec_env(
+      {[&](std::int64_t threads) { return std::make_unique<PhysicsEnv>(settings, config, threads); }, 6,
+       0.009, 0.0425, 0.0425});
+
+  config.simulator.step_s = 0.5e-3;
+  config.randomise.moment_A_m2 = {1.6e-3, 1.6e-3};
+  config.randomise.viscosity_Pa_s = {1.5e-3, 1.5e-3};
+  config.randomise.friction_coefficient = {0.3, 0.3};
+  EpisodeSettings one = short_episodes(1);
+  one.encoder.heading = "angle";
+  one.task.success_radius_m = 1e-5;
+  PhysicsEnv fixed(one, config, 1);
+  const torch::Tensor start = fixed.reset().clone();
+  physics::PlainSimulatorConfig expected = config.simulator;
+  expected.moment_A_m2 = 1.6e-3;
+  expected.viscosity_Pa_s = 1.5e-3;
+  expected.friction_coefficient = 0.3;
+  const geometry::Pose2 next = physics::PlainSimulator(expected).step(
+      {0.0425 * start[0][0].item<double>(), 0.0425 * start[0][1].item<double>(), start[0][2].item<double>()},
+      {3.0, 0.0, 0.0, 1.5}, config.pulse_s, config.rest_s);
+  const torch::Tensor seen = fixed.step(torch::tensor({{0.5F, -0.25F}})).final_observation;
+  CHECK(0.0425 * seen[0][0].item<double>() == Approx(next.x_m).margin(2e-5));
+  CHECK(0.0425 * seen[0][1].item<double>() == Approx(next.y_m).margin(2e-5));
+}
+
 }  // namespace
 }  // namespace lodestone::env

@@ -35,8 +35,13 @@ inline torch::Tensor random_actions(const EnvSpec& spec, std::uint64_t step) {
 }
 
 inline StepResult copy_of(const StepResult& result) {
-  return {result.observation.clone(), result.reward.clone(),  result.terminated.clone(),
-          result.truncated.clone(),   result.success.clone(), result.final_observation.clone()};
+  return {result.observation.clone(),
+          result.reward.clone(),
+          result.terminated.clone(),
+          result.truncated.clone(),
+          result.success.clone(),
+          result.final_observation.clone(),
+          result.action.defined() ? result.action.clone() : torch::Tensor()};
 }
 
 inline bool same(const StepResult& a, const StepResult& b) {

@@ -46,3 +46,22 @@ TEST_CASE("every option adds its numbers in order") {
   config.target = false;
   CHECK(encode(config).size() == 8);
 }
+
+TEST_CASE("an encoded row can be read back and given another target") {
+  EncoderConfig config;
+  config.heading = "sine_cosine";
+  config.relative_target = true;
+  config.target_heading = true;
+  config.memory = true;
+  const ObservationEncoder encoder(config);
+  std::vector<float> row = encode(config);
+  const Observation seen = example();
+  CHECK((encoder.position_m(row.data()) - seen.pose.position_m()).norm() < 1e-8);
+  CHECK(encoder.target_distance_m(row.data()) == Approx((seen.target_m - seen.pose.position_m()).norm()));
+  Observation other = seen;
+  other.target_m = {0.01, -0.02};
+  encoder.retarget(other.target_m, row.data());
+  std::vector<float> expected(row.size());
+  encoder.encode(other, expected.data());
+  for (std::size_t i = 0; i < row.size(); ++i) CHECK(row[i] == Approx(expected[i]).margin(1e-6));
+}

@@ -52,14 +52,13 @@ struct CollectionConfig {
 /// What the dataset's attributes say.
 data::DatasetInfo dataset_info(const CollectionConfig& config);
 
-/// The first `steps` steps of an episode, truncated there.
-data::Episode first_steps(const data::Episode& episode, std::int64_t steps);
-
-/// A human at the controls instead of the explorer.
+/// Somebody or something at the controls instead of the explorer.
 struct Pilot {
   Controller* controller = nullptr;
   std::function<bool()> episode_over;  ///< asked at every step
   ControlLoop::Observer watch;         ///< sees every observation, before its pulse
+  std::function<std::string()> save;   ///< its state between two episodes; empty functions: it has none
+  std::function<void(const std::string&)> restore;
 };
 
 /// The virtual bench of a session.

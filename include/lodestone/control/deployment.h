@@ -7,17 +7,21 @@
 #include <string>
 #include <vector>
 
+#include "lodestone/common/range.h"
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/control/bench.h"
 #include "lodestone/control/control_loop.h"
 #include "lodestone/control/decorators.h"
 #include "lodestone/control/dipole_pull.h"
+#include "lodestone/control/planner.h"
 #include "lodestone/control/reference.h"
 #include "lodestone/control/score.h"
 #include "lodestone/control/sensing.h"
 #include "lodestone/control/trial.h"
 #include "lodestone/control/trial_video.h"
+#include "lodestone/nets/policy.h"
 #include "lodestone/rig/rig_config.h"
+#include "lodestone/task/region.h"
 
 namespace lodestone::control {
 
@@ -27,6 +31,8 @@ struct TrialsConfig {
   std::int64_t count = 50;
   double start_radius_m = 0.035;
   double goal_radius_m = 0.030;
+  std::string within = "disc";
+  common::Range temperature_C = {20.0, 25.0};  // I: a laboratory over the year
   double point_seconds = 20.0;
   double square_side_m = 0.030;
   double circle_radius_m = 0.015;
@@ -37,7 +43,15 @@ struct TrialsConfig {
     v.field("start_radius_m", start_radius_m, "m", "starts are drawn over a disc of this radius", {0.0, 1.0});
     v.field("goal_radius_m", goal_radius_m, "m", "targets of `point` are drawn over a disc of this radius",
             {0.0, 1.0});
-    v.field("point_seconds", point_seconds, "s", "length of a trial of `centre` or `point`", {0.1, 3600.0});
+    v.field("within", within, "",
+            "starts and targets lie anywhere on those discs, or only where the policy's training data show "
+            "them to be "
+            "reachable",
+            {"disc", "reachable"});
+    v.field("temperature_C", temperature_C, "C",
+            "an unseen rig's room, and with it its coils and fluid, is this warm", {0.0, 60.0});
+    v.field("point_seconds", point_seconds, "s", "length of a trial of `centre`, `point` or `pose`",
+            {0.1, 3600.0});
     v.field("square_side_m", square_side_m, "m", "side of the square", {1e-3, 1.0});
     v.field("circle_radius_m", circle_radius_m, "m", "radius of the circle", {1e-3, 1.0});
   }
@@ -55,6 +69,7 @@ struct DeploymentConfig {
   SafetyConfig safety;
   DecoratorConfig decorators;
   DipolePullConfig baseline;
+  PlannerConfig planner;
   rig::RigConfig rig;
   SensingConfig sensor;
   RecordingConfig record;
@@ -71,35 +86,46 @@ struct DeploymentConfig {
     v.group("safety", safety, "limits of the supervisor");
     v.group("decorators", decorators, "what is put around every controller");
     v.group("baseline", baseline, "the proportional baseline");
+    v.group("planner", planner, "planning in the learned simulator");
     v.group("rig", rig, "the rig");
     v.group("sensor", sensor, "how poses are sensed");
     v.group("record", record, "videos");
   }
 };
 
-/// A rig that was explored (friction map and camera of collect), or one never seen before (own friction map
-/// and camera in every trial, calibrated from its first picture).
+/// A rig that was explored (friction map and camera of collect), or one never seen before (own friction map,
+/// camera and temperature in every trial, calibrated from its first picture).
 enum class RigKind { kExplored, kUnseen };
 const char* to_string(RigKind kind);
 
-/// Start, target or path of trial `index` of a task ("centre", "point", "square", "circle", or "path" with
-/// `path`). `target_m`, when given, replaces the drawn target of `point`. `fits` says whether a start lies
-/// inside the dish.
+/// Start, target or path of trial `index` of a task ("centre", "point", "pose", "square", "circle", or "path"
+/// with `path`). `target_m`, when given, replaces the drawn target of `point`. `fits` says whether a start
+/// lies inside the dish. With a `region`, start and drawn target lie in it.
 TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, std::int64_t index,
                      const std::optional<geometry::Vector2>& target_m,
                      const std::optional<geometry::Path>& path,
-                     const std::function<bool(const geometry::Pose2&)>& fits);
+                     const std::function<bool(const geometry::Pose2&)>& fits,
+                     const task::Region* region = nullptr);
 
 /// A controller and the scale of its actions. `make` is called once per trial and must be safe to call from
 /// several threads.
 struct ControllerSource {
-  std::string name;  ///< "policy" or "baseline"
+  std::string name;  ///< "policy", "planner" or "baseline"
   task::ActionConfig action;
   std::function<std::unique_ptr<Controller>()> make;
 };
 
 /// The baseline at the rig's largest current.
 ControllerSource baseline_source(const DeploymentConfig& config);
+
+/// A trained policy. Throws ConfigError when its actions go beyond the rig's largest current; `what` names
+/// it.
+ControllerSource policy_source(const DeploymentConfig& config, const nets::Policy& policy,
+                               const std::string& what);
+
+/// A planner on a learned simulator.
+ControllerSource planner_source(const DeploymentConfig& config, const nets::DynamicsModel& model,
+                                const std::string& what);
 
 /// What drives a virtual rig: its own coils and clock, or a whole emulated bench around it, which `keep`
 /// keeps.

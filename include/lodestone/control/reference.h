@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "lodestone/geometry/path.h"
 
 namespace lodestone::control {
@@ -12,6 +14,8 @@ class Reference {
   virtual void reset() = 0;
   /// Target at `time_s` since the start of the run, for a needle sensed at `position_m`.
   virtual geometry::Vector2 target(double time_s, const geometry::Vector2& position_m) = 0;
+  /// Heading the needle should lie at there, where the task wants one.
+  virtual std::optional<double> target_heading_rad() const { return std::nullopt; }
   /// True once there is nothing left to follow.
   virtual bool finished(double time_s) const = 0;
 };
@@ -19,15 +23,17 @@ class Reference {
 /// A point that stays where it is, for a given time.
 class PointReference final : public Reference {
  public:
-  PointReference(const geometry::Vector2& point_m, double duration_s)
-      : point_m_(point_m), duration_s_(duration_s) {}
+  PointReference(const geometry::Vector2& point_m, double duration_s, std::optional<double> heading_rad = {})
+      : point_m_(point_m), duration_s_(duration_s), heading_rad_(heading_rad) {}
   void reset() override {}
   geometry::Vector2 target(double, const geometry::Vector2&) override { return point_m_; }
+  std::optional<double> target_heading_rad() const override { return heading_rad_; }
   bool finished(double time_s) const override { return time_s >= duration_s_; }
 
  private:
   geometry::Vector2 point_m_;
   double duration_s_;
+  std::optional<double> heading_rad_;
 };
 
 /// How a path is fed to the controller.

@@ -24,6 +24,7 @@ struct TrialScore {
   double final_error_m = 0.0;          ///< distance to the target at the end
   bool success = false;                ///< point: final error within the radius; path: its cross-track RMS is
   std::optional<double> hold_error_m;  ///< mean distance at the end of a trial that reached (point only)
+  std::optional<double> heading_error_rad;  ///< at the end; pose only
   std::optional<double> cross_track_rms_m;  ///< path only
   std::optional<double> time_rms_m;         ///< RMS distance to the moving reference, path only
   std::optional<std::int64_t>
@@ -34,11 +35,14 @@ struct TrialScore {
 /// Rules of scoring.
 struct ScoreConfig {
   double success_radius_m = 0.003;
+  double success_heading_deg = 15.0;
   double hold_s = 5.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("success_radius_m", success_radius_m, "m", "distance that counts as reached", {1e-5, 1.0});
+    v.field("success_heading_deg", success_heading_deg, "deg",
+            "heading error that counts as reached (task pose)", {0.1, 180.0});
     v.field("hold_s", hold_s, "s",
             "the error while holding is the mean over this long at the end, from the first "
             "time within the success radius on",
@@ -67,7 +71,7 @@ ErrorSummary summarise(std::vector<double> values);
 /// Keys of summary.json for one task and one source of positions: mean_error_mm, std_error_mm,
 /// median_error_mm and rms_error_mm over the pooled `errors_m` of all trials, success_rate, n_trials, and
 /// means over the trials that have them of steps_to_reach, seconds_to_reach, hold_error_mm,
-/// cross_track_rms_mm and time_rms_error_mm (null without).
+/// heading_error_deg, cross_track_rms_mm and time_rms_error_mm (null without).
 common::Json summarise_trials(const std::vector<const TrialScore*>& trials);
 
 }  // namespace lodestone::control

@@ -14,10 +14,11 @@ namespace lodestone::control {
 
 /// What one trial shall do.
 struct TrialPlan {
-  std::string task;  ///< "centre", "point", "square", "circle" or "path"
+  std::string task;  ///< "centre", "point", "pose", "square", "circle" or "path"
   std::int64_t index = 0;
   geometry::Pose2 start;
   geometry::Vector2 target_m = geometry::Vector2::Zero();  ///< point tasks
+  std::optional<double> target_heading_rad;                ///< pose
   std::optional<geometry::Path> path;                      ///< path tasks
   double duration_s = 20.0;                                ///< point tasks
   PathReferenceConfig reference;                           ///< path tasks

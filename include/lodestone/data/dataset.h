@@ -51,6 +51,11 @@ struct Dataset {
   std::int64_t transitions() const;
 };
 
+/// The first so many transitions; the last episode is cut to fit. All of them when there are fewer.
+Dataset first_transitions(Dataset dataset, std::int64_t count);
+/// The first `steps` steps of an episode, truncated there.
+Episode first_steps(const Episode& episode, std::int64_t steps);
+
 /// Flat rows of every transition: what training and baselines use.
 struct TransitionTable {
   int state_size = 0;

@@ -18,6 +18,9 @@ Dataset read_dataset(const std::string& path);
 /// Reads .h5, or .csv through the importers (aborting on the first bad row).
 Dataset read_any_dataset(const std::string& path);
 
+/// Several of one rig, separated by commas, as one dataset. Throws DataError when they do not fit together.
+Dataset read_recordings(const std::string& paths);
+
 /// Writes one episode at a time and flushes after each, so that a killed run keeps every finished episode.
 class DatasetWriter {
  public:

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,16 @@ struct EpisodeSettings {
   task::EncoderConfig encoder;
   task::ActionConfig action;
   std::uint64_t seed = 1;
+  std::shared_ptr<const task::Region> region;  ///< starts and goals lie in it; everywhere when null
+  std::int64_t shrink_steps =
+      0;  ///< steps of one environment over which the success radius shrinks; 0: it has
+};
+
+/// What an environment adds to the task's own rules.
+struct StepExtra {
+  double penalty = 0.0;  ///< taken from the reward
+  bool stop = false;     ///< the episode ends here, as if by the rules
+  bool cut = false;      ///< the episode is cut here, as if by the step limit
 };
 
 /// What the pose sensor adds to the true pose, normally distributed and new in every step.
@@ -52,9 +63,11 @@ class EpisodeBatch {
   void begin(std::size_t i, const std::function<geometry::Pose2(common::RandomStream&)>& draw_start);
   /// Signed axis drives for two numbers in [-1, 1]; remembers the action.
   geometry::Vector2 drive(std::size_t i, const float* action);
+  /// Remembers an action that something else chose, in [-1, 1].
+  void note_action(std::size_t i, const geometry::Vector2& action) { slots_[i].seen.last_action = action; }
   /// The robot came to `next`: writes reward, ends and final observation. True when the episode ended: the
   /// caller then calls begin().
-  bool finish(std::size_t i, const geometry::Pose2& next);
+  bool finish(std::size_t i, const geometry::Pose2& next, const StepExtra& extra = {});
 
   torch::Tensor observation() const { return result_.observation; }
   const StepResult& result() const { return result_; }
@@ -65,6 +78,7 @@ class EpisodeBatch {
     geometry::Pose2 pose;
     task::Observation seen;
     std::int64_t step = 0;
+    std::int64_t age = 0;  // steps of all episodes so far
     common::RandomStream random;
   };
 

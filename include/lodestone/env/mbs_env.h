@@ -18,6 +18,9 @@ namespace lodestone::env {
 /// paper.
 struct MbsConfig {
   std::string ensemble = "mean";
+  std::string outcome = "mean";
+  double disagreement_penalty = 0.0;
+  double disagreement_stop_m = 0.0;
   double pose_noise_m = 0.0;
   double heading_noise_rad = 0.0;
   double breakaway_scatter = 0.0;  ///< friction that differs from episode to episode
@@ -28,6 +31,17 @@ struct MbsConfig {
     v.field("ensemble", ensemble, "",
             "who predicts: the mean of all members, or one member drawn for each episode or each step",
             {"mean", "per_episode", "per_step"});
+    v.field("outcome", outcome, "",
+            "what of a predicted distribution happens: its mean, or a sample of it (with one member, not the "
+            "mean of "
+            "all)",
+            {"mean", "sample"});
+    v.field("disagreement_penalty", disagreement_penalty, "1/dish radius",
+            "taken from the reward, per RMS distance of the members' predicted positions from their mean",
+            {0.0, 1e4});
+    v.field("disagreement_stop_m", disagreement_stop_m, "m",
+            "an episode ends where that distance is larger: there the members are guessing; 0: never",
+            {0.0, 1.0});
     v.field("pose_noise_m", pose_noise_m, "m", "standard deviation of the sensed position, each axis",
             {0.0, 0.1});
     v.field("heading_noise_rad", heading_noise_rad, "rad", "standard deviation of the sensed heading",
@@ -45,8 +59,8 @@ struct MbsConfig {
 class MbsEnv final : public VecEnv {
  public:
   /// Copies what it needs from `model`. threads: 0 means one per processor.
-  /// Throws ConfigError when no training state lies within the start radius, or when the encoder wants a
-  /// heading that the model does not have.
+  /// Throws ConfigError when no training state lies within the start radius, when the encoder wants a heading
+  /// that the model does not have, or when the configuration wants more of the ensemble than there is.
   MbsEnv(const nets::DynamicsModel& model, const EpisodeSettings& settings, const MbsConfig& config,
          std::int64_t threads);
 
@@ -60,7 +74,9 @@ class MbsEnv final : public VecEnv {
   struct Scratch {
     std::vector<std::size_t> row;  ///< environment of each gathered row
     std::vector<double> drive;     ///< [shard, 2], in the order of environments
-    std::vector<double> state, gathered_drive, next, one_member;
+    std::vector<double> state, gathered_drive, next, one_member, mean_position;
+    std::vector<double> disagreement_m;  ///< of each gathered row; empty unless it is wanted
+    std::vector<common::RandomStream*> random;
     std::vector<std::size_t> first_of_member;
     nets::FoldedDynamics::Workspace workspace;
   };
@@ -70,13 +86,16 @@ class MbsEnv final : public VecEnv {
   void step_shard(std::size_t shard, const float* actions);
   void choose_drives(std::size_t first, std::size_t last, const float* actions, Scratch& scratch);
   void gather(std::size_t first, std::size_t last, Scratch& scratch) const;
-  void predict(Scratch& scratch) const;
+  void predict(Scratch& scratch);
   void predict_mean(Scratch& scratch) const;
+  void measure_disagreement(Scratch& scratch) const;
   std::unique_ptr<Scratch> borrow_scratch();
   void give_back(std::unique_ptr<Scratch> scratch);
 
   MbsConfig config_;
   bool mean_;
+  bool sample_;
+  bool disagreement_;
   std::vector<nets::FoldedDynamics> members_;
   std::size_t state_size_;
   std::vector<geometry::Pose2> starts_;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "lodestone/common/range.h"
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/env/episode_batch.h"
 #include "lodestone/env/vec_env.h"
@@ -10,9 +12,27 @@
 
 namespace lodestone::env {
 
+/// What domain randomisation draws anew in every episode, each uniformly over the range that is published for
+/// it.
+struct RandomisationConfig {
+  bool enabled = false;
+  common::Range moment_A_m2 = {1.6e-3, 3.0e-3};       // I: magnets of 42 NdFeB, by their remanence and size
+  common::Range viscosity_Pa_s = {1.35e-3, 1.75e-3};  // Q: Cheng 2008, 30 to 20 C
+  common::Range friction_coefficient = {0.18, 0.45};  // Q: steel on plastic, kinetic to static
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("enabled", enabled, "", "draw the parameters below in every episode instead of the nominal ones");
+    v.field("moment_A_m2", moment_A_m2, "A m^2", "magnetic moment of the needle", {0.0, 1.0});
+    v.field("viscosity_Pa_s", viscosity_Pa_s, "Pa s", "dynamic viscosity of the fluid", {0.0, 100.0});
+    v.field("friction_coefficient", friction_coefficient, "", "Coulomb friction", {0.0, 5.0});
+  }
+};
+
 /// The simulator of section IV-C as a training environment: the baseline of the paper's Table II.
 struct PhysicsEnvConfig {
   physics::PlainSimulatorConfig simulator;
+  RandomisationConfig randomise;
   double pulse_s = 0.1;  ///< section IV-B3
   double rest_s = 0.2;   ///< section IV-B3
   double pose_noise_m = 0.0;
@@ -21,6 +41,7 @@ struct PhysicsEnvConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.group("simulator", simulator, "point dipoles, Stokes drag, uniform friction");
+    v.group("randomise", randomise, "domain randomisation: a stronger baseline than the paper's");
     v.field("pulse_s", pulse_s, "s", "time the coils are on", {1e-3, 10.0});
     v.field("rest_s", rest_s, "s", "time after a pulse until the pose is taken", {0.0, 10.0});
     v.field("pose_noise_m", pose_noise_m, "m", "standard deviation of the sensed position, each axis",
@@ -40,7 +61,7 @@ class PhysicsEnv final : public VecEnv {
   EnvSpec spec() const override { return episodes_.spec(); }
   torch::Tensor reset() override;
   StepResult step(const torch::Tensor& actions) override;
-  void exchange_state(EnvState& state, bool load) override { episodes_.exchange_state(state, load); }
+  void exchange_state(EnvState& state, bool load) override;
 
  private:
   std::size_t shards() const;
@@ -48,7 +69,12 @@ class PhysicsEnv final : public VecEnv {
   void step_one(std::size_t i, const float* action);
 
   PhysicsEnvConfig config_;
-  physics::PlainSimulator simulator_;
+  /// One number for each of the randomised parameters.
+  using Drawn = std::array<double, 3>;
+  physics::PlainSimulator simulator_with(const Drawn& drawn) const;
+
+  std::vector<Drawn> drawn_;                         // [N]
+  std::vector<physics::PlainSimulator> simulators_;  // [N], or the only one
   EpisodeBatch episodes_;
   common::ThreadPool pool_;
 };

@@ -24,6 +24,7 @@ struct StepResult {
   torch::Tensor truncated;    ///< [N] uint8: it was cut by the step limit (bootstrap from final_observation)
   torch::Tensor success;      ///< [N] uint8: within the success radius
   torch::Tensor final_observation;  ///< [N, D] float32: the true next observation of every environment
+  torch::Tensor action;  ///< [N, A] float32: what was done, where that is not what was asked; else undefined
 };
 
 /// State of an environment for bitwise resumption.

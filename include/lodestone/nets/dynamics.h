@@ -8,6 +8,8 @@
 #include <torch/torch.h>
 
 #include "lodestone/data/dataset.h"
+#include "lodestone/nets/mixture.h"
+#include "lodestone/task/region.h"
 
 namespace lodestone::nets {
 
@@ -17,6 +19,8 @@ struct DynamicsConfig {
   std::vector<std::int64_t> hidden = {256, 128, 32};
   bool batch_norm = true;    ///< on the input and every hidden layer
   std::int64_t members = 1;  ///< ensemble size
+  std::int64_t components =
+      0;  ///< Gaussians of the predicted distribution; 0: a single value, as in the paper
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -24,22 +28,29 @@ struct DynamicsConfig {
     v.field("hidden", hidden, "", "width of each hidden layer", {1, 8192});
     v.field("batch_norm", batch_norm, "", "batch normalisation on input and hidden layers");
     v.field("members", members, "", "networks in the ensemble", {1, 64});
+    v.field(
+        "components", components, "",
+        "Gaussians in the mixture that each network predicts (stick-slip is random, and a mean hides it); 0: "
+        "a single value, as in the paper",
+        {0, 16});
   }
 };
 
 /// One network with its normalisers as buffers: batch normalisation of the input, then for each hidden layer
 /// linear, batch normalisation and ReLU, then linear. Parameters and buffers are float32. Input [N, S] state
-/// (x_m, y_m[, heading_rad]) and [N, 2] drives in the dataset's unit; output [N, S] next state. Section
-/// IV-B1.
+/// (x_m, y_m[, heading_rad]) and [N, 2] drives in the dataset's unit; output [N, S] next state: the mean
+/// where a distribution is predicted. Section IV-B1.
 class DynamicsNetworkImpl : public torch::nn::Module {
  public:
   DynamicsNetworkImpl(const DynamicsConfig& config, data::StateLayout layout);
 
   /// Next state [N, S], heading wrapped to (-pi, pi].
   torch::Tensor forward(const torch::Tensor& state, const torch::Tensor& action);
+  /// What layers() end with: the numbers themselves, or a mixture over them.
+  MixtureLayout mixture() const { return {config_.components, data::state_size(layout_)}; }
   /// What layers() take, [N, 4..6] float32: features less their mean, by their standard deviation.
   torch::Tensor normalised_input(const torch::Tensor& state, const torch::Tensor& action) const;
-  /// What layers() give, and what they should give: both [N, S] float32, for training losses.
+  /// Expected output, and what it should be: both [N, S] float32.
   torch::Tensor normalised_output(const torch::Tensor& state, const torch::Tensor& action);
   torch::Tensor normalised_target(const torch::Tensor& state, const torch::Tensor& next_state) const;
   /// Sets input and output mean and standard deviation from training rows (float32 or float64).
@@ -99,6 +110,9 @@ torch::Tensor wrap_angles(const torch::Tensor& angle_rad);
 
 /// Mean of the members' next states (headings averaged on the circle). Evaluation mode, no gradient.
 torch::Tensor predict_mean(DynamicsModel& model, const torch::Tensor& state, const torch::Tensor& action);
+
+/// The positions between which the training rows moved.
+std::vector<task::Move> recorded_moves(const DynamicsModel& model);
 
 /// Checkpoint of kind "dynamics".
 void save_dynamics(const std::string& folder, const DynamicsModel& model, const common::Json& run_config,

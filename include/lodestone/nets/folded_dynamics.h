@@ -32,6 +32,11 @@ class FoldedDynamics {
   void predict(const double* state, const double* drive, std::int64_t rows, double* next,
                Workspace& workspace) const;
 
+  /// The same with a draw from the predicted distribution instead of its mean; row i draws from `random[i]`,
+  /// which may be one stream for several rows. Where a single value is predicted, that is the draw.
+  void sample(const double* state, const double* drive, std::int64_t rows,
+              common::RandomStream* const* random, double* next, Workspace& workspace) const;
+
   int state_size() const { return state_size_; }
 
  private:
@@ -41,12 +46,18 @@ class FoldedDynamics {
   };
 
   void write_features(const double* state, const double* drive, std::int64_t rows, float* out) const;
+  /// Runs the layers; returns [rows, outputs], which lives in the workspace.
+  const float* evaluate(const double* state, const double* drive, std::int64_t rows,
+                        Workspace& workspace) const;
+  /// Next states from rows of normalised numbers (already in physical units where no mixture is predicted).
   void write_next(const double* state, const float* output, std::int64_t rows, double* next) const;
 
   std::vector<Layer> layers_;
   int state_size_;
   bool predicts_change_;
   bool sine_cosine_;
+  MixtureLayout mixture_;  // no components: a single value
+  std::vector<float> output_mean_, output_std_;
 };
 
 }  // namespace lodestone::nets

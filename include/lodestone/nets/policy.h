@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "lodestone/common/config.h"
 #include "lodestone/task/action.h"
 #include "lodestone/task/observation.h"
+#include "lodestone/task/region.h"
 
 namespace lodestone::nets {
 
@@ -49,7 +51,8 @@ struct Policy {
   std::vector<std::int64_t> hidden = {256, 256};
   task::EncoderConfig encoder;
   task::ActionConfig action;
-  std::string goal = "point";  ///< task it was trained for
+  std::string goal = "point";          ///< task it was trained for
+  std::optional<task::Region> region;  ///< that its starts and goals lay in; none: the whole discs
   /// Figures of the run that made it ("collect", "dynamics", "policy"), which deploy repeats beside its own.
   common::Json provenance = common::Json::object();
 };

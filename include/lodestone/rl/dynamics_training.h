@@ -40,7 +40,8 @@ struct DynamicsTrainingConfig {
             {0.0, 1.0});
     v.field("schedule", schedule, "", "how the step size goes on: constant, or half a cosine down to 0",
             {"constant", "cosine"});
-    v.field("loss", loss, "", "training loss on normalised output", {"l2", "huber"});
+    v.field("loss", loss, "", "training loss on normalised output; mixtures have their likelihood instead",
+            {"l2", "huber"});
     v.field("huber_delta", huber_delta, "", "normalised error above which huber is linear", {1e-3, 100.0});
     v.field("validation_fraction", validation_fraction, "", "share of the episodes to choose weights by",
             {0.01, 0.9});
@@ -61,6 +62,7 @@ struct TrainDynamicsConfig {
   std::int64_t seed = 1;
   std::int64_t threads = 0;
   std::string data;
+  std::int64_t transitions = 0;
   nets::DynamicsConfig model;
   DynamicsTrainingConfig training;
 
@@ -68,7 +70,9 @@ struct TrainDynamicsConfig {
   void visit(Visitor& v) {
     v.field("seed", seed, "", "seed of every random stream of the run", {0, 9e15});
     v.field("threads", threads, "", "threads; 0 means one per processor", {0, 1024});
-    v.field("data", data, "", "transitions: .h5, or .csv of recorded pulses");
+    v.field("data", data, "",
+            "transitions: .h5, or .csv of recorded pulses; several of one rig with commas between them");
+    v.field("transitions", transitions, "", "use only the first so many; 0: all", {0, 1e9});
     v.group("model", model, "the networks");
     v.group("training", training, "how they learn");
   }
@@ -78,7 +82,8 @@ struct DynamicsTrainingResult {
   nets::DynamicsModel model;
   std::int64_t epochs = 0;
   double train_loss = 0.0;       ///< normalised, mean of the members, last epoch
-  double validation_loss = 0.0;  ///< normalised squared error, mean of the members' kept weights
+  double validation_loss = 0.0;  ///< normalised squared error (negative log-likelihood of mixtures), mean of
+                                 ///< the members' kept weights
   double seconds = 0.0;          ///< wall time of this process's training
 };
 

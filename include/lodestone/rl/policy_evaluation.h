@@ -34,10 +34,8 @@ class PolicyEvaluation {
   PolicyScore run(Td3& policy);
 
  private:
-  double goal_distance_m(const float* observation) const;
-
   env::VecEnv& environments_;
-  task::EncoderConfig encoder_;
+  task::ObservationEncoder encoder_;
   env::EnvState start_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include <torch/torch.h>
 
@@ -10,6 +11,7 @@
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/env/vec_env.h"
 #include "lodestone/nets/checkpoint.h"
+#include "lodestone/rl/hindsight.h"
 #include "lodestone/rl/ou_noise.h"
 #include "lodestone/rl/replay_buffer.h"
 #include "lodestone/rl/td3.h"
@@ -24,6 +26,7 @@ struct LearningConfig {
   std::int64_t buffer_size = 1000000;
   double final_learning_rate = 1.0;
   double final_noise = 1.0;
+  double hindsight = 0.0;
   bool overlap = false;
 
   template <class Visitor>
@@ -39,6 +42,10 @@ struct LearningConfig {
             "learning rate at the end of the run, falling linearly; 1 keeps it", {0.0, 1.0});
     v.field("final_noise", final_noise, "fraction",
             "exploration noise at the end of the run, falling linearly; 1 keeps it", {0.0, 1.0});
+    v.field("hindsight", hindsight, "",
+            "share of the steps that go into the buffer once more, as if the aim had been where the needle "
+            "came to",
+            {0.0, 1.0});
     v.field("overlap", overlap, "",
             "environments step on a thread of their own while the learner makes the updates of the step "
             "before; worth it where a step of the environments is short beside its updates");
@@ -53,9 +60,10 @@ struct LearningConfig {
 class PolicyLearner {
  public:
   /// Takes the environments over: resets them. `environments` must outlive this. `threads` are those
-  /// of the updates.
+  /// of the updates. With learning.hindsight, `hindsight` must be given.
   PolicyLearner(const LearningConfig& learning, const Td3Config& td3, const NoiseConfig& noise,
-                std::uint64_t seed, std::int64_t threads, env::VecEnv& environments);
+                std::uint64_t seed, std::int64_t threads, env::VecEnv& environments,
+                std::optional<Hindsight> hindsight = {});
 
   /// One step of every environment and the updates that fall due.
   void step();
@@ -93,6 +101,7 @@ class PolicyLearner {
   std::unique_ptr<Td3> td3_;
   ReplayBuffer buffer_;
   ExplorationNoise noise_;
+  std::optional<Hindsight> hindsight_;
   common::ThreadPool overlap_;  // one thread unless environments and updates overlap
   std::int64_t env_steps_ = 0;
   double due_updates_ = 0.0;

@@ -7,6 +7,7 @@
 #include "lodestone/data/dataset.h"
 #include "lodestone/env/mbs_env.h"
 #include "lodestone/env/physics_env.h"
+#include "lodestone/env/replay_env.h"
 #include "lodestone/env/vec_env.h"
 #include "lodestone/rl/ou_noise.h"
 #include "lodestone/rl/policy_evaluation.h"
@@ -47,12 +48,15 @@ struct TrainPolicyConfig {
   std::int64_t threads = 0;
   std::string dynamics;
   std::string simulator = "mbs";
+  std::string recorded;
   bool adopt_data = true;
   task::TaskConfig task;
   task::EncoderConfig encoder;
   task::ActionConfig action;
   env::MbsConfig mbs;
   env::PhysicsEnvConfig physics;
+  env::ReplayConfig replay;
+  task::RegionConfig region;
   Td3Config td3;
   NoiseConfig noise;
   PolicyTrainingConfig training;
@@ -64,6 +68,8 @@ struct TrainPolicyConfig {
     v.field("dynamics", dynamics, "", "dynamics checkpoint: folder that train-dynamics wrote");
     v.field("simulator", simulator, "",
             "what the policy is trained in: the learned MBS, or the simulator of IV-C", {"mbs", "physics"});
+    v.field("recorded", recorded, "",
+            "transitions that replay.environments play back, as in train-dynamics' data");
     v.field("adopt_data", adopt_data, "",
             "take action scale, one-axis rule, workspace radius (dish, length scale) and whether there is a "
             "heading "
@@ -73,6 +79,8 @@ struct TrainPolicyConfig {
     v.group("action", action, "what its actions mean");
     v.group("mbs", mbs, "the learned simulator as an environment");
     v.group("physics", physics, "the simulator of section IV-C as an environment");
+    v.group("replay", replay, "recorded steps as an environment (section V-C)");
+    v.group("region", region, "how task.within = reachable is mapped from the dynamics' training data");
     v.group("td3", td3, "the learner");
     v.group("noise", noise, "exploration");
     v.group("training", training, "how long, how often");
@@ -103,8 +111,9 @@ struct PolicyRunResult {
 /// `checkpoint` (the policy with the best evaluation return so far) and, every checkpoint_every_s,
 /// `training`, from which `resume` goes on bitwise. `evaluation` must have another seed than `training`.
 /// Throws Interrupted after saving when the user asked to stop; ConfigError when resuming with other
-/// settings; CheckpointError.
+/// settings; CheckpointError. `region`, when given, is
+/// kept with the policy.
 PolicyRunResult train_policy(const TrainPolicyConfig& config, env::VecEnv& training, env::VecEnv& evaluation,
-                             const std::string& folder, bool resume);
+                             const std::string& folder, bool resume, const task::Region* region = nullptr);
 
 }  // namespace lodestone::rl

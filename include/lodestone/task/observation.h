@@ -11,7 +11,8 @@ namespace lodestone::task {
 struct Observation {
   geometry::Pose2 pose;  ///< as sensed
   geometry::Vector2 target_m = geometry::Vector2::Zero();
-  geometry::Vector2 last_action = geometry::Vector2::Zero();          ///< in [-1, 1]^2; zero after a reset
+  double target_heading_rad = 0.0;                            ///< only tasks with a heading look at it
+  geometry::Vector2 last_action = geometry::Vector2::Zero();  ///< in [-1, 1]^2; zero after a reset
   geometry::Vector2 last_displacement_m = geometry::Vector2::Zero();  ///< sensed motion since the last action
 };
 
@@ -20,6 +21,7 @@ struct EncoderConfig {
   std::string heading = "angle";   ///< "angle" (paper: theta in rad), "sine_cosine", or "none" (sphere)
   bool target = true;              ///< append the target: the random-target policy
   bool relative_target = false;    ///< append target - position as well
+  bool target_heading = false;     ///< append sine and cosine of target heading - heading
   bool memory = false;             ///< append last action and last displacement: remembers a stall
   double length_scale_m = 0.0425;  ///< lengths are divided by it (dish radius)
   double displacement_scale_m = 0.005;
@@ -29,6 +31,8 @@ struct EncoderConfig {
     v.field("heading", heading, "", "how the heading is given", {"angle", "sine_cosine", "none"});
     v.field("target", target, "", "append the target position");
     v.field("relative_target", relative_target, "", "append the vector from needle to target");
+    v.field("target_heading", target_heading, "",
+            "append the turn to the target heading, as sine and cosine");
     v.field("memory", memory, "", "append last action and last displacement");
     v.field("length_scale_m", length_scale_m, "m", "lengths are divided by this", {1e-4, 1.0});
     v.field("displacement_scale_m", displacement_scale_m, "m", "displacements are divided by this",
@@ -40,13 +44,23 @@ class ObservationEncoder {
  public:
   explicit ObservationEncoder(const EncoderConfig& config) : config_(config) {}
 
-  /// Numbers per observation: 2 + heading (0, 1, 2) + target 2 + relative target 2 + memory 4.
+  /// Numbers per observation: 2 + heading (0, 1, 2) + target 2 + relative target 2 + target heading 2 +
+  /// memory 4.
   int size() const;
-  /// Writes size() numbers in the order position, heading, target, relative target, last action,
-  /// displacement.
+  /// Writes size() numbers in the order position, heading, target, relative target, turn to the target
+  /// heading, last action, displacement.
   void encode(const Observation& observation, float* out) const;
 
+  /// Sensed position in an encoded row.
+  geometry::Vector2 position_m(const float* row) const;
+  /// Distance to the target in an encoded row; to the centre where the target is not encoded.
+  double target_distance_m(const float* row) const;
+  /// Writes another target into an encoded row (not its heading).
+  void retarget(const geometry::Vector2& target_m, float* row) const;
+
  private:
+  int heading_size() const { return config_.heading == "none" ? 0 : config_.heading == "angle" ? 1 : 2; }
+
   EncoderConfig config_;
 };
 

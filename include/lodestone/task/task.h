@@ -5,19 +5,25 @@
 
 #include "lodestone/common/random.h"
 #include "lodestone/geometry/pose2.h"
+#include "lodestone/task/region.h"
 
 namespace lodestone::task {
 
 /// Goal, reward (eq. 3) and the rules that end an episode. Computed outside the dynamics network.
 struct TaskConfig {
-  std::string goal = "point";     ///< "centre" or "point" (drawn uniformly over a disc)
+  std::string goal = "point";  ///< "centre", "point" (drawn uniformly over a disc), or "pose": with a heading
   double goal_radius_m = 0.030;   ///< disc the point goals are drawn from
   double start_radius_m = 0.035;  ///< disc the starts are drawn from
+  std::string within = "disc";    ///< all of the discs, or only what the data show to be reachable
   double dish_radius_m = 0.0425;
   double alpha = -10.0;  ///< per dish radius of change of distance (paper-notes: the unit that fits -5..10)
   double beta = 10.0;    ///< bonus within the success radius
   double tau = -0.04;    ///< per step
+  double current_cost = 0.0;  ///< per step and squared action: what holding still saves
   double success_radius_m = 0.003;
+  double final_success_radius_m = 0.0;  ///< to which the radius shrinks while training; 0: it stays
+  double heading_alpha = -5.0;          ///< per half turn of change of heading error (goal "pose")
+  double success_heading_deg = 10.0;    ///< heading error that counts as reached (goal "pose")
   std::int64_t max_steps = 30;
   bool end_on_success = true;              ///< terminates within the success radius
   bool end_on_dish_exit = true;            ///< terminates outside the dish
@@ -25,15 +31,27 @@ struct TaskConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("goal", goal, "", "fixed centre, or points drawn over a disc", {"centre", "point"});
+    v.field("goal", goal, "", "fixed centre, points drawn over a disc, or points with a heading",
+            {"centre", "point", "pose"});
     v.field("goal_radius_m", goal_radius_m, "m", "radius of the disc goals are drawn from", {0.0, 1.0});
     v.field("start_radius_m", start_radius_m, "m", "radius of the disc starts are drawn from", {0.0, 1.0});
+    v.field("within", within, "",
+            "the whole discs, or only the part of them that the dynamics' training data show to be reachable",
+            {"disc", "reachable"});
     v.field("dish_radius_m", dish_radius_m, "m", "leaving this radius ends the episode", {1e-3, 1.0});
     v.field("alpha", alpha, "1/dish radius", "reward per change of distance to the goal (eq. 3)",
             {-1e4, 0.0});
     v.field("beta", beta, "", "bonus within the success radius (eq. 3)", {0.0, 1e4});
     v.field("tau", tau, "", "reward per step (eq. 3)", {-1e3, 0.0});
+    v.field("current_cost", current_cost, "", "cost of a step per squared action, so that holding still pays",
+            {0.0, 1e3});
     v.field("success_radius_m", success_radius_m, "m", "distance that counts as reached", {1e-5, 1.0});
+    v.field("final_success_radius_m", final_success_radius_m, "m",
+            "the radius shrinks linearly to this over the training; 0: it stays", {0.0, 1.0});
+    v.field("heading_alpha", heading_alpha, "1/half turn", "reward per change of heading error, goal pose",
+            {-1e4, 0.0});
+    v.field("success_heading_deg", success_heading_deg, "deg",
+            "heading error that counts as reached, goal pose", {0.1, 180.0});
     v.field("max_steps", max_steps, "steps", "step limit; truncates", {1, 100000});
     v.field("end_on_success", end_on_success, "", "reaching the goal terminates the episode");
     v.field("end_on_dish_exit", end_on_dish_exit, "", "leaving the dish terminates the episode");
@@ -52,12 +70,31 @@ struct StepOutcome {
 /// Point drawn uniformly over a disc.
 geometry::Vector2 draw_in_disc(double radius_m, common::RandomStream& random);
 
-/// Goal of a new episode.
-geometry::Vector2 draw_goal(const TaskConfig& config, common::RandomStream& random);
+/// Where to go, and how to lie there when the task is a pose.
+struct Goal {
+  geometry::Vector2 position_m = geometry::Vector2::Zero();
+  double heading_rad = 0.0;
+};
 
-/// Reward and end of one step from `before_m` to `after_m`; `step` counts from 1.
-/// Eq. 3 with the distance in dish radii: alpha * (d_after - d_before) / R + beta * [d_after < r] + tau.
-StepOutcome judge_step(const TaskConfig& config, const geometry::Vector2& before_m,
-                       const geometry::Vector2& after_m, const geometry::Vector2& goal_m, std::int64_t step);
+/// Goal of a new episode, inside `region` when there is one.
+Goal draw_goal(const TaskConfig& config, common::RandomStream& random, const Region* region = nullptr);
+
+/// One step, as the rules see it.
+struct Step {
+  geometry::Pose2 before;
+  geometry::Pose2 after;
+  Goal goal;
+  geometry::Vector2 action = geometry::Vector2::Zero();  ///< in [-1, 1]^2
+  std::int64_t index = 1;                                ///< within the episode, from 1
+  double progress = 1.0;  ///< of the training, 0 to 1: how far the success radius has shrunk
+};
+
+/// The radius that counts as reached at this progress of the training.
+double success_radius_m(const TaskConfig& config, double progress);
+
+/// Reward and end of one step. Eq. 3 with the distance in dish radii:
+/// alpha * (d_after - d_before) / R + beta * [d_after < r] + tau; beyond the paper, the same for the heading
+/// error in half turns (goal "pose", where both must be within their bounds), less current_cost * |action|^2.
+StepOutcome judge_step(const TaskConfig& config, const Step& step);
 
 }  // namespace lodestone::task

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "lodestone/common/random.h"
+
+namespace lodestone::common {
+
+/// The value below which this share of the values lies, without interpolation; 0 when there are none.
+double percentile(std::vector<double> values, double share);
+double median(const std::vector<double>& values);
+
+double mean(const std::vector<double>& values);
+/// Of a sample (n - 1); 0 for fewer than two.
+double standard_deviation(const std::vector<double>& values);
+
+/// Mean of the middle half, each value at either edge counted by the part of it that lies inside: robust as a
+/// median, efficient as a mean (Agarwal et al., Deep reinforcement learning at the edge of the statistical
+/// precipice, 2021).
+double interquartile_mean(std::vector<double> values);
+
+struct Interval {
+  double low = 0.0;
+  double high = 0.0;
+};
+
+/// Wilson's score interval of a share: sensible for 50 of 50, too. `z` = 1.96 covers 95 %. Throws LogicFault
+/// unless 0 <= successes <= trials and trials > 0.
+Interval wilson_interval(std::int64_t successes, std::int64_t trials, double z = 1.96);
+
+/// Percentile bootstrap of a statistic of all values together, drawn anew with replacement inside every
+/// stratum (a training seed, or a task), so that each keeps its weight. Strata without values are left out.
+Interval bootstrap_interval(const std::vector<std::vector<double>>& strata,
+                            const std::function<double(const std::vector<double>&)>& statistic,
+                            RandomStream random, std::int64_t resamples = 2000, double level = 0.95);
+
+}  // namespace lodestone::common

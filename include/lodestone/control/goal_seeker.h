@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "lodestone/common/config.h"
+#include "lodestone/common/random.h"
+#include "lodestone/control/controller.h"
+
+namespace lodestone::control {
+
+/// How a rig is explored with a controller that already knows something.
+struct GoalSeekerConfig {
+  double goal_radius_m = 0.030;
+  double reached_m = 0.0015;
+  std::int64_t patience = 12;
+  double noise = 0.1;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("goal_radius_m", goal_radius_m, "m", "targets are drawn over a disc of this radius", {0.0, 1.0});
+    v.field("reached_m", reached_m, "m", "a target sensed closer than this is followed by the next one",
+            {0.0, 0.1});
+    v.field("patience", patience, "pulses", "after so many, too", {1, 100000});
+    v.field("noise", noise, "action units", "standard deviation of what is added to every action",
+            {0.0, 2.0});
+  }
+};
+
+/// Sends a controller from target to target, with some noise on its actions: the second round of collection,
+/// which records what the policy will meet.
+class GoalSeeker final : public Controller {
+ public:
+  GoalSeeker(std::unique_ptr<Controller> inner, const GoalSeekerConfig& config, common::RandomStream random);
+
+  void reset() override;
+  /// The observation's own target is replaced by the seeker's.
+  geometry::Vector2 act(const task::Observation& observation) override;
+
+  /// The random stream between two episodes, and back. restore() throws DataError.
+  std::string save() const { return random_.save(); }
+  void restore(const std::string& state) { random_.restore(state); }
+
+ private:
+  void draw_target();
+
+  std::unique_ptr<Controller> inner_;
+  GoalSeekerConfig config_;
+  common::RandomStream random_;
+  geometry::Vector2 target_m_ = geometry::Vector2::Zero();
+  std::int64_t steps_ = 0;
+};
+
+}  // namespace lodestone::control

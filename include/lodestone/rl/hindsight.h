@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lodestone/common/random.h"
+#include "lodestone/env/vec_env.h"
+#include "lodestone/rl/replay_buffer.h"
+#include "lodestone/task/observation.h"
+#include "lodestone/task/task.h"
+
+namespace lodestone::rl {
+
+/// Hindsight relabelling (Andrychowicz et al., 2017, strategy "future"): when an episode has ended, a share
+/// of its steps goes into the buffer once more, as if the aim had been a place the needle came to later in
+/// it. Reward and ends are the task's, from sensed positions.
+class Hindsight {
+ public:
+  /// `share` of the steps. The task's goal must be a point that the encoder shows. Throws ConfigError.
+  Hindsight(double share, const task::TaskConfig& task, const task::EncoderConfig& encoder,
+            std::int64_t environments, std::uint64_t seed);
+
+  /// Takes in a step of all environments, as ReplayBuffer::add does, and adds relabelled steps to `buffer`.
+  void add(const torch::Tensor& observation, const torch::Tensor& action, const env::StepResult& result,
+           ReplayBuffer& buffer);
+
+  /// The episodes under way, and back. load throws CheckpointError.
+  common::Json save() const;
+  void load(const common::Json& state);
+
+ private:
+  struct Step {
+    std::vector<float> observation, action, next;
+    bool terminated = false;
+    bool success = false;
+  };
+  void relabel(const std::vector<Step>& episode, ReplayBuffer& buffer);
+
+  double share_;
+  task::TaskConfig task_;
+  task::ObservationEncoder encoder_;
+  common::RandomStream random_;
+  std::vector<std::vector<Step>> episodes_;  // [N], under way
+};
+
+}  // namespace lodestone::rl

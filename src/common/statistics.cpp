@@ -1,0 +1,72 @@
+#include "lodestone/common/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lodestone/common/error.h"
+
+namespace lodestone::common {
+
+double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+double median(const std::vector<double>& values) { return percentile(values, 0.5); }
+
+double mean(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+}
+
+double standard_deviation(const std::vector<double>& values) {
+  if (values.size() < 2) return 0.0;
+  const double middle = mean(values);
+  double squares = 0.0;
+  for (const double value : values) squares += (value - middle) * (value - middle);
+  return std::sqrt(squares / static_cast<double>(values.size() - 1));
+}
+
+double interquartile_mean(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  const auto count = static_cast<double>(values.size());
+  const double low = 0.25 * count;
+  const double high = 0.75 * count;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto from = static_cast<double>(i);
+    sum += values[i] * std::max(0.0, std::min(from + 1.0, high) - std::max(from, low));
+  }
+  return sum / (high - low);
+}
+
+Interval wilson_interval(std::int64_t successes, std::int64_t trials, double z) {
+  LODESTONE_CHECK(trials > 0 && successes >= 0 && successes <= trials, "a share of trials");
+  const auto n = static_cast<double>(trials);
+  const double share = static_cast<double>(successes) / n;
+  const double scale = 1.0 + z * z / n;
+  const double centre = (share + z * z / (2.0 * n)) / scale;
+  const double half = z / scale * std::sqrt(share * (1.0 - share) / n + z * z / (4.0 * n * n));
+  return {std::max(0.0, centre - half), std::min(1.0, centre + half)};
+}
+
+Interval bootstrap_interval(const std::vector<std::vector<double>>& strata,
+                            const std::function<double(const std::vector<double>&)>& statistic,
+                            RandomStream random, std::int64_t resamples, double level) {
+  std::vector<double> statistics;
+  std::vector<double> drawn;
+  for (std::int64_t i = 0; i < resamples; ++i) {
+    drawn.clear();
+    for (const std::vector<double>& stratum : strata) {
+      for (std::size_t k = 0; k < stratum.size(); ++k) drawn.push_back(stratum[random.below(stratum.size())]);
+    }
+    if (drawn.empty()) return {};
+    statistics.push_back(statistic(drawn));
+  }
+  return {percentile(statistics, 0.5 * (1.0 - level)), percentile(statistics, 1.0 - 0.5 * (1.0 - level))};
+}
+
+}  // namespace lodestone::common

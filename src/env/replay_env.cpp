@@ -1,0 +1,106 @@
+#include "lodestone/env/replay_env.h"
+
+#include <algorithm>
+#include <string>
+
+#include "lodestone/common/error.h"
+
+namespace lodestone::env {
+
+void ReplayConfig::validate() const {
+  if (shortest > longest)
+    throw common::ConfigError("replay.shortest = " + std::to_string(shortest) +
+                              " must not be larger than replay.longest = " + std::to_string(longest));
+}
+
+ReplayEnv::ReplayEnv(const data::Dataset& dataset, const EpisodeSettings& settings,
+                     const ReplayConfig& config)
+    : config_(config),
+      action_scale_(dataset.info.action_scale),
+      state_size_(static_cast<std::size_t>(data::state_size(dataset.info.layout))),
+      episodes_(settings, {}, "replay"),
+      stretches_(static_cast<std::size_t>(settings.count)),
+      action_(torch::zeros({settings.count, 2})) {
+  config.validate();
+  for (const data::Episode& episode : dataset.episodes) {
+    if (episode.length() >= config.shortest) recorded_.push_back(episode);
+  }
+  if (recorded_.empty())
+    throw common::ConfigError("replay.shortest = " + std::to_string(config.shortest) +
+                              ": no recorded episode is that long");
+  if (state_size_ == 2 && settings.encoder.heading != "none")
+    throw common::ConfigError("encoder.heading = \"" + settings.encoder.heading +
+                              "\", but the recording has no heading; set it to \"none\"");
+  reset();
+}
+
+geometry::Pose2 ReplayEnv::pose(std::int64_t episode, std::int64_t step) const {
+  const double* row = &recorded_[static_cast<std::size_t>(episode)]
+                           .observations[static_cast<std::size_t>(step) * state_size_];
+  return {row[0], row[1], state_size_ == 3 ? row[2] : 0.0};
+}
+
+void ReplayEnv::begin(std::size_t i) {
+  episodes_.begin(i, [&](common::RandomStream& random) {
+    Stretch& stretch = stretches_[i];
+    stretch.episode = static_cast<std::int64_t>(random.below(recorded_.size()));
+    const std::int64_t length = recorded_[static_cast<std::size_t>(stretch.episode)].length();
+    const auto up_to = [&random](std::int64_t most) {
+      return static_cast<std::int64_t>(random.below(static_cast<std::uint64_t>(most) + 1));
+    };
+    const std::int64_t steps = std::min(length, config_.shortest + up_to(config_.longest - config_.shortest));
+    stretch.next = up_to(length - steps);
+    stretch.end = stretch.next + steps;
+    return pose(stretch.episode, stretch.next);
+  });
+}
+
+torch::Tensor ReplayEnv::reset() {
+  for (std::size_t i = 0; i < stretches_.size(); ++i) begin(i);
+  return episodes_.observation();
+}
+
+StepResult ReplayEnv::step(const torch::Tensor& actions) {
+  episodes_.check_actions(actions);
+  float* done = action_.data_ptr<float>();
+  for (std::size_t i = 0; i < stretches_.size(); ++i) {
+    Stretch& stretch = stretches_[i];
+    const data::Episode& episode = recorded_[static_cast<std::size_t>(stretch.episode)];
+    const double* drive = &episode.actions[2 * static_cast<std::size_t>(stretch.next)];
+    const geometry::Vector2 action =
+        geometry::Vector2(drive[0] / action_scale_, drive[1] / action_scale_).cwiseMax(-1.0).cwiseMin(1.0);
+    episodes_.note_action(i, action);
+    done[2 * i] = static_cast<float>(action.x());
+    done[2 * i + 1] = static_cast<float>(action.y());
+    ++stretch.next;
+    StepExtra extra;
+    extra.cut = stretch.next == stretch.end;
+    if (episodes_.finish(i, pose(stretch.episode, stretch.next), extra)) begin(i);
+  }
+  StepResult result = episodes_.result();
+  result.action = action_;
+  return result;
+}
+
+void ReplayEnv::exchange_state(EnvState& state, bool load) {
+  episodes_.exchange_state(state, load);
+  torch::Tensor numbers = torch::empty({episodes_.spec().count, 3}, torch::kInt64);
+  if (load) numbers.copy_(state_tensor(state, "stretches", numbers));
+  std::int64_t* number = numbers.data_ptr<std::int64_t>();
+  for (Stretch& stretch : stretches_) {
+    for (std::int64_t* value : {&stretch.episode, &stretch.next, &stretch.end}) {
+      if (load) {
+        *value = *number++;
+      } else {
+        *number++ = *value;
+      }
+    }
+    const bool known = stretch.episode >= 0 && stretch.episode < static_cast<std::int64_t>(recorded_.size());
+    if (!known || stretch.next < 0 || stretch.next >= stretch.end ||
+        stretch.end > recorded_[static_cast<std::size_t>(stretch.episode)].length())
+      throw common::CheckpointError("state of the environments names steps that the recording does not have");
+  }
+  if (!load) state.tensors["stretches"] = numbers;
+}
+
+}  // namespace lodestone::env

@@ -1,0 +1,102 @@
+#include "lodestone/rl/hindsight.h"
+
+#include "lodestone/common/error.h"
+
+namespace lodestone::rl {
+
+Hindsight::Hindsight(double share, const task::TaskConfig& task, const task::EncoderConfig& encoder,
+                     std::int64_t environments, std::uint64_t seed)
+    : share_(share),
+      task_(task),
+      encoder_(encoder),
+      random_(seed, "hindsight"),
+      episodes_(static_cast<std::size_t>(environments)) {
+  if (task.goal != "point" || !(encoder.target || encoder.relative_target))
+    throw common::ConfigError(
+        "training.hindsight needs a task whose goal is a point (task.goal = \"point\") that the "
+        "policy sees (encoder.target or encoder.relative_target)");
+}
+
+void Hindsight::add(const torch::Tensor& observation, const torch::Tensor& action,
+                    const env::StepResult& result, ReplayBuffer& buffer) {
+  const torch::Tensor before = observation.contiguous();
+  const torch::Tensor act = action.contiguous();
+  const torch::Tensor after = result.final_observation.contiguous();
+  const auto row = [](const torch::Tensor& rows, std::size_t i) {
+    const float* first = rows.data_ptr<float>() + static_cast<std::int64_t>(i) * rows.size(1);
+    return std::vector<float>(first, first + rows.size(1));
+  };
+  for (std::size_t i = 0; i < episodes_.size(); ++i) {
+    const bool terminated = result.terminated.data_ptr<std::uint8_t>()[i] != 0;
+    const bool truncated = result.truncated.data_ptr<std::uint8_t>()[i] != 0;
+    const bool success = result.success.data_ptr<std::uint8_t>()[i] != 0;
+    episodes_[i].push_back({row(before, i), row(act, i), row(after, i), terminated, success});
+    if (!terminated && !truncated) continue;
+    relabel(episodes_[i], buffer);
+    episodes_[i].clear();
+  }
+}
+
+void Hindsight::relabel(const std::vector<Step>& episode, ReplayBuffer& buffer) {
+  const auto floats = [](std::vector<float>& values) {
+    return torch::from_blob(values.data(), {1, static_cast<std::int64_t>(values.size())}, torch::kFloat32);
+  };
+  const auto pose = [this](const std::vector<float>& row) {
+    const geometry::Vector2 at_m = encoder_.position_m(row.data());
+    return geometry::Pose2{at_m.x(), at_m.y(), 0.0};
+  };
+  for (std::size_t t = 0; t < episode.size(); ++t) {
+    if (random_.uniform() >= share_) continue;
+    const std::size_t later = t + random_.below(episode.size() - t);
+    Step step = episode[t];
+    task::Step judged;
+    judged.before = pose(step.observation);
+    judged.after = pose(step.next);
+    judged.goal.position_m = encoder_.position_m(episode[later].next.data());
+    judged.action = {step.action[0], step.action[1]};
+    const task::StepOutcome outcome = task::judge_step(task_, judged);
+    encoder_.retarget(judged.goal.position_m, step.observation.data());
+    encoder_.retarget(judged.goal.position_m, step.next.data());
+    // An end that was not the old goal's doing (the edge of the dish, say) stays one.
+    const bool ended = step.terminated && !step.success;
+    env::StepResult result;
+    result.final_observation = floats(step.next);
+    result.reward = torch::full({1}, static_cast<float>(outcome.reward));
+    result.terminated = torch::full({1}, outcome.terminated || ended ? 1 : 0, torch::kUInt8);
+    result.truncated = torch::zeros({1}, torch::kUInt8);
+    buffer.add(floats(step.observation), floats(step.action), result);
+  }
+}
+
+common::Json Hindsight::save() const {
+  common::Json state = {{"random", random_.save()}, {"episodes", common::Json::array()}};
+  for (const std::vector<Step>& episode : episodes_) {
+    common::Json steps = common::Json::array();
+    for (const Step& step : episode)
+      steps.push_back({step.observation, step.action, step.next, step.terminated, step.success});
+    state["episodes"].push_back(std::move(steps));
+  }
+  return state;
+}
+
+void Hindsight::load(const common::Json& state) {
+  try {
+    random_.restore(state.at("random").get<std::string>());
+    const common::Json& episodes = state.at("episodes");
+    if (episodes.size() != episodes_.size())
+      throw common::CheckpointError("training checkpoint: hindsight of another number of environments");
+    for (std::size_t i = 0; i < episodes_.size(); ++i) {
+      episodes_[i].clear();
+      for (const common::Json& step : episodes[i]) {
+        episodes_[i].push_back({step.at(0).get<std::vector<float>>(), step.at(1).get<std::vector<float>>(),
+                                step.at(2).get<std::vector<float>>(), step.at(3).get<bool>(),
+                                step.at(4).get<bool>()});
+      }
+    }
+  } catch (const common::Json::exception& error) {
+    throw common::CheckpointError(std::string("training checkpoint: hindsight is malformed: ") +
+                                  error.what());
+  }
+}
+
+}  // namespace lodestone::rl

@@ -1,0 +1,57 @@
+#include "lodestone/common/statistics.h"
+
+#include <catch2/catch.hpp>
+
+#include "lodestone/common/error.h"
+
+using namespace lodestone::common;
+
+TEST_CASE("the interquartile mean is that of the middle half") {
+  CHECK(interquartile_mean({1, 2, 3, 4, 5, 6, 7, 1000}) == Approx(4.5));
+  // five values: 1.25 to 3.75 of them, so the second and fourth count three quarters
+  CHECK(interquartile_mean({5, 1, 2, 3, 100}) == Approx((0.75 * 2 + 3 + 0.75 * 5) / 2.5));
+  CHECK(interquartile_mean({7}) == Approx(7.0));
+  CHECK(interquartile_mean({}) == 0.0);
+}
+
+TEST_CASE("Wilson's interval agrees with the published example") {
+  // Newcombe (1998), Statistics in Medicine 17: 81 of 263 and 15 of 148
+  CHECK(wilson_interval(81, 263, 1.959964).low == Approx(0.2553).margin(1e-4));
+  CHECK(wilson_interval(81, 263, 1.959964).high == Approx(0.3662).margin(1e-4));
+  CHECK(wilson_interval(15, 148, 1.959964).low == Approx(0.0624).margin(1e-4));
+  CHECK(wilson_interval(0, 20, 1.959964).high == Approx(0.1611).margin(1e-4));
+  CHECK(wilson_interval(50, 50).low == Approx(0.9287).margin(1e-4));
+  CHECK_THROWS_AS(wilson_interval(3, 2), LogicFault);
+}
+
+TEST_CASE("the bootstrap covers the mean about as often as it says") {
+  int covered = 0;
+  constexpr int kRuns = 300;
+  for (int run = 0; run < kRuns; ++run) {
+    RandomStream random(3, "values", static_cast<std::uint64_t>(run));
+    std::vector<std::vector<double>> strata(5);
+    for (auto& stratum : strata) {
+      for (int i = 0; i < 20; ++i) stratum.push_back(2.0 + random.normal());
+    }
+    const Interval interval =
+        bootstrap_interval(strata, mean, RandomStream(4, "bootstrap", static_cast<std::uint64_t>(run)), 400);
+    if (interval.low <= 2.0 && interval.high >= 2.0) ++covered;
+  }
+  CHECK(covered > 0.90 * kRuns);
+  CHECK(covered < 0.99 * kRuns);
+}
+
+TEST_CASE("strata keep their weights") {
+  const std::vector<std::vector<double>> strata = {{1.0, 1.0, 1.0}, {3.0}, {}};
+  const Interval interval = bootstrap_interval(strata, mean, RandomStream(1, "b"), 100);
+  CHECK(interval.low == Approx(1.5));
+  CHECK(interval.high == Approx(1.5));
+}
+
+TEST_CASE("percentiles, means and deviations") {
+  CHECK(percentile({3, 1, 2}, 1.0) == 3.0);
+  CHECK(median({3, 1, 2}) == 2.0);
+  CHECK(percentile({}, 0.5) == 0.0);
+  CHECK(standard_deviation({1, 2, 3}) == Approx(1.0));
+  CHECK(standard_deviation({1}) == 0.0);
+}

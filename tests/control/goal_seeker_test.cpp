@@ -1,0 +1,64 @@
+#include "lodestone/control/goal_seeker.h"
+
+#include <catch2/catch.hpp>
+#include <set>
+
+#include "control/fakes.h"
+
+using namespace lodestone;
+using geometry::Vector2;
+
+namespace {
+
+/// Notes the targets it is given and asks for nothing.
+control::GoalSeeker seeker(std::vector<Vector2>& targets, const control::GoalSeekerConfig& config) {
+  return control::GoalSeeker(
+      std::make_unique<tests::FunctionController>([&targets](const task::Observation& seen) {
+        targets.push_back(seen.target_m);
+        return Vector2(0.0, 0.0);
+      }),
+      config, common::RandomStream(1, "seek"));
+}
+
+}  // namespace
+
+TEST_CASE("a target is kept until it is reached or patience ends") {
+  control::GoalSeekerConfig config;
+  config.patience = 5;
+  config.noise = 0.0;
+  std::vector<Vector2> targets;
+  control::GoalSeeker seek = seeker(targets, config);
+  seek.reset();
+  task::Observation observation;
+  observation.pose.x_m = 0.040;  // outside every target's disc
+  for (int i = 0; i < 10; ++i) CHECK(seek.act(observation).isZero(0.0));
+  CHECK(targets[0] == targets[4]);
+  CHECK(targets[4] != targets[5]);
+  CHECK(targets[5] == targets[9]);
+  CHECK(targets[0].norm() <= config.goal_radius_m);
+  observation.pose = {targets[9].x() + 0.001, targets[9].y(), 0.0};
+  seek.act(observation);
+  CHECK(targets[10] != targets[9]);
+}
+
+TEST_CASE("noise is added, clipped, and goes on after a restore") {
+  control::GoalSeekerConfig config;
+  config.noise = 0.7;
+  std::vector<Vector2> targets;
+  control::GoalSeeker one = seeker(targets, config);
+  one.reset();
+  task::Observation observation;
+  observation.pose.x_m = 0.040;
+  std::set<double> seen;
+  for (int i = 0; i < 50; ++i) {
+    const Vector2 action = one.act(observation);
+    CHECK(action.cwiseAbs().maxCoeff() <= 1.0);
+    seen.insert(action.x());
+  }
+  CHECK(seen.size() > 20);
+  control::GoalSeeker two = seeker(targets, config);
+  two.restore(one.save());
+  one.reset();
+  two.reset();
+  CHECK(one.act(observation) == two.act(observation));
+}
