@@ -16,6 +16,7 @@
 #include "lodestone/nets/blas.h"
 #include "lodestone/nets/gemm.h"
 #include "models.h"
+#include "paper_bench.h"
 #include "speed_figures.h"
 #include "verb.h"
 
@@ -204,6 +205,7 @@ void add_bench(CLI::App& program, ConfigCatalogue& catalogue) {
     bench_speed(*options, command);
   });
   add_bench_hil(*verb, catalogue);
+  add_bench_paper(*verb, catalogue);
   catalogue["bench"] = [] { return common::describe_config<SpeedConfig>(); };
 }
 

@@ -1,12 +1,17 @@
 #pragma once
 
+#include <string>
+
 #include "lodestone/control/sensing.h"
 
 namespace lodestone::apps {
 
-/// Names the segmenter that is shipped (models/segmenter: in the working folder, the source tree this program
-/// was built in, or where it is installed) when a camera is used and none is named. Throws ConfigError when
-/// there is none.
+/// "models" or "configs" as they are shipped: in the working folder, the source tree this program was built
+/// in, or where it is installed. Throws ConfigError when there is none.
+std::string shipped_folder(const std::string& name);
+
+/// Names the segmenter that is shipped (models/segmenter) when a camera is used and none is named. Throws
+/// ConfigError when there is none.
 void choose_segmenter(control::SensingConfig& sensor);
 
 }  // namespace lodestone::apps

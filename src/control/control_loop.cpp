@@ -21,7 +21,7 @@ struct Memory {
   geometry::Vector2 action = geometry::Vector2::Zero();
 
   task::Observation observe(const geometry::Pose2& pose, const geometry::Vector2& target_m,
-                            double target_heading_rad) const {
+                            std::optional<double> target_heading_rad) const {
     task::Observation observation;
     observation.pose = pose;
     observation.target_m = target_m;
@@ -82,8 +82,8 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     if (record.estimate.valid) {
       invalid_in_a_row = 0;
       if (!record.last) {
-        const task::Observation observation = memory.observe(record.estimate.pose, record.target_m,
-                                                             reference.target_heading_rad().value_or(0.0));
+        const task::Observation observation =
+            memory.observe(record.estimate.pose, record.target_m, reference.target_heading_rad());
         record.action = decide(controller, observation);
         record.current_A = task::coil_currents(task::axis_drive(record.action, action_));
       }

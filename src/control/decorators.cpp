@@ -49,23 +49,26 @@ geometry::Vector2 AdaptiveGain::act(const task::Observation& observation) {
   acted_ = true;
   last_pose_ = observation.pose;
   geometry::Vector2 action = gain_ * inner_->act(observation);
-  if (full_stalls_ > kPatience && config_.stall_swing_deg > 0.0) action = swung(action);
-  const double largest = action.cwiseAbs().maxCoeff();
-  full_ = largest >= 1.0;
+  const bool swing = full_stalls_ > kPatience && config_.stall_swing_deg > 0.0;
+  if (swing) action = swung(action);
+  full_ = action.cwiseAbs().maxCoeff() >= 1.0;
+  if (swing) action *= config_.stall_swing_strength;
   // Scaled as a whole, so that the direction of the pull survives the limit.
-  return action / std::max(1.0, largest);
+  return action / std::max(1.0, action.cwiseAbs().maxCoeff());
 }
 
 geometry::Vector2 Hold::act(const task::Observation& observation) {
-  if ((observation.target_m - observation.pose.position_m()).norm() <= radius_m_)
-    return geometry::Vector2::Zero();
+  const bool near = (observation.target_m - observation.pose.position_m()).norm() <= config_.hold_radius_m;
+  const double heading_rad = observation.pose.heading_rad;
+  const double turn_rad =
+      geometry::wrap_angle(observation.target_heading_rad.value_or(heading_rad) - heading_rad);
+  if (near && kDegPerRad * std::abs(turn_rad) <= config_.hold_heading_deg) return geometry::Vector2::Zero();
   return inner_->act(observation);
 }
 
 std::unique_ptr<Controller> decorate(std::unique_ptr<Controller> controller, const DecoratorConfig& config) {
   if (config.stall_gain > 1.0) controller = std::make_unique<AdaptiveGain>(std::move(controller), config);
-  if (config.hold_radius_m > 0.0)
-    controller = std::make_unique<Hold>(std::move(controller), config.hold_radius_m);
+  if (config.hold_radius_m > 0.0) controller = std::make_unique<Hold>(std::move(controller), config);
   return controller;
 }
 

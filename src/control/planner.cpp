@@ -132,6 +132,9 @@ void Planner::judge(const task::Observation& observation) {
       if (drive_[2 * row] != 0.0 || drive_[2 * row + 1] != 0.0) std::copy_n(&next_[row * size], size, state);
       const geometry::Vector2 position_m(state[0], state[1]);
       double cost_mm = kMmPerM * std::max(config_.goal_radius_m, (position_m - observation.target_m).norm());
+      if (observation.target_heading_rad && size == 3)
+        cost_mm += config_.heading_cost_mm *
+                   std::abs(geometry::wrap_angle(state[2] - *observation.target_heading_rad));
       if (position_m.norm() > model_->dish_radius_m) cost_mm += kOutside_mm;
       cost_mm_[row % count] += share * cost_mm;
     }

@@ -13,10 +13,11 @@ constexpr std::int64_t kSlotNumbers = 13;
 
 /// The numbers of a slot that outlive a step, in the order checkpoints hold them.
 template <class Visit>
-void visit_numbers(geometry::Pose2& pose, task::Observation& seen, Visit&& visit) {
+void visit_numbers(geometry::Pose2& pose, task::Observation& seen, double& target_heading_rad,
+                   Visit&& visit) {
   for (double* value :
        {&pose.x_m, &pose.y_m, &pose.heading_rad, &seen.pose.x_m, &seen.pose.y_m, &seen.pose.heading_rad,
-        &seen.target_m.x(), &seen.target_m.y(), &seen.target_heading_rad, &seen.last_action.x(),
+        &seen.target_m.x(), &seen.target_m.y(), &target_heading_rad, &seen.last_action.x(),
         &seen.last_action.y(), &seen.last_displacement_m.x(), &seen.last_displacement_m.y()}) {
     visit(*value);
   }
@@ -82,7 +83,7 @@ void EpisodeBatch::begin(std::size_t i,
     slot.pose = draw_start(slot.random);
     const task::Goal goal = task::draw_goal(task, slot.random, settings_.region.get());
     slot.seen.target_m = goal.position_m;
-    slot.seen.target_heading_rad = goal.heading_rad;
+    if (task.goal == "pose") slot.seen.target_heading_rad = goal.heading_rad;
     const double distance_m = (slot.pose.position_m() - slot.seen.target_m).norm();
     if (!task.end_on_success || distance_m >= task.success_radius_m) break;
   }
@@ -104,7 +105,7 @@ bool EpisodeBatch::finish(std::size_t i, const geometry::Pose2& next, const Step
   task::Step step;
   step.before = slot.pose;
   step.after = next;
-  step.goal = {slot.seen.target_m, slot.seen.target_heading_rad};
+  step.goal = {slot.seen.target_m, slot.seen.target_heading_rad.value_or(0.0)};
   step.action = slot.seen.last_action;
   step.index = slot.step;
   if (settings_.shrink_steps > 0)
@@ -147,7 +148,8 @@ void EpisodeBatch::exchange_state(EnvState& state, bool load) {
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     Slot& slot = slots_[i];
     std::int64_t* step = steps.data_ptr<std::int64_t>() + 2 * i;
-    visit_numbers(slot.pose, slot.seen, [&](double& value) {
+    double heading_rad = slot.seen.target_heading_rad.value_or(0.0);
+    visit_numbers(slot.pose, slot.seen, heading_rad, [&](double& value) {
       if (load) {
         value = *number++;
       } else {
@@ -155,6 +157,7 @@ void EpisodeBatch::exchange_state(EnvState& state, bool load) {
       }
     });
     if (load) {
+      if (settings_.task.goal == "pose") slot.seen.target_heading_rad = heading_rad;
       slot.step = step[0];
       slot.age = step[1];
       slot.random.restore(state.facts.at("random").at(i).get<std::string>());

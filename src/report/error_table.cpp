@@ -7,7 +7,7 @@ namespace {
 
 using common::Json;
 
-constexpr const char* kTasks[] = {"centre", "point", "square", "circle", "path"};
+constexpr const char* kTasks[] = {"centre", "point", "pose", "square", "circle", "path"};
 
 /// Table II of the paper.
 struct Published {

@@ -16,32 +16,6 @@ namespace fs = std::filesystem;
 using common::DataError;
 using common::Json;
 
-Json read_if_there(const std::string& path) {
-  if (!fs::exists(path)) return nullptr;
-  Json json = Json::parse(common::read_file(path), nullptr, false);
-  if (json.is_discarded())
-    throw DataError(path + " is not JSON: it is damaged; run the step that writes it again");
-  return json;
-}
-
-std::vector<Json> read_lines(const std::string& path) {
-  std::vector<Json> lines;
-  if (!fs::exists(path)) return lines;
-  std::istringstream stream(common::read_file(path));
-  std::int64_t number = 0;
-  for (std::string line; std::getline(stream, line);) {
-    ++number;
-    if (line.empty()) continue;
-    Json json = Json::parse(line, nullptr, false);
-    if (json.is_object()) {
-      lines.push_back(std::move(json));
-    } else if (stream.peek() != std::istringstream::traits_type::eof()) {
-      throw DataError(path + ":" + std::to_string(number) + ": not a JSON object");
-    }
-  }
-  return lines;
-}
-
 StepData read_step(const std::string& folder, const std::string& name, const char* result) {
   const std::string base = folder + "/" + name;
   StepData step;
@@ -79,6 +53,32 @@ std::vector<FilmedTrial> read_filmed(const std::string& folder) {
 }
 
 }  // namespace
+
+Json read_if_there(const std::string& path) {
+  if (!fs::exists(path)) return nullptr;
+  Json json = Json::parse(common::read_file(path), nullptr, false);
+  if (json.is_discarded())
+    throw DataError(path + " is not JSON: it is damaged; run the step that writes it again");
+  return json;
+}
+
+std::vector<Json> read_lines(const std::string& path) {
+  std::vector<Json> lines;
+  if (!fs::exists(path)) return lines;
+  std::istringstream stream(common::read_file(path));
+  std::int64_t number = 0;
+  for (std::string line; std::getline(stream, line);) {
+    ++number;
+    if (line.empty()) continue;
+    Json json = Json::parse(line, nullptr, false);
+    if (json.is_object()) {
+      lines.push_back(std::move(json));
+    } else if (stream.peek() != std::istringstream::traits_type::eof()) {
+      throw DataError(path + ":" + std::to_string(number) + ": not a JSON object");
+    }
+  }
+  return lines;
+}
 
 RunData read_run(const std::string& folder) {
   if (!fs::is_directory(folder))

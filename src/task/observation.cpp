@@ -25,7 +25,8 @@ void ObservationEncoder::encode(const Observation& observation, float* out) cons
   if (config_.target) put(observation.target_m, config_.length_scale_m);
   if (config_.relative_target) put(observation.target_m - position_m, config_.length_scale_m);
   if (config_.target_heading) {
-    const double turn_rad = observation.target_heading_rad - observation.pose.heading_rad;
+    const double heading_rad = observation.pose.heading_rad;
+    const double turn_rad = observation.target_heading_rad.value_or(heading_rad) - heading_rad;
     *out++ = static_cast<float>(std::sin(turn_rad));
     *out++ = static_cast<float>(std::cos(turn_rad));
   }

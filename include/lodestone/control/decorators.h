@@ -13,7 +13,9 @@ struct DecoratorConfig {
   double stall_threshold_m = 0.0015;
   double stall_threshold_deg = 6.0;
   double stall_swing_deg = 0.0;
+  double stall_swing_strength = 1.0;
   double hold_radius_m = 0.0;
+  double hold_heading_deg = 10.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -30,8 +32,13 @@ struct DecoratorConfig {
         "a needle that the full command does not move is pulled this much to one side, then the other, then "
         "further; 0 is off",
         {0.0, 90.0});
+    v.field("stall_swing_strength", stall_swing_strength, "",
+            "share of the full command that such a pull has: turning takes less current than pulling",
+            {0.01, 1.0});
     v.field("hold_radius_m", hold_radius_m, "m",
             "no current while sensed within this of the target; 0 is off", {0.0, 0.1});
+    v.field("hold_heading_deg", hold_heading_deg, "deg",
+            "and, where the target has a heading, within this of it", {0.0, 180.0});
   }
 };
 
@@ -58,16 +65,18 @@ class AdaptiveGain final : public Controller {
   geometry::Pose2 last_pose_;
 };
 
-/// Gives no current while the needle is sensed within the hold radius.
+/// Gives no current while the needle is sensed within the hold radius, and at the target's heading where it
+/// has one.
 class Hold final : public Controller {
  public:
-  Hold(std::unique_ptr<Controller> inner, double radius_m) : inner_(std::move(inner)), radius_m_(radius_m) {}
+  Hold(std::unique_ptr<Controller> inner, const DecoratorConfig& config)
+      : inner_(std::move(inner)), config_(config) {}
   void reset() override { inner_->reset(); }
   geometry::Vector2 act(const task::Observation& observation) override;
 
  private:
   std::unique_ptr<Controller> inner_;
-  double radius_m_;
+  DecoratorConfig config_;
 };
 
 /// Hold around adaptive gain around `controller`, each only where the configuration turns it on.

@@ -21,6 +21,7 @@ struct PlannerConfig {
   double spread = 0.5;
   double current_cost = 0.02;
   double goal_radius_m = 0.001;
+  double heading_cost_mm = 5.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -31,6 +32,8 @@ struct PlannerConfig {
     v.field("spread", spread, "action units", "standard deviation of the first round", {1e-3, 2.0});
     v.field("current_cost", current_cost, "mm", "cost of a pulse per squared action", {0.0, 1000.0});
     v.field("goal_radius_m", goal_radius_m, "m", "closer than this is no better", {0.0, 0.1});
+    v.field("heading_cost_mm", heading_cost_mm, "mm/rad",
+            "cost of a heading error, where the target has a heading", {0.0, 1000.0});
   }
   /// Throws ConfigError.
   void validate() const;

@@ -35,8 +35,8 @@ struct TrialScore {
 /// Rules of scoring.
 struct ScoreConfig {
   double success_radius_m = 0.003;
-  double success_heading_deg = 15.0;
   double hold_s = 5.0;
+  double success_heading_deg = 15.0;
 
   template <class Visitor>
   void visit(Visitor& v) {

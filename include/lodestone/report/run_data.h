@@ -58,6 +58,11 @@ struct RunData {
 /// half-written is dropped.
 RunData read_run(const std::string& folder);
 
+/// A JSON file, or null where there is none. Throws DataError when it is damaged.
+common::Json read_if_there(const std::string& path);
+/// The objects of a .jsonl file, one a line; none where there is no file.
+std::vector<common::Json> read_lines(const std::string& path);
+
 /// The curve of the first of `keys` that the log holds; empty when none is there.
 Curve curve(const std::vector<common::Json>& metrics, std::initializer_list<const char*> keys);
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "lodestone/geometry/pose2.h"
@@ -11,18 +12,18 @@ namespace lodestone::task {
 struct Observation {
   geometry::Pose2 pose;  ///< as sensed
   geometry::Vector2 target_m = geometry::Vector2::Zero();
-  double target_heading_rad = 0.0;                            ///< only tasks with a heading look at it
-  geometry::Vector2 last_action = geometry::Vector2::Zero();  ///< in [-1, 1]^2; zero after a reset
+  std::optional<double> target_heading_rad;                           ///< where the task wants one
+  geometry::Vector2 last_action = geometry::Vector2::Zero();          ///< in [-1, 1]^2; zero after a reset
   geometry::Vector2 last_displacement_m = geometry::Vector2::Zero();  ///< sensed motion since the last action
 };
 
 /// How observations become the numbers a policy network sees. Used by training and by deployment alike.
 struct EncoderConfig {
-  std::string heading = "angle";   ///< "angle" (paper: theta in rad), "sine_cosine", or "none" (sphere)
-  bool target = true;              ///< append the target: the random-target policy
-  bool relative_target = false;    ///< append target - position as well
-  bool target_heading = false;     ///< append sine and cosine of target heading - heading
-  bool memory = false;             ///< append last action and last displacement: remembers a stall
+  std::string heading = "angle";  ///< "angle" (paper: theta in rad), "sine_cosine", or "none" (sphere)
+  bool target = true;             ///< append the target: the random-target policy
+  bool relative_target = false;   ///< append target - position as well
+  bool target_heading = false;  ///< append sine and cosine of target heading - heading (0 and 1 without one)
+  bool memory = false;          ///< append last action and last displacement: remembers a stall
   double length_scale_m = 0.0425;  ///< lengths are divided by it (dish radius)
   double displacement_scale_m = 0.005;
 

@@ -1,0 +1,436 @@
+#include "lodestone/report/paper_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "lodestone/common/files.h"
+#include "lodestone/common/run_folder.h"
+#include "lodestone/common/statistics.h"
+#include "lodestone/report/charts.h"
+#include "lodestone/report/html.h"
+#include "lodestone/report/html_page.h"
+#include "lodestone/report/run_data.h"
+#include "trial_drawing.h"
+
+namespace lodestone::report {
+namespace {
+
+namespace fs = std::filesystem;
+using common::Interval;
+using common::Json;
+
+constexpr double kDishRadius_mm = 42.5;
+
+/// A row of table II: what drives, and what the paper measured with it.
+struct Row {
+  const char* key;
+  const char* name;
+  const char* controller;  ///< as trials.json names it, for the drawings
+  std::map<std::string, const char*> paper;
+};
+
+const std::vector<Row>& rows() {
+  static const std::vector<Row> kRows = {
+      {"simulator", "TD3 in the plain simulator", "policy", {{"centre", "31 ± 29"}}},
+      {"randomised", "TD3 in the randomised simulator", "policy", {}},
+      {"paper",
+       "TD3 in an MBS, paper's preset",
+       "policy",
+       {{"centre", "6.3 ± 2.1"}, {"point", "5.3 ± 0.8"}, {"square", "7.4 ± 0.7"}}},
+      {"best", "TD3 in an MBS, best preset", "policy", {}},
+      {"planner", "planner in the MBS", "policy", {}},
+      {"baseline", "proportional baseline", "baseline", {}},
+      {"offline", "TD3 on recorded steps alone", "policy", {}}};
+  return kRows;
+}
+
+/// The folders of a cell's training seeds, by number.
+std::vector<std::string> seeds_of(const std::string& folder) {
+  std::map<int, std::string> found;
+  if (fs::is_directory(folder)) {
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      if (entry.is_directory() && fs::exists(entry.path() / "done.json"))
+        found[std::atoi(entry.path().filename().c_str())] = entry.path().string();
+    }
+  }
+  std::vector<std::string> out;
+  for (const auto& [number, path] : found) out.push_back(path);
+  return out;
+}
+
+/// Errors of one task under one controller, by training seed: the distance at the end of a trial, or the
+/// cross-track RMS of one.
+struct Errors {
+  std::vector<std::vector<double>> by_seed_mm;
+  std::int64_t successes = 0;
+  std::int64_t stopped = 0;
+  Json first_trials;  ///< of the first seed
+
+  std::vector<double> all() const {
+    std::vector<double> out;
+    for (const auto& seed : by_seed_mm) out.insert(out.end(), seed.begin(), seed.end());
+    return out;
+  }
+  std::int64_t trials() const { return static_cast<std::int64_t>(all().size()); }
+};
+
+std::optional<Errors> read_errors(const std::string& folder) {
+  Errors errors;
+  for (const std::string& seed : seeds_of(folder)) {
+    Json trials = read_if_there(seed + "/trials.json");
+    if (!trials.is_array()) continue;
+    std::vector<double> values;
+    for (const Json& trial : trials) {
+      const auto cross_track = number_at(trial, {"cross_track_rms_mm"});
+      const auto at_end = number_at(trial, {"final_error_mm"});
+      if (!cross_track && !at_end) continue;
+      values.push_back(cross_track ? *cross_track : *at_end);
+      errors.successes += trial.value("success", false) ? 1 : 0;
+      errors.stopped += trial.value("completed", true) ? 0 : 1;
+    }
+    errors.by_seed_mm.push_back(std::move(values));
+    if (errors.first_trials.is_null()) errors.first_trials = std::move(trials);
+  }
+  if (errors.trials() == 0) return std::nullopt;
+  return errors;
+}
+
+struct Figures {
+  double mean = 0.0, std = 0.0, rms = 0.0, iqm = 0.0, success = 0.0;
+  Interval iqm_interval, success_interval;
+  std::int64_t trials = 0, stopped = 0;
+  std::size_t seeds = 0;
+
+  Json json() const {
+    return {{"mean_error_mm", mean},
+            {"std_error_mm", std},
+            {"rms_error_mm", rms},
+            {"iqm_error_mm", iqm},
+            {"iqm_interval_mm", {iqm_interval.low, iqm_interval.high}},
+            {"success_rate", success},
+            {"success_interval", {success_interval.low, success_interval.high}},
+            {"n_trials", trials},
+            {"n_seeds", seeds},
+            {"n_stopped", stopped}};
+  }
+};
+
+Figures figures_of(const Errors& errors) {
+  const std::vector<double> all = errors.all();
+  Figures out;
+  out.mean = common::mean(all);
+  out.std = common::standard_deviation(all);
+  double squares = 0.0;
+  for (const double value : all) squares += value * value;
+  out.rms = std::sqrt(squares / static_cast<double>(all.size()));
+  out.iqm = common::interquartile_mean(all);
+  out.iqm_interval = common::bootstrap_interval(errors.by_seed_mm, common::interquartile_mean,
+                                                common::RandomStream(1, "bootstrap"));
+  out.trials = errors.trials();
+  out.success = static_cast<double>(errors.successes) / static_cast<double>(out.trials);
+  out.success_interval = common::wilson_interval(errors.successes, out.trials);
+  out.stopped = errors.stopped;
+  out.seeds = errors.by_seed_mm.size();
+  return out;
+}
+
+std::string text(const char* format, double a, double b = 0.0, double c = 0.0) {
+  char buffer[96];
+  std::snprintf(buffer, sizeof buffer, format, a, b, c);
+  return buffer;
+}
+
+std::string with_interval(double value, const Interval& interval) {
+  return text("%.2f (%.2f to %.2f)", value, interval.low, interval.high);
+}
+std::string with_interval_percent(double value, const Interval& interval) {
+  return text("%.0f %% (%.0f to %.0f)", 100.0 * value, 100.0 * interval.low, 100.0 * interval.high);
+}
+
+/// A table as HTML, Markdown and JSON at once.
+struct Table {
+  std::vector<std::string> headers;
+  std::vector<std::vector<std::string>> cells;
+  int text_columns = 2;
+
+  std::string html() const {
+    std::vector<std::vector<std::string>> escaped = cells;
+    for (auto& row : escaped) {
+      for (std::string& cell : row) cell = escape(cell);
+    }
+    return table(headers, escaped, text_columns);
+  }
+  std::string markdown() const {
+    const auto line = [](const std::vector<std::string>& row) {
+      std::string out = "|";
+      for (const std::string& cell : row) out += " " + cell + " |";
+      return out + "\n";
+    };
+    std::string out = line(headers) + "|";
+    for (std::size_t i = 0; i < headers.size(); ++i) out += " --- |";
+    out += "\n";
+    for (const auto& row : cells) out += line(row);
+    return out;
+  }
+};
+
+/// Everything the report says, gathered part by part.
+class PaperReport {
+ public:
+  PaperReport(std::string folder, const std::string& scale)
+      : cells_(folder + "/cells"),
+        folder_(std::move(folder)),
+        page_("The paper's experiments, on the virtual rig",
+              "Section V beside ours, scale " + scale +
+                  ": every figure of ours is measured against the true pose on "
+                  "virtual rigs that no training saw; the paper's are from its real rig") {
+    json_["scale"] = scale;
+    json_["machine"] = common::build_and_host_facts();
+    json_["machine"].erase("host");
+    json_["machine"].erase("system");
+  }
+
+  void transfer() {
+    Table table;
+    table.headers = {"task",
+                     "controller",
+                     "paper, mean ± std (mm)",
+                     "mean ± std (mm)",
+                     "RMS (mm)",
+                     "IQM (95 % interval) (mm)",
+                     "success (95 % interval)",
+                     "trials",
+                     "seeds",
+                     "stopped early"};
+    std::string drawings;
+    for (const char* task : {"centre", "point", "square", "pose"}) {
+      for (const Row& row : rows()) {
+        const auto errors = read_errors(cells_ + "/transfer/" + row.key + "/" + task);
+        if (!errors) continue;
+        const Figures f = figures_of(*errors);
+        json_["transfer"][row.key][task] = f.json();
+        const auto paper = row.paper.find(task);
+        table.cells.push_back({task, row.name, paper == row.paper.end() ? "–" : paper->second,
+                               text("%.2f ± %.2f", f.mean, f.std), text("%.2f", f.rms),
+                               with_interval(f.iqm, f.iqm_interval),
+                               with_interval_percent(f.success, f.success_interval), std::to_string(f.trials),
+                               std::to_string(f.seeds), std::to_string(f.stopped)});
+        drawings += "<div class=\"panel\">" +
+                    draw_trials(errors->first_trials, task, row.controller, kDishRadius_mm) + "<b>" +
+                    escape(task) + "</b><br>" + escape(row.name) + "</div>";
+      }
+    }
+    if (table.cells.empty()) return;
+    markdown_ += "Table II, transfer to unseen rigs by camera\n\n" + table.markdown() + "\n";
+    page_.add_section(
+        "transfer", "Table II and Fig. 6: transfer",
+        "<p>Starts, targets, friction maps, temperatures and cameras are the same for every row, and were "
+        "not used for any choice. centre, point and pose: distance at the end of a trial of 20 s; square: "
+        "root mean square of the cross-track error of a trial. Success: within 3 mm (pose: and 15 "
+        "degrees). The simulators' policies, the best preset, the planner and the baseline have the same "
+        "adaptive gain and hold around them; the paper's preset has nothing.</p>" +
+            table.html() +
+            figure("<div class=\"panels\">" + drawings + "</div>",
+                   "<b>Fig. 6.</b> True trajectories of one training seed on unseen rigs."));
+  }
+
+  void training() {
+    Table table;
+    table.headers = {"policy", "paper", "wall-clock to 95 % of the final return (s)", "whole training (s)",
+                     "seeds"};
+    std::string charts;
+    struct Trained {
+      const char *row, *task, *name, *paper;
+    };
+    for (const Trained& t :
+         std::initializer_list<Trained>{{"paper", "centre", "MBS, paper's preset, centre", "1.5 h"},
+                                        {"paper", "target", "MBS, paper's preset, random target", "3.5 h"},
+                                        {"simulator", "centre", "plain simulator, centre", "5.5 h"},
+                                        {"simulator", "target", "plain simulator, random target", "27 h"},
+                                        {"randomised", "centre", "randomised simulator, centre", "–"},
+                                        {"randomised", "target", "randomised simulator, random target", "–"},
+                                        {"best", "centre", "MBS, best preset, centre", "–"},
+                                        {"best", "target", "MBS, best preset, random target", "–"},
+                                        {"best", "pose", "MBS, best preset, pose", "–"}}) {
+      const std::string folder = cells_ + "/policy/" + t.row + "/" + t.task;
+      std::vector<double> to_share_s;
+      std::vector<double> whole_s;
+      for (const std::string& seed : seeds_of(folder)) {
+        const Json result = read_if_there(seed + "/result.json");
+        if (const auto value = number_at(result, {"seconds_to_95_percent"})) to_share_s.push_back(*value);
+        if (const auto value = number_at(result, {"train_seconds"})) whole_s.push_back(*value);
+      }
+      if (to_share_s.empty()) continue;
+      json_["training"][t.row][t.task] = {{"seconds_to_95_percent", common::mean(to_share_s)},
+                                          {"train_seconds", common::mean(whole_s)},
+                                          {"n_seeds", to_share_s.size()}};
+      table.cells.push_back(
+          {t.name, t.paper,
+           text("%.1f ± %.1f", common::mean(to_share_s), common::standard_deviation(to_share_s)),
+           text("%.1f ± %.1f", common::mean(whole_s), common::standard_deviation(whole_s)),
+           std::to_string(to_share_s.size())});
+      const std::string chart =
+          return_chart(std::string("fig4-") + t.row + "-" + t.task, t.name, {{t.name, folder}});
+      if (!chart.empty()) charts += chart;
+    }
+    if (table.cells.empty()) return;
+    markdown_ += "Table I, training time on one thread\n\n" + table.markdown() + "\n";
+    page_.add_section(
+        "training", "Table I and Fig. 4: training",
+        "<p>Time of learning on one thread, evaluations included. The paper's hours are its Table I, on "
+        "its own machine.</p>" +
+            table.html() +
+            figure("<div class=\"two\">" + charts + "</div>",
+                   "<b>Fig. 4.</b> Return of fixed evaluation episodes in the simulator that the policy "
+                   "learns in: mean over seeds, dashed two standard deviations around it."));
+  }
+
+  void mixes() {
+    std::vector<std::pair<std::string, std::string>> lines;
+    Table table;
+    table.headers = {"environments that replay", "final return, mean ± std", "success in the MBS", "seeds"};
+    table.text_columns = 1;
+    for (const char* k : {"0", "1", "2", "3", "offline"}) {
+      const std::string folder = cells_ + "/mix/" + k;
+      std::vector<double> returns;
+      std::vector<double> success;
+      for (const std::string& seed : seeds_of(folder)) {
+        const auto metrics = read_lines(seed + "/metrics.jsonl");
+        const Curve r = curve(metrics, {"evaluation/episode_return"});
+        const Curve s = curve(metrics, {"evaluation/success_rate"});
+        if (r.empty() || s.empty()) continue;
+        returns.push_back(r.back().second);
+        success.push_back(s.back().second);
+      }
+      if (returns.empty()) continue;
+      const bool offline = std::string(k) == "offline";
+      const std::string name = offline ? "recorded steps alone, best learner" : std::string(k) + " of 3";
+      json_["mixes"][k] = {{"final_return", common::mean(returns)},
+                           {"success_rate", common::mean(success)},
+                           {"n_seeds", returns.size()}};
+      table.cells.push_back({name,
+                             text("%.2f ± %.2f", common::mean(returns), common::standard_deviation(returns)),
+                             text("%.0f %%", 100.0 * common::mean(success)), std::to_string(returns.size())});
+      if (!offline) lines.emplace_back(name, folder);
+    }
+    if (table.cells.empty()) return;
+    markdown_ += "Fig. 5, mixes with recorded pseudo-episodes\n\n" + table.markdown() + "\n";
+    page_.add_section(
+        "mixes", "Fig. 5: off-policy mixes",
+        "<p>Of the paper's three environments, so many play back recorded stretches of 10 to 15 steps. "
+        "Evaluated in the MBS, without them.</p>" +
+            table.html() +
+            figure(return_chart("fig5", "Return over steps", lines),
+                   "<b>Fig. 5.</b> Mean over seeds, dashed two standard deviations around it."));
+  }
+
+  void ablations() {
+    if (!fs::is_directory(cells_ + "/ablation")) return;
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(cells_ + "/ablation"))
+      names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end(), [](const std::string& a, const std::string& b) {
+      return std::make_pair(a != "best_preset", a) < std::make_pair(b != "best_preset", b);
+    });
+    Table table;
+    table.headers = {"best preset with one change",
+                     "point, IQM (95 % interval) (mm)",
+                     "point, mean (mm)",
+                     "point, success",
+                     "square, IQM (95 % interval) (mm)",
+                     "square, mean (mm)",
+                     "square, success",
+                     "trials"};
+    table.text_columns = 1;
+    for (const std::string& name : names) {
+      const auto point = read_errors(cells_ + "/ablation/" + name + "/point");
+      const auto square = read_errors(cells_ + "/ablation/" + name + "/square");
+      if (!point || !square) continue;
+      const Figures p = figures_of(*point);
+      const Figures s = figures_of(*square);
+      std::string shown = name;
+      std::replace(shown.begin(), shown.end(), '_', ' ');
+      json_["ablations"][shown] = {{"point", p.json()}, {"square", s.json()}};
+      table.cells.push_back({shown, with_interval(p.iqm, p.iqm_interval), text("%.2f", p.mean),
+                             with_interval_percent(p.success, p.success_interval),
+                             with_interval(s.iqm, s.iqm_interval), text("%.2f", s.mean),
+                             with_interval_percent(s.success, s.success_interval), std::to_string(p.trials)});
+    }
+    if (table.cells.empty()) return;
+    markdown_ += "Ablations of the best preset, random target\n\n" + table.markdown() + "\n";
+    page_.add_section(
+        "ablations", "Ablations",
+        "<p>Each row changes one thing in the best preset, and is trained as long as the row named best "
+        "preset. Unseen rigs, by camera.</p>" +
+            table.html());
+  }
+
+  std::string write() {
+    common::write_file_atomically(folder_ + "/report.json", json_.dump(1) + "\n");
+    common::write_file_atomically(folder_ + "/table.md", markdown_);
+    common::write_file_atomically(folder_ + "/report.html", page_.render());
+    return markdown_;
+  }
+
+ private:
+  /// Mean evaluation return over steps with two standard deviations, for each named folder of seeds.
+  static std::string return_chart(const std::string& id, const std::string& title,
+                                  const std::vector<std::pair<std::string, std::string>>& lines) {
+    static const char* const kColours[] = {kPolicyColour, kBaselineColour, kSecondColour, "#7b4ea3"};
+    LineChart chart;
+    chart.id = id;
+    chart.title = title;
+    chart.x_label = "environment steps";
+    chart.y_label = "return";
+    chart.small = lines.size() == 1;
+    std::size_t colour = 0;
+    for (const auto& [name, folder] : lines) {
+      std::map<double, std::vector<double>> by_step;
+      for (const std::string& seed : seeds_of(folder)) {
+        for (const auto& [step, value] :
+             curve(read_lines(seed + "/metrics.jsonl"), {"evaluation/episode_return"}))
+          by_step[step].push_back(value);
+      }
+      LineSeries mean, low, high;
+      mean.name = name;
+      low.name = name + ", - 2 std";
+      high.name = name + ", + 2 std";
+      mean.colour = low.colour = high.colour = kColours[colour++ % 4];
+      low.dashed = high.dashed = true;
+      for (const auto& [step, values] : by_step) {
+        const double middle = common::mean(values);
+        const double spread = common::standard_deviation(values);
+        mean.points.emplace_back(step, middle);
+        low.points.emplace_back(step, middle - 2.0 * spread);
+        high.points.emplace_back(step, middle + 2.0 * spread);
+      }
+      if (mean.points.empty()) continue;
+      for (LineSeries* series : {&mean, &low, &high}) chart.series.push_back(*series);
+    }
+    return chart.series.empty() ? "" : chart_html(chart);
+  }
+
+  std::string cells_;
+  std::string folder_;
+  HtmlPage page_;
+  Json json_;
+  std::string markdown_;
+};
+
+}  // namespace
+
+std::string write_paper_report(const std::string& folder, const std::string& scale) {
+  PaperReport report(folder, scale);
+  report.transfer();
+  report.training();
+  report.mixes();
+  report.ablations();
+  return report.write();
+}
+
+}  // namespace lodestone::report
