@@ -18,7 +18,7 @@ struct PaperScale {
   std::int64_t second_transitions = 10000;
   std::vector<std::int64_t> data_sizes = {2000, 8000};
   std::int64_t paper_epochs = 200;
-  std::int64_t best_epochs = 100;
+  std::int64_t best_epochs = 120;
   std::int64_t paper_steps = 500000;
   std::int64_t simulator_steps = 500000;
   std::int64_t best_centre_steps = 300000;

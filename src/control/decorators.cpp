@@ -22,9 +22,9 @@ geometry::Vector2 AdaptiveGain::swung(const geometry::Vector2& action) const {
   const double turns = 0.5 * (swings + 1);
   const double size_deg = std::min(std::floor(turns) * config_.stall_swing_deg, 90.0);
   const double angle_rad = (swings % 2 == 1 ? 1.0 : -1.0) * size_deg / kDegPerRad;
-  // Scaled up again: a swing of the full command is a full command.
+  // A swing of the full command is a full command.
   const geometry::Vector2 turned = Eigen::Rotation2Dd(angle_rad) * action;
-  return turned / std::min(1.0, turned.cwiseAbs().maxCoeff());
+  return turned / turned.cwiseAbs().maxCoeff();
 }
 
 void AdaptiveGain::reset() {

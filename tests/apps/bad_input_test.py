@@ -55,6 +55,15 @@ check(["rig", "check"], 2, "rig.serial.port")
 check(["rig", "check", "--port", "/dev/ttyNOTHING"], 1, "no such port")
 check(["bench", "hil"], 2, "--out")
 check(["calibrate", "coils", "--port", "/dev/ttyNOTHING"], 2, "--out")
+check(["bench", "paper", "--scale", "huge"], 2, "smoke")
+check(["bench", "paper", "--scale", "smoke", "--only", "nothing"], 2, "nothing", "--list")
+check(["deploy", "--controller", "planner", "--sensor", "simulated", "--out", "run"], 2, "dynamics")
+check(["deploy", "--models", "missing", "--out", "run"], 2, "missing/deploy.json")
+check(["collect", "--by", "policy", "--out", "run"], 2, "--policy")
+check(["train-policy", "--set", "simulator=physics", "--set", "task.within=reachable", "--out", "run"], 2, "dynamics")
+check(["train-policy", "--set", "simulator=physics", "--set", "replay.environments=1", "--out", "run"], 2, "recorded")
+check(["train-policy", "--set", "simulator=physics", "--set", "task.goal=centre", "--set", "training.hindsight=0.5",
+       "--set", "threads=1", "--out", "run"], 2, "training.hindsight")
 check(["config", "--print", "nothing"], 2, "nothing", "collect")
 
 for verb in ("collect", "train-dynamics", "train-policy", "deploy", "train-segmenter", "calibrate"):
@@ -62,12 +71,18 @@ for verb in ("collect", "train-dynamics", "train-policy", "deploy", "train-segme
     if made.returncode != 0 or "meaning" not in made.stdout or "seed" not in made.stdout:
         failures.append(f"config --print {verb}: {made.stdout!r} {made.stderr!r}")
 
-# Every preset is read without a complaint: the first thing missing is --out.
+# Every preset is read without a complaint: the first thing missing is --out, or the policy that shall explore.
 for preset in sorted((source / "configs").glob("*/*.json")):
+    if preset.stem.startswith("paper_"):
+        listed = subprocess.run([program, "bench", "paper", "--config", str(preset), "--list"], capture_output=True, text=True)
+        if listed.returncode != 0 or "transfer/best/square/1" not in listed.stdout:
+            failures.append(f"bench paper --config {preset} --list: {listed.stderr!r}")
+        continue
     verb = {"collect": "collect", "dynamics": "train-dynamics", "policy": "train-policy", "deploy": "deploy",
             "segmenter": "train-segmenter", "hil": "bench hil"}[
         preset.stem.split("_")[0]]
-    check([*verb.split(), "--config", str(preset)], 2, "--out")
+    check([*verb.split(), "--config", str(preset)], 2,
+          "--policy" if preset.parts[-2:] == ("best", "collect.json") else "--out")
 
 print("\n".join(failures) or "every bad input was reported in one line")
 sys.exit(bool(failures))

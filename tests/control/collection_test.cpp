@@ -1,8 +1,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "control/fakes.h"
 #include "lodestone/common/error.h"
 #include "lodestone/control/collection.h"
+#include "lodestone/control/goal_seeker.h"
 
 using namespace lodestone;
 
@@ -89,4 +91,30 @@ TEST_CASE("the first steps of an episode are an episode") {
   CHECK(part.actions.size() == 6);
   CHECK(part.truncations.back() == 1);
   CHECK(std::equal(part.observations.begin(), part.observations.end(), episode.observations.begin()));
+}
+
+TEST_CASE("a policy that explores goes on after a restore as if never stopped") {
+  const control::CollectionConfig config = simulated();
+  const auto make = [&] {
+    auto inner = std::make_unique<tests::FunctionController>([](const task::Observation& seen) {
+      const geometry::Vector2 way_m = seen.target_m - seen.pose.position_m();
+      return geometry::Vector2(0.5 * way_m / (way_m.norm() + 1e-9));
+    });
+    const auto seeker = std::make_shared<control::GoalSeeker>(std::move(inner), control::GoalSeekerConfig(),
+                                                              common::RandomStream(5, "targets"));
+    control::Pilot pilot;
+    pilot.controller = seeker.get();
+    pilot.episode_over = [seeker] { return false; };
+    pilot.save = [seeker] { return seeker->save(); };
+    pilot.restore = [seeker](const std::string& state) { seeker->restore(state); };
+    return control::Collection(config, control::make_exploration_bench(config), std::move(pilot));
+  };
+  control::Collection whole = make();
+  whole.next_episode(10);
+  const common::Json state = whole.save();
+  control::Collection resumed = make();
+  resumed.restore(state);
+  const data::Episode next = whole.next_episode(10);
+  CHECK(next.length() == 10);  // it does not stop where the explorer would
+  check_same(next, resumed.next_episode(10));
 }

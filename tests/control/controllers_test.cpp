@@ -72,7 +72,9 @@ TEST_CASE("the adaptive gain grows while the needle stalls and returns to one af
 }
 
 TEST_CASE("hold gives no current within its radius") {
-  control::Hold controller(constant(0.3, 0.0), 0.002);
+  control::DecoratorConfig config;
+  config.hold_radius_m = 0.002;
+  control::Hold controller(constant(0.3, 0.0), config);
   CHECK(controller.act(after({0, 0}, 0.0, {0.0015, 0.001})).isZero(0.0));
   CHECK(controller.act(after({0, 0}, 0.0, {0.0025, 0.0})).x() == 0.3);
 }
@@ -155,4 +157,33 @@ TEST_CASE("a full command that moves nothing swings from side to side until some
   CHECK(angle_deg() == Approx(-60.0));
   observation.last_displacement_m = {0.01, 0.0};
   CHECK(angle_deg() == Approx(0.0).margin(1e-9));
+}
+
+TEST_CASE("a swing may be weaker than the full command, and still counts as one") {
+  control::DecoratorConfig config;
+  config.stall_gain = 1.2;
+  config.stall_swing_deg = 30.0;
+  config.stall_swing_strength = 0.1;
+  control::AdaptiveGain controller(constant(1.0, 0.0), config);
+  controller.reset();
+  Vector2 action = controller.act(after({0.0, 0.0}, 0.0));
+  for (int step = 0; step < 3; ++step) action = controller.act(after(action, 0.0));
+  // The third stall in a row of a full command: 30 degrees to one side, a tenth as strong.
+  CHECK(action.cwiseAbs().maxCoeff() == Approx(0.1));
+  CHECK(std::abs(action.y() / action.x()) == Approx(std::tan(30.0 * 3.14159265358979 / 180.0)));
+  const Vector2 next = controller.act(after(action, 0.0));
+  CHECK(next.y() == Approx(-action.y()));  // to the other side
+}
+
+TEST_CASE("holding waits for the heading where the target has one") {
+  control::DecoratorConfig config;
+  config.hold_radius_m = 0.002;
+  config.hold_heading_deg = 8.0;
+  const auto controller = control::decorate(constant(0.5, 0.5), config);
+  task::Observation observation = after({0.0, 0.0}, 0.0, {0.001, 0.0});
+  CHECK(controller->act(observation).isZero(0.0));
+  observation.target_heading_rad = 0.3;
+  CHECK_FALSE(controller->act(observation).isZero(0.0));
+  observation.pose.heading_rad = 0.25;
+  CHECK(controller->act(observation).isZero(0.0));
 }

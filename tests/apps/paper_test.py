@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""bench paper: cells run apart, survive kills, and end in one report.
+
+usage: paper_test.py LODESTONE SOURCE_FOLDER
+"""
+import json
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+program, source = sys.argv[1], pathlib.Path(sys.argv[2])
+scratch = tempfile.TemporaryDirectory()
+out = pathlib.Path(scratch.name) / "paper"
+scale = pathlib.Path(scratch.name) / "tiny.json"
+scale.write_text(json.dumps({
+    "seeds": 1, "ablation_seeds": 1, "transitions": 600, "second_transitions": 200, "data_sizes": [300],
+    "paper_epochs": 3, "best_epochs": 2, "paper_steps": 1000, "simulator_steps": 2000, "best_centre_steps": 2000,
+    "best_target_steps": 2000, "mix_steps": 1000, "ablation_steps": 2000, "trials": 1, "ablation_trials": 1}))
+
+
+def bench(*arguments):
+    return [program, "bench", "paper", "--config", str(scale), "--out", str(out), *arguments]
+
+
+def run(*arguments):
+    done = subprocess.run(bench(*arguments), capture_output=True, text=True)
+    assert done.returncode == 0, (arguments, done.stdout, done.stderr)
+    return done.stdout
+
+
+def states():
+    lines = run("--list").splitlines()[::2]
+    return {line.split()[1]: line.split()[0] for line in lines}
+
+
+cells = states()
+assert len(cells) > 100 and set(cells.values()) == {"-"}, cells
+for kind in ("simulator", "randomised", "paper", "best", "planner", "baseline"):
+    for task in ("centre", "point", "square"):
+        assert f"transfer/{kind}/{task}/1" in cells, (kind, task)
+commands = run("--list").splitlines()[1::2]
+seeds = [line.split("--seed ")[1].split()[0] for line, cell in zip(commands, cells) if not cell.startswith(("transfer", "ablation"))]
+assert len(set(seeds)) == len(seeds), "runs share a seed"
+
+# One cell, and what it needs.
+run("--only", "transfer/baseline/point/1")
+assert [cell for cell, state in states().items() if state == "done"] == ["transfer/baseline/point/1"]
+summary = json.loads((out / "cells/transfer/baseline/point/1/summary.json").read_text())
+assert summary["baseline"]["point"]["n_trials"] == 1, summary
+
+# Killed without a word in the middle: the children stop by themselves, and the next run goes on.
+running = subprocess.Popen(bench("--only", "dynamics/paper/1"), stderr=subprocess.DEVNULL)
+deadline = time.time() + 120
+while not (out / "cells/data/explorer/config.json").exists():
+    assert time.time() < deadline, "nothing was begun"
+    time.sleep(0.05)
+running.send_signal(signal.SIGKILL)
+running.wait()
+deadline = time.time() + 60
+while True:
+    again = subprocess.run(bench("--only", "dynamics/paper/1"), capture_output=True, text=True)
+    if again.returncode == 0:
+        break
+    assert "another process" in again.stderr and time.time() < deadline, again.stderr
+    time.sleep(0.5)
+assert states()["data/explorer"] == "done" and states()["dynamics/paper/1"] == "done"
+
+# Asked to stop: says so, and what was done stays.
+running = subprocess.Popen(bench("--only", "policy/paper/centre/1"), stderr=subprocess.PIPE, text=True)
+time.sleep(1.0)
+running.send_signal(signal.SIGTERM)
+said = running.communicate(timeout=60)[1]
+assert running.returncode in (0, 130), said
+run("--only", "policy/paper/centre/1")
+marker = json.loads((out / "cells/policy/paper/centre/1/done.json").read_text())
+assert marker["id"] == "policy/paper/centre/1" and "train-policy" in marker["command"], marker
+
+# The same folder does not take cells of another size.
+scale.write_text(scale.read_text().replace('"trials": 1', '"trials": 2'))
+other = subprocess.run(bench(), capture_output=True, text=True)
+assert other.returncode == 2 and "scale.json" in other.stderr, other.stderr
+
+print("bench paper: listed, run apart, killed and resumed")
