@@ -111,3 +111,43 @@ TEST_CASE("explored rigs share friction and calibration, unseen rigs do not shar
   CHECK(explored[0].truth.cross_track_rms_m);
   CHECK(explored[0].samples.back().step.last);
 }
+
+TEST_CASE("trials of a pose have a heading to reach, and those within a region keep to it") {
+  const control::DeploymentConfig config;
+  const auto anywhere = [](const geometry::Pose2&) { return true; };
+  const control::TrialPlan pose =
+      control::plan_trial(config, "pose", 3, std::nullopt, std::nullopt, anywhere);
+  REQUIRE(pose.target_heading_rad);
+  CHECK_FALSE(
+      control::plan_trial(config, "point", 3, std::nullopt, std::nullopt, anywhere).target_heading_rad);
+
+  std::vector<task::Move> moves;
+  for (int i = 0; i < 500; ++i) {
+    const double x_m = 0.02 * ((i * 37) % 100) / 100.0;
+    const double y_m = 0.02 * ((i * 61) % 100) / 100.0;
+    moves.push_back({{0.02 - x_m, 0.02 - y_m}, {x_m, y_m}});
+  }
+  const task::Region region(moves, {});
+  for (int i = 0; i < 20; ++i) {
+    const control::TrialPlan plan =
+        control::plan_trial(config, "point", i, std::nullopt, std::nullopt, anywhere, &region);
+    CHECK(region.contains(plan.start.position_m()));
+    CHECK(region.contains(plan.target_m));
+  }
+}
+
+TEST_CASE("an unseen rig is as warm as its trial says, an explored one as configured") {
+  control::DeploymentConfig config = quick_config();
+  config.trials.temperature_C = {20.0, 20.0};
+  control::DeploymentConfig warm = config;
+  warm.trials.temperature_C = {40.0, 40.0};
+  const control::Deployment cold_rigs(config);
+  const control::Deployment warm_rigs(warm);
+  const auto source = control::baseline_source(config);
+  common::ThreadPool pool(1);
+  const auto todo = plans(config, cold_rigs, "point", 1);
+  CHECK(fingerprint(cold_rigs.run(todo, control::RigKind::kUnseen, source, pool)) !=
+        fingerprint(warm_rigs.run(todo, control::RigKind::kUnseen, source, pool)));
+  CHECK(fingerprint(cold_rigs.run(todo, control::RigKind::kExplored, source, pool)) ==
+        fingerprint(warm_rigs.run(todo, control::RigKind::kExplored, source, pool)));
+}

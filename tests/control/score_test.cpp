@@ -83,3 +83,11 @@ TEST_CASE("the reference waits at the start of a path and then moves at its spee
   control::PathReference laps(geometry::Path::square(0.03), {0.002, 0.003, 20.0, 2});
   CHECK(laps.duration_s() == Approx(120.0));
 }
+
+TEST_CASE("the summary holds the heading error of poses, in degrees") {
+  control::TrialScore score;
+  score.errors_m = {0.001};
+  score.heading_error_rad = 0.1;
+  const common::Json summary = control::summarise_trials({&score});
+  CHECK(summary["heading_error_deg"].get<double>() == Approx(5.7296).epsilon(1e-3));
+}

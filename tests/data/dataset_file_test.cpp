@@ -167,3 +167,19 @@ TEST_CASE("files that are no dataset are refused by name") {
   std::filesystem::resize_file(folder / "short.h5", std::filesystem::file_size(folder / "short.h5") / 2);
   CHECK_THROWS_AS(data::read_dataset(folder / "short.h5"), common::DataError);
 }
+
+TEST_CASE("several recordings of one rig are read as one") {
+  const tests::TemporaryFolder folder;
+  const data::Dataset one = tests::random_dataset(3, 5, 1);
+  data::Dataset two = tests::random_dataset(2, 4, 2);
+  write_all(folder / "one.h5", one);
+  write_all(folder / "two.h5", two);
+  const data::Dataset both = data::read_recordings(folder / "one.h5" + "," + (folder / "two.h5"));
+  REQUIRE(both.episodes.size() == 5);
+  check_equal(both.episodes[0], one.episodes[0]);
+  check_equal(both.episodes[4], two.episodes[1]);
+  two.info.action_scale = 3.0;
+  write_all(folder / "three.h5", two);
+  CHECK_THROWS_WITH(data::read_recordings(folder / "one.h5" + "," + (folder / "three.h5")),
+                    Contains("three.h5"));
+}

@@ -81,3 +81,15 @@ TEST_CASE("sizes that disagree and empty datasets are found") {
   dataset.episodes.clear();
   CHECK_THROWS_WITH(data::check_dataset(dataset, "a.h5"), Contains("no transition"));
 }
+
+TEST_CASE("the first transitions are whole episodes and a part of one") {
+  const data::Dataset dataset = tests::random_dataset(4, 5);
+  const data::Dataset part = data::first_transitions(dataset, 12);
+  CHECK(part.transitions() == 12);
+  REQUIRE(part.episodes.size() == 3);
+  CHECK(part.episodes[1].actions == dataset.episodes[1].actions);
+  CHECK(part.episodes[2].length() == 2);
+  CHECK(part.episodes[2].truncations.back() == 1);
+  CHECK(data::first_transitions(dataset, 10).episodes.size() == 2);
+  CHECK(data::first_transitions(dataset, 1000).transitions() == 20);
+}

@@ -199,5 +199,39 @@ TEST_CASE("initial weights follow the seed and PyTorch's default range", "[unit]
   CHECK(weight(first).std().item<double>() == Approx(1.0 / 8.0 / std::sqrt(3.0)).epsilon(0.05));
 }
 
+TEST_CASE("a mixture's mean survives folding and saving, and its draws scatter around it", "[unit]") {
+  for (const auto& [form, batch_norm] : {std::pair{"paper", true}, std::pair{"delta", false}}) {
+    CAPTURE(form);
+    DynamicsConfig config = config_of(form, batch_norm);
+    config.components = 3;
+    DynamicsNetwork network = exercised(config, data::StateLayout::kPose);
+    const Rows rows = sample_rows(data::StateLayout::kPose, 200, 3);
+    const torch::NoGradGuard no_grad;
+    const torch::Tensor expected = network->forward(rows.state, rows.action).to(torch::kFloat64).contiguous();
+    const FoldedDynamics folded(network);
+    FoldedDynamics::Workspace workspace;
+    std::vector<double> mean(600);
+    folded.predict(rows.state.data_ptr<double>(), rows.action.data_ptr<double>(), 200, mean.data(),
+                   workspace);
+    const torch::Tensor means = tensor_from(mean, {200, 3});
+    CHECK((means - expected).narrow(1, 0, 2).abs().max().item<double>() < 1e-6);
+    CHECK(wrap_angles((means - expected).select(1, 2)).abs().max().item<double>() < 1e-4);
+
+    // The average of many draws comes to the mean.
+    common::RandomStream random(5, "draws");
+    const std::vector<common::RandomStream*> streams(200, &random);
+    torch::Tensor sum = torch::zeros({200, 2}, torch::kFloat64);
+    std::vector<double> drawn(600);
+    constexpr int kDraws = 3000;
+    for (int i = 0; i < kDraws; ++i) {
+      folded.sample(rows.state.data_ptr<double>(), rows.action.data_ptr<double>(), 200, streams.data(),
+                    drawn.data(), workspace);
+      sum += tensor_from(drawn, {200, 3}).narrow(1, 0, 2);
+    }
+    const double spread_m = network->output_std[0].item<double>() * std::exp(kMostLogSpread);
+    CHECK((sum / kDraws - means.narrow(1, 0, 2)).abs().max().item<double>() < 0.1 * spread_m);
+  }
+}
+
 }  // namespace
 }  // namespace lodestone::nets

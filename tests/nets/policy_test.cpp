@@ -59,5 +59,19 @@ TEST_CASE("a policy whose examples do not recompute is refused", "[unit]") {
   CHECK_THROWS_AS(load_policy(temporary / "none"), common::CheckpointError);
 }
 
+TEST_CASE("a policy keeps the region it was trained in", "[unit]") {
+  const tests::TemporaryFolder temporary;
+  Policy policy = sample_policy();
+  std::vector<task::Move> moves;
+  for (int i = 0; i < 40; ++i) moves.push_back({{0.001, 0.001}, {-0.003, 0.001}});
+  for (int i = 0; i < 40; ++i) moves.push_back({{-0.003, 0.001}, {0.001, 0.001}});
+  policy.region = task::Region(moves, {});
+  save_policy(temporary / "policy", policy, common::Json::object(), common::Json::object());
+  const Policy loaded = load_policy(temporary / "policy");
+  REQUIRE(loaded.region);
+  CHECK(loaded.region->contains({0.001, 0.001}));
+  CHECK_FALSE(loaded.region->contains({0.02, 0.001}));
+}
+
 }  // namespace
 }  // namespace lodestone::nets

@@ -5,7 +5,9 @@
 #include <limits>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/random.h"
 #include "lodestone/nets/checkpoint.h"
+#include "lodestone/nets/folded_dynamics.h"
 #include "lodestone/rl/dynamics_evaluation.h"
 #include "rl/synthetic_motion.h"
 #include "temporary_folder.h"
@@ -169,6 +171,48 @@ TEST_CASE("patience ends members that only learn noise, and the best weights are
   CHECK(patient.validation_loss >= kept);
   config.training.keep_best = false;
   CHECK(train_dynamics(dataset, config, "", false).validation_loss > patient.validation_loss);
+}
+
+TEST_CASE("a mixture learns that the robot stays or jumps, which a mean hides", "[unit]") {
+  data::Dataset dataset;
+  dataset.info.layout = data::StateLayout::kPosition;
+  common::RandomStream random(1, "jumps");
+  for (int e = 0; e < 60; ++e) {
+    data::Episode episode;
+    double x_m = random.uniform(-0.01, 0.01);
+    episode.observations = {x_m, 0.0};
+    for (int t = 0; t < 20; ++t) {
+      x_m += random.uniform() < 0.5 ? 0.0 : 0.004;  // it moves every other time, whatever the drive
+      episode.observations.insert(episode.observations.end(), {x_m, 1e-4 * random.normal()});
+      episode.actions.insert(episode.actions.end(), {5.0, 1.0});
+      episode.terminations.push_back(0);
+      episode.truncations.push_back(t == 19 ? 1 : 0);
+      episode.zero_current.push_back(0);
+    }
+    dataset.episodes.push_back(episode);
+  }
+  TrainDynamicsConfig config = small_config("delta");
+  config.model.components = 2;
+  config.training.epochs = 60;
+  const DynamicsTrainingResult result = train_dynamics(dataset, config, "", false);
+  nets::DynamicsNetwork network = result.model.members.front();
+  const nets::FoldedDynamics folded(network);
+  nets::FoldedDynamics::Workspace workspace;
+  int stayed = 0;
+  int jumped = 0;
+  constexpr int kDraws = 1000;
+  for (int i = 0; i < kDraws; ++i) {
+    const double state[2] = {0.001, 0.0};
+    const double drive[2] = {5.0, 1.0};
+    double next[2];
+    common::RandomStream* stream = &random;
+    folded.sample(state, drive, 1, &stream, next, workspace);
+    if (std::abs(next[0] - 0.001) < 0.0008) ++stayed;
+    if (std::abs(next[0] - 0.005) < 0.0008) ++jumped;
+  }
+  CHECK(stayed > 0.35 * kDraws);
+  CHECK(jumped > 0.35 * kDraws);
+  CHECK(stayed + jumped > 0.9 * kDraws);
 }
 
 }  // namespace
