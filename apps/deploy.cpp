@@ -105,7 +105,9 @@ void check_goal(const DeployConfig& config, const nets::Policy& policy, Job& job
     if (name != "point") job.tasks = {name};
     return;
   }
-  const bool fits = name == "point" ? config.task != "pose" : config.task == name;
+  // Any needle that has come to a point can be turned there.
+  const bool turns = config.deployment.turn.current_A > 0.0;
+  const bool fits = name == "point" ? config.task != "pose" || turns : config.task == name;
   if (!fits)
     throw common::ConfigError("task = \"" + config.task + "\": " + config.policy +
                               " was trained for goal \"" + name + "\" only; use --task " +

@@ -169,8 +169,13 @@ class Plan {
     const std::string pose = with_seed("policy/best/pose", s);
     add_policy(pose, "best/policy_pose.json", {"dynamics={" + best + "}/checkpoint"}, {best},
                scale_.best_target_steps);
-    add_transfer("best", "pose", s, "best/deploy_pose.json",
-                 {"policy={" + pose + "}/checkpoint", "controller=policy", "on_rig=unseen"}, {pose});
+    add_transfer(
+        "best", "pose", s, "best/deploy_pose.json",
+        {"policy={" + pose + "}/checkpoint", "controller=policy", "on_rig=unseen", "turn.current_A=0"},
+        {pose});
+    const std::string target = with_seed("policy/best/target", s);
+    add_transfer("turning", "pose", s, "best/deploy_pose.json",
+                 {"policy={" + target + "}/checkpoint", "controller=policy", "on_rig=unseen"}, {target});
   }
 
   /// Figure 5: k of the paper's three environments play recorded steps; and learning from the recording

@@ -26,6 +26,15 @@ void check_scale(const DeploymentConfig& config, double scale_A, const std::stri
                               " A at most; it was trained for another rig");
 }
 
+/// What the configuration puts around every controller.
+std::unique_ptr<Controller> dress(std::unique_ptr<Controller> controller, const DeploymentConfig& config,
+                                  double scale_A) {
+  controller = decorate(std::move(controller), config.decorators);
+  if (config.turn.current_A > 0.0)
+    controller = std::make_unique<TurnInPlace>(std::move(controller), config.turn, scale_A);
+  return controller;
+}
+
 /// A rig nobody has seen: another room temperature changes coils and fluid.
 rig::RigConfig warmed(rig::RigConfig config, double temperature_C) {
   const double change = physics::water_glycerol_viscosity_Pa_s(temperature_C) /
@@ -80,8 +89,8 @@ ControllerSource policy_source(const DeploymentConfig& config, const nets::Polic
   ControllerSource source;
   source.name = "policy";
   source.action = policy.action;
-  source.make = [policy, decorators = config.decorators] {
-    return decorate(std::make_unique<PolicyController>(policy), decorators);
+  source.make = [policy, config] {
+    return dress(std::make_unique<PolicyController>(policy), config, policy.action.scale);
   };
   return source;
 }
@@ -94,10 +103,9 @@ ControllerSource planner_source(const DeploymentConfig& config, const nets::Dyna
   source.action.scale = model.info.action_scale;
   source.action.one_axis_at_a_time = model.info.one_axis_at_a_time;
   const auto shared = std::make_shared<const PlannerModel>(model);
-  source.make = [shared, config] {
-    return decorate(
-        std::make_unique<Planner>(shared, config.planner, static_cast<std::uint64_t>(config.seed)),
-        config.decorators);
+  source.make = [shared, config, scale_A = source.action.scale] {
+    return dress(std::make_unique<Planner>(shared, config.planner, static_cast<std::uint64_t>(config.seed)),
+                 config, scale_A);
   };
   return source;
 }
@@ -107,8 +115,8 @@ ControllerSource baseline_source(const DeploymentConfig& config) {
   source.name = "baseline";
   source.action.scale = config.rig.max_current_A;
   source.make = [config] {
-    return decorate(std::make_unique<DipolePullController>(config.baseline, config.rig.max_current_A),
-                    config.decorators);
+    return dress(std::make_unique<DipolePullController>(config.baseline, config.rig.max_current_A), config,
+                 config.rig.max_current_A);
   };
   return source;
 }

@@ -43,6 +43,7 @@ const std::vector<Row>& rows() {
        "policy",
        {{"centre", "6.3 ± 2.1"}, {"point", "5.3 ± 0.8"}, {"square", "7.4 ± 0.7"}}},
       {"best", "TD3 in an MBS, best preset", "policy", {}},
+      {"turning", "best preset for points, then turning in place", "policy", {}},
       {"planner", "planner in the MBS", "policy", {}},
       {"baseline", "proportional baseline", "baseline", {}},
       {"offline", "TD3 on recorded steps alone", "policy", {}}};

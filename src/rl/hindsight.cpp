@@ -11,6 +11,10 @@ Hindsight::Hindsight(double share, const task::TaskConfig& task, const task::Enc
       encoder_(encoder),
       random_(seed, "hindsight"),
       episodes_(static_cast<std::size_t>(environments)) {
+  check(task, encoder);
+}
+
+void Hindsight::check(const task::TaskConfig& task, const task::EncoderConfig& encoder) {
   if (task.goal != "point" || !(encoder.target || encoder.relative_target))
     throw common::ConfigError(
         "training.hindsight needs a task whose goal is a point (task.goal = \"point\") that the "

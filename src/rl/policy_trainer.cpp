@@ -230,6 +230,7 @@ void TrainPolicyConfig::validate() const {
                               " needs a recording: --set recorded=FILE.h5");
   }
   replay.validate();
+  if (learning.hindsight > 0.0) Hindsight::check(task, encoder);
   if (td3.batch_size > learning.buffer_size) {
     throw common::ConfigError("training.buffer_size = " + std::to_string(learning.buffer_size) +
                               " must be at least td3.batch_size = " + std::to_string(td3.batch_size));

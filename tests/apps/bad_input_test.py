@@ -71,7 +71,7 @@ for verb in ("collect", "train-dynamics", "train-policy", "deploy", "train-segme
     if made.returncode != 0 or "meaning" not in made.stdout or "seed" not in made.stdout:
         failures.append(f"config --print {verb}: {made.stdout!r} {made.stderr!r}")
 
-# Every preset is read without a complaint: the first thing missing is --out, or the policy that shall explore.
+# Every preset is read without a complaint: the first thing missing is --out, or what the preset works on.
 for preset in sorted((source / "configs").glob("*/*.json")):
     if preset.stem.startswith("paper_"):
         listed = subprocess.run([program, "bench", "paper", "--config", str(preset), "--list"], capture_output=True, text=True)
@@ -81,8 +81,8 @@ for preset in sorted((source / "configs").glob("*/*.json")):
     verb = {"collect": "collect", "dynamics": "train-dynamics", "policy": "train-policy", "deploy": "deploy",
             "segmenter": "train-segmenter", "hil": "bench hil"}[
         preset.stem.split("_")[0]]
-    check([*verb.split(), "--config", str(preset)], 2,
-          "--policy" if preset.parts[-2:] == ("best", "collect.json") else "--out")
+    first_missing = {("best", "collect.json"): "--policy", ("best", "policy_offline.json"): "recorded"}
+    check([*verb.split(), "--config", str(preset)], 2, first_missing.get(preset.parts[-2:], "--out"))
 
 print("\n".join(failures) or "every bad input was reported in one line")
 sys.exit(bool(failures))

@@ -109,6 +109,18 @@ with tempfile.TemporaryDirectory() as name:
         result = json.loads((fast / "result.json").read_text())
         assert 0.0 < result["seconds_to_95_percent"] <= result["train_seconds"], result
 
+    # Released models drive from a clean clone: by camera, on rigs drawn from the seed.
+    released = root / "released"
+    run("deploy", "--models", source / "models" / "target", "--task", "square", "--trials", "4", "--seed", "3", "--out", released)
+    summary = json.loads((released / "summary.json").read_text())
+    assert summary["square"]["n_trials"] == 4 and summary["square"]["mean_error_mm"] < 3.0, summary
+    planned = root / "planned"
+    run("deploy", "--config", source / "configs" / "best" / "deploy.json", "--controller", "planner", "--set",
+        f"dynamics={source / 'models' / 'dynamics_best'}", "--task", "point", "--trials", "4", "--sensor", "simulated",
+        "--out", planned)
+    summary = json.loads((planned / "summary.json").read_text())
+    assert summary["point"]["mean_error_mm"] < 3.0, summary
+
     # Damaged checkpoints are named, and nothing is driven with them.
     tensors = next((policy / "checkpoint").glob("*.safetensors"))
     good = tensors.read_bytes()

@@ -53,6 +53,7 @@ TEST_CASE("errors are pooled over the training seeds that are done, with interva
   write_transfer(folder / "cells/transfer/paper/centre/1", 6.0, 8.0);
   write_training(folder / "cells/policy/best/centre/1", 10.0, 4.0);
   write_training(folder / "cells/policy/best/centre/2", 14.0, 6.0);
+  write_training(folder / "cells/policy/paper/centre/1", 30.0, 4.0);
   write_training(folder / "cells/mix/3/1", 5.0, 2.5);
   write_transfer(folder / "cells/ablation/without_memory/point/1", 4.0, 5.0);
   write_transfer(folder / "cells/ablation/without_memory/square/1", 4.0, 5.0);

@@ -19,6 +19,7 @@
 #include "lodestone/control/sensing.h"
 #include "lodestone/control/trial.h"
 #include "lodestone/control/trial_video.h"
+#include "lodestone/control/turn_in_place.h"
 #include "lodestone/nets/policy.h"
 #include "lodestone/rig/rig_config.h"
 #include "lodestone/task/region.h"
@@ -68,6 +69,7 @@ struct DeploymentConfig {
   ControlLoopConfig loop;
   SafetyConfig safety;
   DecoratorConfig decorators;
+  TurnConfig turn;
   DipolePullConfig baseline;
   PlannerConfig planner;
   rig::RigConfig rig;
@@ -85,6 +87,7 @@ struct DeploymentConfig {
     v.group("loop", loop, "timing of the control loop");
     v.group("safety", safety, "limits of the supervisor");
     v.group("decorators", decorators, "what is put around every controller");
+    v.group("turn", turn, "turning in place, where a target has a heading (task pose)");
     v.group("baseline", baseline, "the proportional baseline");
     v.group("planner", planner, "planning in the learned simulator");
     v.group("rig", rig, "the rig");

@@ -17,7 +17,10 @@ namespace lodestone::rl {
 /// it. Reward and ends are the task's, from sensed positions.
 class Hindsight {
  public:
-  /// `share` of the steps. The task's goal must be a point that the encoder shows. Throws ConfigError.
+  /// Throws ConfigError unless the task's goal is a point that the encoder shows.
+  static void check(const task::TaskConfig& task, const task::EncoderConfig& encoder);
+
+  /// `share` of the steps. Throws as check() does.
   Hindsight(double share, const task::TaskConfig& task, const task::EncoderConfig& encoder,
             std::int64_t environments, std::uint64_t seed);
 
