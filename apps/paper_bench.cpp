@@ -318,6 +318,8 @@ void keep_to_one_scale(const std::string& out, const PaperScale& scale) {
 }
 
 void bench_paper(CommonOptions options, const PaperOptions& paper) {
+  if (paper.scale != "smoke" && paper.scale != "quick" && paper.scale != "full")
+    throw common::ConfigError("bench paper: --scale " + paper.scale + " must be smoke, quick or full");
   if (options.out.empty()) options.out = "runs/paper-" + paper.scale;
   if (options.config_file.empty())
     options.config_file = shipped_folder("configs") + "/bench/paper_" + paper.scale + ".json";
@@ -352,8 +354,7 @@ void add_bench_paper(CLI::App& bench, ConfigCatalogue& catalogue) {
   auto paper = std::make_shared<PaperOptions>();
   add_common_options(*verb, *options);
   verb->add_option("--scale", paper->scale,
-                   "smoke (about 2 min), quick (20 min) or full (overnight), on 2 cores")
-      ->check(CLI::IsMember({"smoke", "quick", "full"}));
+                   "smoke (about 2 min), quick (20 min) or full (overnight), on 2 cores");
   verb->add_flag("--list", paper->list, "print the cells, what is done of them, and the command of each");
   verb->add_option("--only", paper->only, "run this cell, and what it needs")->type_name("ID");
   verb->callback([options, paper] { bench_paper(*options, *paper); });
