@@ -36,6 +36,7 @@ struct PaperOptions {
   std::string scale = "quick";
   std::string only;
   bool list = false;
+  bool report = false;
 };
 
 /// A cell as it stands on the disk.
@@ -339,7 +340,7 @@ void bench_paper(CommonOptions options, const PaperOptions& paper) {
   std::set<std::size_t> wanted;
   for (std::size_t i = 0; i < cells.size(); ++i) wanted.insert(i);
   if (!paper.only.empty()) wanted = runner.with_needs(paper.only);
-  runner.run(wanted);
+  if (!paper.report) runner.run(wanted);
   if (!paper.only.empty()) return;
   std::printf("%s", report::write_paper_report(options.out, paper.scale).c_str());
   std::printf("report   %s/report.html\n", options.out.c_str());
@@ -356,6 +357,7 @@ void add_bench_paper(CLI::App& bench, ConfigCatalogue& catalogue) {
   verb->add_option("--scale", paper->scale,
                    "smoke (about 2 min), quick (20 min) or full (overnight), on 2 cores");
   verb->add_flag("--list", paper->list, "print the cells, what is done of them, and the command of each");
+  verb->add_flag("--report", paper->report, "run nothing; write the report of what is done so far");
   verb->add_option("--only", paper->only, "run this cell, and what it needs")->type_name("ID");
   verb->callback([options, paper] { bench_paper(*options, *paper); });
   catalogue["bench paper"] = [] { return common::describe_config<PaperScale>(); };

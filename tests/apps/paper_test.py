@@ -78,6 +78,11 @@ run("--only", "policy/paper/centre/1")
 marker = json.loads((out / "cells/policy/paper/centre/1/done.json").read_text())
 assert marker["id"] == "policy/paper/centre/1" and "train-policy" in marker["command"], marker
 
+# A report of what is there, whenever one is wanted.
+assert "proportional baseline" in run("--report")
+report = json.loads((out / "report.json").read_text())
+assert report["transfer"]["baseline"]["point"]["n_trials"] == 1, report
+
 # The same folder does not take cells of another size.
 scale.write_text(scale.read_text().replace('"trials": 1', '"trials": 2'))
 other = subprocess.run(bench(), capture_output=True, text=True)
