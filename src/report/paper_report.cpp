@@ -280,10 +280,13 @@ class PaperReport {
       if (!chart.empty()) charts += chart;
     }
     if (table.cells.empty()) return;
-    markdown_ += "Table I, training time on one thread\n\n" + table.markdown() + "\n";
+    markdown_ +=
+        "Table I, training time on one thread, beside other cells and whatever else the machine did\n\n" +
+        table.markdown() + "\n";
     page_.add_section(
         "training", "Table I and Fig. 4: training",
-        "<p>Time of learning on one thread, evaluations included. The paper's hours are its Table I, on "
+        "<p>Time of learning on one thread, beside other cells and whatever else the machine did, "
+        "evaluations included. The paper's hours are its Table I, on "
         "its own machine.</p>" +
             table.html() +
             figure("<div class=\"two\">" + charts + "</div>",

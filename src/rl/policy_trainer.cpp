@@ -29,6 +29,7 @@ std::int64_t thread_count(std::int64_t asked) {
 /// The part of a configuration that decides the result.
 common::Json deciding(TrainPolicyConfig config) {
   config.threads = 0;
+  config.recorded.clear();
   config.dynamics.clear();  // folders may be moved; the environments' state says when the model is another
   config.training.checkpoint_every_s = 0.0;
   config.training.max_seconds = 0.0;
