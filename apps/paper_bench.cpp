@@ -67,6 +67,7 @@ class CellFolder {
   /// True when the run shall resume.
   bool prepare() const {
     const bool resumable = fs::exists(path_ + "/state.json") || fs::exists(path_ + "/training") ||
+                           fs::exists(path_ + "/coverage.json") ||
                            (cell_.verb != "deploy" && fs::exists(path_ + "/result.json"));
     if (!resumable) fs::remove_all(path_);
     common::make_folders(fs::path(path_).parent_path().string());
@@ -355,7 +356,7 @@ void add_bench_paper(CLI::App& bench, ConfigCatalogue& catalogue) {
   auto paper = std::make_shared<PaperOptions>();
   add_common_options(*verb, *options);
   verb->add_option("--scale", paper->scale,
-                   "smoke (about 2 min), quick (20 min) or full (overnight), on 2 cores");
+                   "smoke (about 2 min on 2 cores), quick (20 to 40) or full (overnight)");
   verb->add_flag("--list", paper->list, "print the cells, what is done of them, and the command of each");
   verb->add_flag("--report", paper->report, "run nothing; write the report of what is done so far");
   verb->add_option("--only", paper->only, "run this cell, and what it needs")->type_name("ID");

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "lodestone/task/action.h"
-
 namespace lodestone::control {
 namespace {
 
@@ -17,9 +15,7 @@ constexpr double kTurned_deg = 2.0;
 }  // namespace
 
 TurnInPlace::TurnInPlace(std::unique_ptr<Controller> inner, const TurnConfig& config, double scale_A)
-    : inner_(std::move(inner)), config_(config), scale_A_(scale_A) {
-  for (int coil = 0; coil < 4; ++coil) coils_.emplace_back(config.coil, coil);
-}
+    : inner_(std::move(inner)), config_(config), scale_A_(scale_A), field_(config.coil) {}
 
 void TurnInPlace::reset() {
   inner_->reset();
@@ -27,36 +23,10 @@ void TurnInPlace::reset() {
   turning_ = false;
 }
 
-geometry::Vector2 TurnInPlace::field_T(const geometry::Vector2& axis_drive_A,
-                                       const geometry::Vector2& position_m) const {
-  const auto current_A = task::coil_currents(axis_drive_A);
-  physics::FieldGradient at;
-  for (std::size_t coil = 0; coil < coils_.size(); ++coil) {
-    if (current_A[coil] != 0.0) coils_[coil].add(current_A[coil], position_m, at);
-  }
-  return at.field_T;
-}
-
 geometry::Vector2 TurnInPlace::drive_along(double heading_rad, const geometry::Vector2& position_m) const {
-  const geometry::Vector2 wanted(std::cos(heading_rad), std::sin(heading_rad));
-  double best_angle = 0.0;
-  double best_cosine = -2.0;
-  const auto try_angle = [&](double angle) {
-    const geometry::Vector2 field = field_T({std::cos(angle), std::sin(angle)}, position_m);
-    const double cosine = field.norm() > 0.0 ? field.dot(wanted) / field.norm() : -1.0;
-    if (cosine > best_cosine) {
-      best_cosine = cosine;
-      best_angle = angle;
-    }
-  };
-  constexpr int kCoarse = 72;
-  for (int i = 0; i < kCoarse; ++i) try_angle(2.0 * kPi * i / kCoarse);
-  for (double step = kPi / kCoarse; step > 1e-3; step /= 2.0) {
-    const double centre = best_angle;
-    try_angle(centre - step);
-    try_angle(centre + step);
-  }
-  return {std::cos(best_angle), std::sin(best_angle)};
+  return unit_drive_along(
+      {std::cos(heading_rad), std::sin(heading_rad)},
+      [&](const geometry::Vector2& drive) { return field_.at(drive, position_m).field_T; });
 }
 
 geometry::Vector2 TurnInPlace::act(const task::Observation& observation) {

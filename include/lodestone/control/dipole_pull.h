@@ -1,10 +1,8 @@
 #pragma once
 
-#include <vector>
-
 #include "lodestone/common/config.h"
 #include "lodestone/control/controller.h"
-#include "lodestone/physics/dipole_coil.h"
+#include "lodestone/control/dipole_field.h"
 
 namespace lodestone::control {
 
@@ -42,7 +40,7 @@ class DipolePull {
 
  private:
   double moment_A_m2_;
-  std::vector<physics::DipoleCoil> coils_;
+  DipoleField field_;
 };
 
 /// Baseline: pulls the needle towards the target with a force that grows with the distance, by the

@@ -1,12 +1,10 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
-#include <vector>
 
 #include "lodestone/common/config.h"
 #include "lodestone/control/controller.h"
-#include "lodestone/physics/dipole_coil.h"
+#include "lodestone/control/dipole_field.h"
 
 namespace lodestone::control {
 
@@ -56,12 +54,10 @@ class TurnInPlace final : public Controller {
   geometry::Vector2 drive_along(double heading_rad, const geometry::Vector2& position_m) const;
 
  private:
-  geometry::Vector2 field_T(const geometry::Vector2& axis_drive_A, const geometry::Vector2& position_m) const;
-
   std::unique_ptr<Controller> inner_;
   TurnConfig config_;
   double scale_A_;
-  std::vector<physics::DipoleCoil> coils_;
+  DipoleField field_;
   double current_A_ = 0.0;  // of the next turning pulse
   double last_error_deg_ = 0.0;
   bool arrived_ = false;

@@ -1,0 +1,46 @@
+#include "lodestone/control/dipole_field.h"
+
+#include <cmath>
+
+#include "lodestone/task/action.h"
+
+namespace lodestone::control {
+
+DipoleField::DipoleField(const physics::CoilGeometry& coil) {
+  for (int index = 0; index < 4; ++index) coils_.emplace_back(coil, index);
+}
+
+physics::FieldGradient DipoleField::at(const geometry::Vector2& axis_drive_A,
+                                       const geometry::Vector2& position_m) const {
+  const auto current_A = task::coil_currents(axis_drive_A);
+  physics::FieldGradient sum;
+  for (std::size_t coil = 0; coil < coils_.size(); ++coil)
+    if (current_A[coil] != 0.0) coils_[coil].add(current_A[coil], position_m, sum);
+  return sum;
+}
+
+geometry::Vector2 unit_drive_along(const geometry::Vector2& direction,
+                                   const std::function<geometry::Vector2(const geometry::Vector2&)>& effect) {
+  constexpr double kPi = 3.14159265358979323846;
+  constexpr int kCoarse = 72;
+  double best_angle = 0.0;
+  double best_cosine = -2.0;
+  const auto try_angle = [&](double angle) {
+    const geometry::Vector2 vector = effect({std::cos(angle), std::sin(angle)});
+    const double size = vector.norm();
+    const double cosine = size > 0.0 ? vector.dot(direction) / size : -1.0;
+    if (cosine > best_cosine) {
+      best_cosine = cosine;
+      best_angle = angle;
+    }
+  };
+  for (int i = 0; i < kCoarse; ++i) try_angle(2.0 * kPi * i / kCoarse);
+  for (double step = 2.0 * kPi / kCoarse / 2.0; step > 1e-4; step /= 2.0) {
+    const double centre = best_angle;
+    try_angle(centre - step);
+    try_angle(centre + step);
+  }
+  return {std::cos(best_angle), std::sin(best_angle)};
+}
+
+}  // namespace lodestone::control
