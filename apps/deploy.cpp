@@ -109,9 +109,11 @@ void check_goal(const DeployConfig& config, const nets::Policy& policy, Job& job
   const bool turns = config.deployment.turn.current_A > 0.0;
   const bool fits = name == "point" ? config.task != "pose" || turns : config.task == name;
   if (!fits)
-    throw common::ConfigError("task = \"" + config.task + "\": " + config.policy +
-                              " was trained for goal \"" + name + "\" only; use --task " +
-                              (name == "point" ? "point, or a path" : name) + ", or another policy");
+    throw common::ConfigError(
+        "task = \"" + config.task + "\": " + config.policy + " was trained for goal \"" + name +
+        "\" only; use --task " +
+        (name == "point" ? "point or a path, turn it in place (configs/best/deploy_pose.json)" : name) +
+        ", or another policy");
 }
 
 Job plan_job(const DeployConfig& config) {

@@ -160,7 +160,7 @@ class CellRunner {
     for (std::size_t i = 0; i < cells.size(); ++i) index_[cells[i].id] = i;
   }
 
-  const CellFolder folder(const Cell& cell) const { return CellFolder(out_, cell); }
+  CellFolder folder(const Cell& cell) const { return CellFolder(out_, cell); }
 
   /// Runs those of `wanted` that are not done. Throws Interrupted, and Error when cells failed, after the
   /// others ended.

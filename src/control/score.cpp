@@ -1,9 +1,9 @@
 #include "lodestone/control/score.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/statistics.h"
 
 namespace lodestone::control {
 
@@ -13,12 +13,6 @@ constexpr double kDegPerRad = 180.0 / 3.14159265358979323846;
 constexpr double kMmPerM = 1000.0;
 
 double distance_m(const ScoredSample& sample) { return (sample.position_m - sample.target_m).norm(); }
-
-double mean_square(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value * value;
-  return sum / static_cast<double>(values.size());
-}
 
 void note_reach(const std::vector<ScoredSample>& samples, double radius_m, TrialScore& score) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -85,8 +79,8 @@ TrialScore score_path(const std::vector<ScoredSample>& samples, const geometry::
     time_errors_m.push_back(distance_m(samples.back()));
   }
   score.final_error_m = distance_m(samples.back());
-  score.cross_track_rms_m = std::sqrt(mean_square(score.errors_m));
-  score.time_rms_m = std::sqrt(mean_square(time_errors_m));
+  score.cross_track_rms_m = common::root_mean_square(score.errors_m);
+  score.time_rms_m = common::root_mean_square(time_errors_m);
   score.success = followed && *score.cross_track_rms_m <= config.success_radius_m;
   note_reach(samples, config.success_radius_m, score);
   return score;
@@ -94,13 +88,10 @@ TrialScore score_path(const std::vector<ScoredSample>& samples, const geometry::
 
 ErrorSummary summarise(std::vector<double> values) {
   LODESTONE_CHECK(!values.empty(), "at least one value to summarise");
-  const auto count = static_cast<double>(values.size());
   ErrorSummary summary;
-  for (const double value : values) summary.mean += value / count;
-  double squares = 0.0;
-  for (const double value : values) squares += (value - summary.mean) * (value - summary.mean);
-  summary.std = values.size() > 1 ? std::sqrt(squares / (count - 1.0)) : 0.0;
-  summary.rms = std::sqrt(mean_square(values));
+  summary.mean = common::mean(values);
+  summary.std = common::standard_deviation(values);
+  summary.rms = common::root_mean_square(values);
   std::sort(values.begin(), values.end());
   const std::size_t half = values.size() / 2;
   summary.median = values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);

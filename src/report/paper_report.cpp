@@ -1,7 +1,6 @@
 #include "lodestone/report/paper_report.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -126,9 +125,7 @@ Figures figures_of(const Errors& errors) {
   Figures out;
   out.mean = common::mean(all);
   out.std = common::standard_deviation(all);
-  double squares = 0.0;
-  for (const double value : all) squares += value * value;
-  out.rms = std::sqrt(squares / static_cast<double>(all.size()));
+  out.rms = common::root_mean_square(all);
   out.iqm = common::interquartile_mean(all);
   out.iqm_interval = common::bootstrap_interval(errors.by_seed_mm, common::interquartile_mean,
                                                 common::RandomStream(1, "bootstrap"));

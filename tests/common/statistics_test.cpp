@@ -1,6 +1,7 @@
 #include "lodestone/common/statistics.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "lodestone/common/error.h"
 
@@ -54,4 +55,6 @@ TEST_CASE("percentiles, means and deviations") {
   CHECK(percentile({}, 0.5) == 0.0);
   CHECK(standard_deviation({1, 2, 3}) == Approx(1.0));
   CHECK(standard_deviation({1}) == 0.0);
+  CHECK(root_mean_square({3, 4}) == Approx(std::sqrt(12.5)));
+  CHECK(root_mean_square({}) == 0.0);
 }

@@ -13,6 +13,7 @@ double percentile(std::vector<double> values, double share);
 double median(const std::vector<double>& values);
 
 double mean(const std::vector<double>& values);
+double root_mean_square(const std::vector<double>& values);
 /// Of a sample (n - 1); 0 for fewer than two.
 double standard_deviation(const std::vector<double>& values);
 

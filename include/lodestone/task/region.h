@@ -44,7 +44,6 @@ class Region {
   /// Draws until a point lies inside. Throws ConfigError when ten thousand did not.
   geometry::Vector2 draw(const std::function<geometry::Vector2()>& draw_point) const;
   double area_m2() const;
-  double cell_m() const { return cell_m_; }
 
   /// {"cell_m", "cells": [[ix, iy], ...]}, and back; throws DataError.
   common::Json json() const;
