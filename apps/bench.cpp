@@ -68,7 +68,7 @@ void bench_speed(const CommonOptions& options, const std::string& command) {
   const std::int64_t threads =
       config.threads > 0 ? config.threads : std::max<std::int64_t>(1, std::thread::hardware_concurrency());
   if (config.segmenter.empty()) {
-    control::SensingConfig shipped;
+    session::SensingConfig shipped;
     choose_segmenter(shipped);
     config.segmenter = shipped.segmenter;
   }
@@ -113,7 +113,7 @@ void bench_speed(const CommonOptions& options, const std::string& command) {
     rows.push_back({"MBS of " + std::to_string(environments) + ", all threads", "thousand steps/s", 1e3,
                     mbs_rate(config, environments, threads), mbs_step_flop(), kSgemmAll});
   }
-  PictureLatency latency(config);
+  ImageLatency latency(config);
 
   common::Progress progress("bench speed", config.runs * static_cast<std::int64_t>(rows.size() + 1));
   std::int64_t done = 0;
@@ -136,18 +136,19 @@ void bench_speed(const CommonOptions& options, const std::string& command) {
       nets::blas_core_name().c_str(), nets::gemm_kernel_name().c_str(),
       facts["git_commit"].get<std::string>().c_str(), static_cast<long long>(config.runs), config.run_s);
   for (const Row& row : rows) {
-    char share[32] = "";
-    if (row.flop > 0.0) std::snprintf(share, sizeof share, "%5.1f %% of sgemm", 100.0 * row.fraction(rows));
+    char fraction[32] = "";
+    if (row.flop > 0.0)
+      std::snprintf(fraction, sizeof fraction, "%5.1f %% of sgemm", 100.0 * row.fraction(rows));
     print_row(row.name.c_str(), median(row.rounds) / row.scale, percentile(row.rounds, 0.0) / row.scale,
-              percentile(row.rounds, 1.0) / row.scale, row.unit, share);
+              percentile(row.rounds, 1.0) / row.scale, row.unit, fraction);
   }
   const auto print_latency = [](const char* name, const std::vector<double>& ms) {
     char note[48];
     std::snprintf(note, sizeof note, "p99 %.1f ms", percentile(ms, 0.99));
     print_row(name, median(ms), percentile(ms, 0.0), percentile(ms, 1.0), "ms", note);
   };
-  print_latency("picture to pose, 1 thread", latency.pose_ms);
-  print_latency("picture to currents, 1 thread", latency.command_ms);
+  print_latency("image to pose, 1 thread", latency.pose_ms);
+  print_latency("image to currents, 1 thread", latency.command_ms);
   std::printf("%-36s %10.1f  MB, most held while training with a full buffer of a million transitions\n",
               "memory", memory_mb);
 
@@ -177,7 +178,7 @@ void bench_speed(const CommonOptions& options, const std::string& command) {
                          {"control", latency_json(latency.command_ms)},
                          {"memory", {{"training_peak_mb", memory_mb}}}};
   result["td3"]["autograd_one_thread"] = rows[kAutograd].json();
-  result["pose"]["pictures"] = latency.pose_ms.size();
+  result["pose"]["images"] = latency.pose_ms.size();
   result["pose"]["missed"] = latency.missed;
   for (std::size_t i = 0; i < kScales.size(); ++i) {
     common::Json scale = rows[kScale + i].json();
@@ -194,7 +195,7 @@ void add_bench(CLI::App& program, ConfigCatalogue& catalogue) {
   verb->require_subcommand(1);
   CLI::App* speed = verb->add_subcommand("speed",
                                          "rates of the matrix product, TD3, the MBS and the virtual rig, "
-                                         "time from a picture to a pose and to currents, "
+                                         "time from an image to a pose and to currents, "
                                          "memory of training; --out DIR also writes speed.json");
   auto options = std::make_shared<CommonOptions>();
   add_common_options(*speed, *options);

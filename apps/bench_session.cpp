@@ -30,17 +30,18 @@ bool confirm(const std::string& question, bool yes) {
   return !answer.empty() && (answer[0] == 'y' || answer[0] == 'Y');
 }
 
-std::unique_ptr<control::Bench> open_bench(const rig::RigConfig& rig, const control::SensingConfig& sensor,
-                                           control::SafetyConfig safety, const std::string& out) {
+std::unique_ptr<session::RigSession> open_bench(const rig::RigConfig& rig,
+                                                const session::SensingConfig& sensor,
+                                                safety::SafetyConfig safety, const std::string& out) {
   if (safety.stop_file.empty() && !out.empty()) safety.stop_file = out + "/STOP";
-  control::AskOperator ask;
+  session::AskOperator ask;
   if (has_operator())
     ask = [](const geometry::Pose2& pose) {
       // A key from before the question answers nothing: hands may still be in the dish. What follows the
       // first byte of an arrow key would stop the run.
       tcflush(STDIN_FILENO, TCIFLUSH);
       std::printf(
-          "\nLay the needle near x = %.0f mm, y = %.0f mm, its taped end towards %.0f degrees, take your "
+          "\nPlace the needle near x = %.0f mm, y = %.0f mm, its taped end towards %.0f degrees, take your "
           "hands away and press any key. ",
           1e3 * pose.x_m, 1e3 * pose.y_m, pose.heading_rad * 180.0 / 3.14159265358979323846);
       std::fflush(stdout);
@@ -49,7 +50,7 @@ std::unique_ptr<control::Bench> open_bench(const rig::RigConfig& rig, const cont
       tcflush(STDIN_FILENO, TCIFLUSH);
       std::printf("\n");
     };
-  auto bench = control::make_real_bench(rig, sensor, safety, ask);
+  auto bench = session::make_serial_session(rig, sensor, safety, ask);
   common::log_info("bench connected on " + rig.serial.port + "; Ctrl-C" +
                    (has_operator() ? ", any key" : "") + " or the file " + safety.stop_file + " stops it");
   return bench;

@@ -24,7 +24,7 @@ namespace {
 struct CalibrateConfig {
   std::int64_t seed = 1;
   std::int64_t threads = 0;
-  std::int64_t pictures = 4;
+  std::int64_t images = 4;
   rig::CameraSourceConfig camera;
   imaging::CharucoConfig board;
   imaging::CalibrationConfig fit;
@@ -34,7 +34,7 @@ struct CalibrateConfig {
   void visit(Visitor& v) {
     v.field("seed", seed, "", "seed of rendered benches", {0, 9e15});
     v.field("threads", threads, "", "threads of --trials; 0 means one per processor", {0, 1024});
-    v.field("pictures", pictures, "", "pictures to average; the camera must stand still", {1, 1000});
+    v.field("images", images, "", "images to average; the camera must stand still", {1, 1000});
     v.group("camera", camera, "the camera");
     v.group("board", board, "the printed ChArUco board");
     v.group("fit", fit, "how the camera is fitted");
@@ -52,20 +52,20 @@ struct CalibrateOptions {
   std::vector<std::string> board_files;
 };
 
-constexpr double kGetPicture_s = 5.0;
+constexpr double kGetImage_s = 5.0;
 
 std::vector<cv::Mat> grab(const CalibrateConfig& config) {
   if (config.camera.source.empty() && config.camera.kind != "genicam")
     throw common::ConfigError(
-        "calibrate: which camera? --camera PATH (picture, folder or video), --set camera.kind=uvc with "
+        "calibrate: which camera? --camera PATH (image, folder or video), --set camera.kind=uvc with "
         "--camera 0, "
         "--set camera.kind=genicam, or --rendered to try it without one");
   const std::unique_ptr<rig::Camera> camera = rig::open_camera(config.camera);
   std::vector<cv::Mat> images;
-  for (std::int64_t i = 0; i < config.pictures; ++i) {
+  for (std::int64_t i = 0; i < config.images; ++i) {
     // A folder may hold fewer.
     try {
-      images.push_back(camera->grab(kGetPicture_s).image);
+      images.push_back(camera->grab(kGetImage_s).image);
     } catch (const common::HardwareError&) {
       if (images.empty()) throw;
       break;
@@ -75,7 +75,7 @@ std::vector<cv::Mat> grab(const CalibrateConfig& config) {
 }
 
 cv::Mat render(const imaging::SceneRenderer& renderer) {
-  common::RandomStream random(renderer.scene().seed, "picture for calibration");
+  common::RandomStream random(renderer.scene().seed, "image for calibration");
   return renderer.render({}, random).image;
 }
 
@@ -98,11 +98,11 @@ void run_trials(const CalibrateConfig& config, std::int64_t trials) {
     const imaging::SceneRenderer renderer(imaging::draw_scene(
         config.scene,
         common::derive_seed(static_cast<std::uint64_t>(config.seed), "calibration trial", index)));
-    const cv::Mat picture = render(renderer);
+    const cv::Mat image = render(renderer);
     const double start_ms = thread_ms();
     try {
       const imaging::Calibration found =
-          imaging::calibrate_from_dish({picture}, config.scene.bench, config.scene.lens, config.fit);
+          imaging::calibrate_from_dish({image}, config.scene.bench, config.scene.lens, config.fit);
       results[index].error = imaging::floor_error(found.camera, renderer.scene().camera, config.scene.bench);
     } catch (const common::DataError&) {
       results[index].failed = true;
@@ -119,8 +119,8 @@ void run_trials(const CalibrateConfig& config, std::int64_t trials) {
   const auto spread = [](std::vector<double> values) -> common::Json {
     if (values.empty()) return nullptr;
     std::sort(values.begin(), values.end());
-    const auto at = [&](double share) {
-      return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+    const auto at = [&](double fraction) {
+      return values[static_cast<std::size_t>(fraction * static_cast<double>(values.size() - 1))];
     };
     return {{"median", at(0.5)}, {"p95", at(0.95)}, {"max", at(1.0)}};
   };
@@ -134,10 +134,10 @@ void run_trials(const CalibrateConfig& config, std::int64_t trials) {
 }
 
 /// 0 when the camera stands where it stood, 1 when it moved.
-void check_moved(const CalibrateConfig& config, const cv::Mat& picture, const std::string& file) {
+void check_moved(const CalibrateConfig& config, const cv::Mat& image, const std::string& file) {
   const imaging::Calibration calibration = imaging::read_calibration(file);
-  const double moved_m = imaging::camera_moved_m(picture, calibration, config.scene.bench, config.fit);
-  std::printf("the picture has moved by %.3f mm since %s was made\n", 1e3 * moved_m, file.c_str());
+  const double moved_m = imaging::camera_moved_m(image, calibration, config.scene.bench, config.fit);
+  std::printf("the image has moved by %.3f mm since %s was made\n", 1e3 * moved_m, file.c_str());
   if (moved_m > config.fit.moved_bound_m)
     throw common::HardwareError("the camera has moved: " + std::to_string(1e3 * moved_m) + " mm, bound is " +
                                 std::to_string(1e3 * config.fit.moved_bound_m) + " mm; calibrate again");
@@ -150,10 +150,10 @@ imaging::DishFit fit(const CalibrateConfig& config, const CalibrateOptions& opti
   std::vector<cv::Mat> boards;
   for (const std::string& file : options.board_files) {
     boards.push_back(cv::imread(file));
-    if (boards.back().empty()) throw common::IoError("--board " + file + " is no picture that can be read");
+    if (boards.back().empty()) throw common::IoError("--board " + file + " is no image that can be read");
   }
   const imaging::CharucoFit lens = imaging::fit_charuco(boards, config.board);
-  common::log_info("board: " + std::to_string(lens.used.size()) + " pictures, residual " +
+  common::log_info("board: " + std::to_string(lens.used.size()) + " images, residual " +
                    std::to_string(lens.rms_px) + " px, focal length " + std::to_string(lens.camera.focal_px) +
                    " px");
   // The height that the nominal lens and distance stand for, with the focal length measured.
@@ -217,7 +217,7 @@ void add_calibrate(CLI::App& program, ConfigCatalogue& catalogue) {
     return common::describe_config(std::move(defaults));
   };
   CLI::App* verb = program.add_subcommand(
-      "calibrate", "find where the camera stands over the dish, from its picture; or measure the coils");
+      "calibrate", "find where the camera stands over the dish, from its image; or measure the coils");
   auto options = std::make_shared<CalibrateOptions>();
   add_common_options(*verb, options->common);
   verb->add_option_function<std::string>(
@@ -225,7 +225,7 @@ void add_calibrate(CLI::App& program, ConfigCatalogue& catalogue) {
       [options](const std::string& source) {
         options->common.overrides.push_back("camera.source=" + common::Json(source).dump());
       },
-      "picture, folder, video; number of a USB camera; name of a GenICam camera (see camera.kind)");
+      "image, folder, video; number of a USB camera; name of a GenICam camera (see camera.kind)");
   verb->add_flag("--rendered", options->rendered, "try it on a rendered bench, where the truth is known");
   verb->add_option("--trials", options->trials,
                    "calibrate so many rendered benches and print the errors as JSON")
@@ -234,7 +234,7 @@ void add_calibrate(CLI::App& program, ConfigCatalogue& catalogue) {
       ->type_name("FILE");
   verb->add_option(
           "--board", options->board_files,
-          "pictures of the printed ChArUco board, tilted this way and that: they give the lens, the dish "
+          "images of the printed ChArUco board, tilted this way and that: they give the lens, the dish "
           "gives the place")
       ->type_name("FILE...");
   verb->add_option("--print-board", options->print_board, "write the board to print")->type_name("PNG");

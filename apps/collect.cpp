@@ -10,15 +10,15 @@
 #include "lodestone/common/progress.h"
 #include "lodestone/common/run_folder.h"
 #include "lodestone/common/thread_pool.h"
-#include "lodestone/control/collection.h"
 #include "lodestone/control/decorators.h"
 #include "lodestone/control/goal_seeker.h"
 #include "lodestone/control/policy_controller.h"
 #include "lodestone/data/coverage.h"
 #include "lodestone/data/dataset_file.h"
+#include "lodestone/experiments/collection.h"
 #include "lodestone/nets/blas.h"
 #include "models.h"
-#include "pilot_window.h"
+#include "teleoperation_window.h"
 #include "verb.h"
 
 namespace lodestone::apps {
@@ -26,7 +26,7 @@ namespace lodestone::apps {
 namespace {
 
 struct CollectConfig {
-  control::CollectionConfig collection;
+  experiments::CollectionConfig collection;
   std::int64_t threads = 0;
   std::string by = "explorer";
   std::string policy;
@@ -65,10 +65,10 @@ constexpr std::int64_t kEpisodesPerRound = 4;
 /// Between two writes of the state this many rounds may have to be explored again by --resume.
 constexpr std::int64_t kRoundsPerState = 10;
 
-using Sessions = std::vector<std::unique_ptr<control::Collection>>;
+using Sessions = std::vector<std::unique_ptr<experiments::Collection>>;
 
 /// The policy that was trained on the first round drives the second one.
-control::Pilot policy_pilot(const CollectConfig& config, std::int64_t session) {
+experiments::Teleoperator policy_teleoperator(const CollectConfig& config, std::int64_t session) {
   const nets::Policy policy = nets::load_policy(config.policy);
   if (policy.goal != "point")
     throw common::ConfigError(config.policy + " was trained for goal \"" + policy.goal +
@@ -81,43 +81,44 @@ control::Pilot policy_pilot(const CollectConfig& config, std::int64_t session) {
       control::decorate(std::make_unique<control::PolicyController>(policy), config.decorators), config.seek,
       common::RandomStream(static_cast<std::uint64_t>(config.collection.seed), "collect/targets",
                            static_cast<std::uint64_t>(session)));
-  control::Pilot pilot;
-  pilot.controller = seeker.get();
-  pilot.episode_over = [seeker] { return false; };
-  pilot.save = [seeker] { return seeker->save(); };
-  pilot.restore = [seeker](const std::string& state) { seeker->restore(state); };
-  return pilot;
+  experiments::Teleoperator teleoperator;
+  teleoperator.controller = seeker.get();
+  teleoperator.episode_over = [seeker] { return false; };
+  teleoperator.save = [seeker] { return seeker->save(); };
+  teleoperator.restore = [seeker](const std::string& state) { seeker->restore(state); };
+  return teleoperator;
 }
 
 /// A single session with somebody at the controls, or on a real bench.
-std::unique_ptr<control::Collection> make_live_session(const CollectConfig& config, const std::string& out,
-                                                       std::unique_ptr<PilotWindow>& window) {
-  const control::CollectionConfig& collection = config.collection;
+std::unique_ptr<experiments::Collection> make_live_session(const CollectConfig& config,
+                                                           const std::string& out,
+                                                           std::unique_ptr<TeleoperationWindow>& window) {
+  const experiments::CollectionConfig& collection = config.collection;
   if (config.by_hand())
-    window =
-        std::make_unique<PilotWindow>(config.by, collection.rig.max_current_A, collection.rig.dish.radius_m);
-  std::unique_ptr<control::Bench> bench =
+    window = std::make_unique<TeleoperationWindow>(config.by, collection.rig.max_current_A,
+                                                   collection.rig.dish.radius_m);
+  std::unique_ptr<session::RigSession> bench =
       collection.rig.real() ? open_bench(collection.rig, collection.sensor, collection.safety, out)
-                            : control::make_exploration_bench(collection, 0, true);
-  std::optional<control::Pilot> pilot;
-  if (window) pilot = window->pilot(*bench);
-  if (config.by == "policy") pilot = policy_pilot(config, 0);
-  return std::make_unique<control::Collection>(collection, std::move(bench), std::move(pilot));
+                            : experiments::make_exploration_session(collection, 0, true);
+  std::optional<experiments::Teleoperator> teleoperator;
+  if (window) teleoperator = window->teleoperator(*bench);
+  if (config.by == "policy") teleoperator = policy_teleoperator(config, 0);
+  return std::make_unique<experiments::Collection>(collection, std::move(bench), std::move(teleoperator));
 }
 
 Sessions make_sessions(const CollectConfig& collect, const std::string& out,
-                       std::unique_ptr<PilotWindow>& window) {
+                       std::unique_ptr<TeleoperationWindow>& window) {
   Sessions sessions;
   if (!collect.repeatable()) {
     sessions.push_back(make_live_session(collect, out, window));
     return sessions;
   }
-  const control::CollectionConfig& config = collect.collection;
+  const experiments::CollectionConfig& config = collect.collection;
   for (std::int64_t session = 0; session < config.sessions; ++session) {
-    std::optional<control::Pilot> pilot;
-    if (collect.by == "policy") pilot = policy_pilot(collect, session);
-    sessions.push_back(std::make_unique<control::Collection>(
-        config, control::make_exploration_bench(config, session), std::move(pilot), session));
+    std::optional<experiments::Teleoperator> teleoperator;
+    if (collect.by == "policy") teleoperator = policy_teleoperator(collect, session);
+    sessions.push_back(std::make_unique<experiments::Collection>(
+        config, experiments::make_exploration_session(config, session), std::move(teleoperator), session));
   }
   return sessions;
 }
@@ -137,7 +138,7 @@ std::vector<data::Episode> explore(const Sessions& sessions, std::int64_t episod
 }
 
 /// The part of a configuration that decides the data.
-common::Json deciding(CollectConfig config) {
+common::Json reproducibility_settings(CollectConfig config) {
   config.threads = 0;
   return common::config_to_json(config);
 }
@@ -152,7 +153,8 @@ void write_state(const std::string& file, const Sessions& sessions, std::int64_t
 
 void check_same_run(const std::string& folder, const CollectConfig& config) {
   const common::Json stored = common::read_json_file(folder + "/config.json");
-  if (deciding(common::config_from_json<CollectConfig>(stored, folder + "/config.json")) != deciding(config))
+  if (reproducibility_settings(common::config_from_json<CollectConfig>(stored, folder + "/config.json")) !=
+      reproducibility_settings(config))
     throw common::ConfigError("--resume: the configuration differs from " + folder +
                               "/config.json; use the same --config and --set as before, or another --out");
 }
@@ -186,7 +188,7 @@ void collect(const CommonOptions& options) {
     report(options.out, dataset_file);
     return;
   }
-  std::unique_ptr<PilotWindow> window;
+  std::unique_ptr<TeleoperationWindow> window;
   const Sessions sessions = make_sessions(config, options.out, window);
   std::int64_t episodes = 0;
   std::int64_t transitions = 0;
@@ -207,8 +209,9 @@ void collect(const CommonOptions& options) {
     episodes = static_cast<std::int64_t>(saved.episodes.size());
     transitions = saved.transitions();
   }
-  auto writer = std::make_unique<data::DatasetWriter>(dataset_file, control::dataset_info(config.collection),
-                                                      going_on && std::filesystem::exists(dataset_file));
+  auto writer =
+      std::make_unique<data::DatasetWriter>(dataset_file, experiments::dataset_info(config.collection),
+                                            going_on && std::filesystem::exists(dataset_file));
   // The file may hold episodes that the state does not know yet: they are explored again, which gives the
   // same numbers, and not written twice.
   const std::int64_t stored = writer->episodes();

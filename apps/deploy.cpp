@@ -11,8 +11,8 @@
 #include "lodestone/common/log.h"
 #include "lodestone/common/progress.h"
 #include "lodestone/common/run_folder.h"
-#include "lodestone/control/deployment.h"
-#include "lodestone/control/recorder.h"
+#include "lodestone/experiments/deployment.h"
+#include "lodestone/experiments/recorder.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/nets/dynamics.h"
 #include "lodestone/nets/policy.h"
@@ -24,7 +24,7 @@ namespace lodestone::apps {
 namespace {
 
 struct DeployConfig {
-  control::DeploymentConfig deployment;
+  experiments::DeploymentConfig deployment;
   std::int64_t threads = 0;
   std::string policy;
   std::string dynamics;
@@ -76,8 +76,8 @@ struct Job {
   std::optional<geometry::Path> path;
   std::optional<geometry::Vector2> target_m;
   std::optional<task::Region> region;  ///< that starts and targets lie in
-  std::vector<control::RigKind> rigs;
-  std::vector<control::ControllerSource> sources;
+  std::vector<experiments::RigKind> rigs;
+  std::vector<experiments::ControllerSource> sources;
   common::Json provenance = common::Json::object();  ///< of the policy
 };
 
@@ -119,8 +119,8 @@ void check_goal(const DeployConfig& config, const nets::Policy& policy, Job& job
 Job plan_job(const DeployConfig& config) {
   Job job;
   choose_tasks(config, job);
-  if (config.on_rig != "unseen") job.rigs.push_back(control::RigKind::kExplored);
-  if (config.on_rig != "explored") job.rigs.push_back(control::RigKind::kUnseen);
+  if (config.on_rig != "unseen") job.rigs.push_back(experiments::RigKind::kExplored);
+  if (config.on_rig != "explored") job.rigs.push_back(experiments::RigKind::kUnseen);
   const bool by_policy = config.controller == "policy" || config.controller == "both";
   std::optional<nets::Policy> policy;
   if (!config.policy.empty()) policy = nets::load_policy(config.policy);
@@ -130,18 +130,18 @@ Job plan_job(const DeployConfig& config) {
           "deploy: --policy DIR is missing; name a policy checkpoint, or use --controller baseline or "
           "planner");
     check_goal(config, *policy, job);
-    job.sources.push_back(control::policy_source(config.deployment, *policy, config.policy));
+    job.sources.push_back(experiments::policy_source(config.deployment, *policy, config.policy));
     job.provenance = policy->provenance;
   }
   if (config.controller == "planner") {
     if (config.dynamics.empty())
       throw common::ConfigError(
           "controller = planner: --set dynamics=DIR is missing; name a dynamics checkpoint");
-    job.sources.push_back(
-        control::planner_source(config.deployment, nets::load_dynamics(config.dynamics), config.dynamics));
+    job.sources.push_back(experiments::planner_source(config.deployment, nets::load_dynamics(config.dynamics),
+                                                      config.dynamics));
   }
   if (config.controller == "baseline" || config.controller == "both")
-    job.sources.push_back(control::baseline_source(config.deployment));
+    job.sources.push_back(experiments::baseline_source(config.deployment));
   if (config.deployment.trials.within == "reachable") {
     if (!policy || !policy->region)
       throw common::ConfigError(
@@ -158,8 +158,8 @@ class TrialsFile {
   explicit TrialsFile(const std::string& file) : path_(file), staged_(file + ".part"), out_(staged_) {
     out_ << "[";
   }
-  void write(const control::TrialResult& result) {
-    out_ << (first_ ? "\n" : ",\n") << control::trial_to_json(result).dump();
+  void write(const experiments::TrialResult& result) {
+    out_ << (first_ ? "\n" : ",\n") << experiments::trial_to_json(result).dump();
     first_ = false;
     check();
   }
@@ -194,23 +194,23 @@ void print_row(const char* rig, const std::string& controller, const std::string
               text(summary["seconds_to_reach"]).c_str(), text(summary["success_rate"]).c_str());
 }
 
-common::Json summarise_task(const std::vector<control::TrialResult>& results) {
-  std::vector<const control::TrialScore*> truth;
-  std::vector<const control::TrialScore*> sensed;
+common::Json summarise_task(const std::vector<experiments::TrialResult>& results) {
+  std::vector<const experiments::TrialScore*> truth;
+  std::vector<const experiments::TrialScore*> sensed;
   std::int64_t stopped = 0;
-  for (const control::TrialResult& result : results) {
+  for (const experiments::TrialResult& result : results) {
     truth.push_back(&result.truth);
     sensed.push_back(&result.sensed);
     stopped += result.completed ? 0 : 1;
   }
-  common::Json summary = control::summarise_trials(truth);
+  common::Json summary = experiments::summarise_trials(truth);
   summary["n_stopped"] = stopped;
-  summary["sensed"] = control::summarise_trials(sensed);
+  summary["sensed"] = experiments::summarise_trials(sensed);
   return summary;
 }
 
 /// The tasks' keys stand at the top for what was asked for, and under "baseline" for what it is held against.
-common::Json& part_of(common::Json& summary, const control::ControllerSource& source) {
+common::Json& part_of(common::Json& summary, const experiments::ControllerSource& source) {
   return source.name == "baseline" ? summary["baseline"] : summary;
 }
 
@@ -229,10 +229,10 @@ class Run {
                       config.deployment.trials.count) {}
 
   /// Summary of one kind of rig; the baseline's stands under its own key.
-  common::Json on(control::RigKind kind, const std::string& folder) {
+  common::Json on(experiments::RigKind kind, const std::string& folder) {
     TrialsFile trials(folder + "/trials.json");
     common::Json summary = common::Json::object();
-    for (const control::ControllerSource& source : job_.sources) {
+    for (const experiments::ControllerSource& source : job_.sources) {
       common::Json& part = part_of(summary, source);
       for (const std::string& task : job_.tasks) {
         const auto results = run_task(kind, source, task, trials);
@@ -246,14 +246,15 @@ class Run {
   void finish() { progress_.finish(); }
 
  private:
-  std::vector<control::TrialResult> run_task(control::RigKind kind, const control::ControllerSource& source,
-                                             const std::string& task, TrialsFile& trials) {
-    std::vector<control::TrialPlan> plans;
+  std::vector<experiments::TrialResult> run_task(experiments::RigKind kind,
+                                                 const experiments::ControllerSource& source,
+                                                 const std::string& task, TrialsFile& trials) {
+    std::vector<experiments::TrialPlan> plans;
     for (std::int64_t index = 0; index < config_.deployment.trials.count; ++index)
-      plans.push_back(control::plan_trial(
+      plans.push_back(experiments::plan_trial(
           config_.deployment, task, index, job_.target_m, job_.path,
           [this](const geometry::Pose2& pose) { return deployment_.fits(pose); }, region()));
-    std::vector<control::TrialResult> results;
+    std::vector<experiments::TrialResult> results;
     const std::size_t batch = 2 * pool_.size();
     for (std::size_t first = 0; first < plans.size(); first += batch) {
       const std::size_t last = std::min(first + batch, plans.size());
@@ -263,7 +264,7 @@ class Run {
       if (common::interrupted())
         throw common::Interrupted("deploy: stopped by the user; the finished trials are in " + out_ +
                                   "/trajectories.csv");
-      for (control::TrialResult& result : part) {
+      for (experiments::TrialResult& result : part) {
         recorder_.write(result);
         trials.write(result);
         if (!result.completed)
@@ -283,9 +284,9 @@ class Run {
   const DeployConfig& config_;
   const Job& job_;
   std::string out_;
-  control::Deployment deployment_;
+  experiments::Deployment deployment_;
   common::ThreadPool pool_;
-  control::Recorder recorder_;
+  experiments::Recorder recorder_;
   common::Progress progress_;
   std::int64_t done_ = 0;
 };
@@ -306,10 +307,10 @@ class BenchRun {
   common::Json run() {
     TrialsFile trials(out_ + "/trials.json");
     common::Json summary = common::Json::object();
-    for (const control::ControllerSource& source : job_.sources) {
+    for (const experiments::ControllerSource& source : job_.sources) {
       common::Json& part = part_of(summary, source);
       for (const std::string& task : job_.tasks) {
-        std::vector<control::TrialResult> results;
+        std::vector<experiments::TrialResult> results;
         for (std::int64_t index = 0; index < config_.deployment.trials.count && stop_.empty(); ++index) {
           results.push_back(run_one(source, task, index));
           recorder_.write(results.back());
@@ -327,23 +328,23 @@ class BenchRun {
   const std::string& stop() const { return stop_; }
 
  private:
-  control::TrialResult run_one(const control::ControllerSource& source, const std::string& task,
-                               std::int64_t index) {
-    const control::TrialPlan plan = control::plan_trial(
+  experiments::TrialResult run_one(const experiments::ControllerSource& source, const std::string& task,
+                                   std::int64_t index) {
+    const experiments::TrialPlan plan = experiments::plan_trial(
         config_.deployment, task, index, job_.target_m, job_.path,
         [this](const geometry::Pose2& pose) { return bench_->fits(pose); },
         job_.region ? &*job_.region : nullptr);
-    if (has_operator()) bench_->lay(plan.start);
-    std::optional<control::TrialVideo> video;
-    const control::RecordingConfig& record = config_.deployment.record;
+    if (has_operator()) bench_->place(plan.start);
+    std::optional<experiments::TrialVideo> video;
+    const experiments::RecordingConfig& record = config_.deployment.record;
     if (record.enabled && index < record.trials)
       video.emplace(out_ + "/videos/real-" + source.name + "-" + task + "-" + std::to_string(index), record,
                     config_.deployment.loop.period_s(),
                     rig::bench_of(config_.deployment.rig, config_.deployment.sensor.scene.bench),
                     source.action.scale, plan);
-    control::TrialResult result = control::run_on_bench(
+    experiments::TrialResult result = experiments::run_on_session(
         *bench_, config_.deployment, plan, source, {}, [&](const control::StepRecord& step) {
-          const control::CameraPoseSensor* camera = bench_->camera();
+          const session::CameraPoseSensor* camera = bench_->camera();
           if (video && camera->calibration())
             video->show(camera->frame(), camera->calibration()->camera, step);
         });
@@ -358,8 +359,8 @@ class BenchRun {
   const DeployConfig& config_;
   const Job& job_;
   std::string out_;
-  std::unique_ptr<control::Bench> bench_;
-  control::Recorder recorder_;
+  std::unique_ptr<session::RigSession> bench_;
+  experiments::Recorder recorder_;
   common::Progress progress_;
   std::int64_t done_ = 0;
   std::string stop_;
@@ -408,10 +409,10 @@ void deploy(const CommonOptions& options) {
   Run run(config, job, options.out);
   const bool both = job.rigs.size() > 1;
   common::Json by_rig = common::Json::object();
-  for (const control::RigKind kind : job.rigs) {
-    const std::string folder = both ? options.out + "/" + control::to_string(kind) : options.out;
+  for (const experiments::RigKind kind : job.rigs) {
+    const std::string folder = both ? options.out + "/" + experiments::to_string(kind) : options.out;
     common::make_folders(folder);
-    by_rig[control::to_string(kind)] = run.on(kind, folder);
+    by_rig[experiments::to_string(kind)] = run.on(kind, folder);
   }
   run.finish();
   // The tasks' keys at the top are those of the explored rig when both are run; each rig then stands below

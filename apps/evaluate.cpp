@@ -52,7 +52,7 @@ void evaluate_segmenter(const SegmenterOptions& options) {
 void add_segmenter(CLI::App& verb) {
   CLI::App* segmenter = verb.add_subcommand(
       "segmenter",
-      "errors of whole localisation, in mm and degrees, over rendered pictures of benches unlike any "
+      "errors of whole localisation, in mm and degrees, over rendered images of benches unlike any "
       "in training, clean and partly covered");
   auto options = std::make_shared<SegmenterOptions>();
   segmenter->add_option("--checkpoint", options->checkpoint, "folder of the segmenter checkpoint")

@@ -13,10 +13,10 @@
 #include "lodestone/common/progress.h"
 #include "lodestone/common/run_folder.h"
 #include "lodestone/common/statistics.h"
-#include "lodestone/control/deployment.h"
-#include "lodestone/hil/drill.h"
-#include "lodestone/hil/live_bench.h"
-#include "lodestone/hil/lockstep_port.h"
+#include "lodestone/emulation/live_bench.h"
+#include "lodestone/emulation/lockstep_port.h"
+#include "lodestone/experiments/deployment.h"
+#include "lodestone/experiments/fault_injection.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/nets/policy.h"
 #include "models.h"
@@ -25,7 +25,7 @@ namespace lodestone::apps {
 namespace {
 
 struct HilConfig {
-  control::DeploymentConfig deployment;
+  experiments::DeploymentConfig deployment;
   std::int64_t threads = 0;
   std::string policy;
   std::int64_t pulses = 12000;
@@ -57,9 +57,9 @@ struct HilConfig {
   void validate() const { deployment.rig.validate(); }
 };
 
-control::ControllerSource source_of(const HilConfig& config) {
-  if (config.policy.empty()) return control::baseline_source(config.deployment);
-  return control::policy_source(config.deployment, nets::load_policy(config.policy), config.policy);
+experiments::ControllerSource source_of(const HilConfig& config) {
+  if (config.policy.empty()) return experiments::baseline_source(config.deployment);
+  return experiments::policy_source(config.deployment, nets::load_policy(config.policy), config.policy);
 }
 
 using common::percentile;
@@ -83,23 +83,24 @@ class Figures {
   std::vector<std::string> broken_;
 };
 
-common::Json to_json(const hil::DrillResult& result) {
-  return {{"fault", result.fault},   {"struck_s", result.struck_s},     {"stopped", result.stopped},
+common::Json to_json(const experiments::FaultResult& result) {
+  return {{"fault", result.fault},   {"injected_s", result.injected_s}, {"stopped", result.stopped},
           {"reason", result.reason}, {"on_after_s", result.on_after_s}, {"unsafe", result.unsafe},
           {"steps", result.steps},   {"recorded", result.recorded}};
 }
 
-common::Json run_drills(const HilConfig& config, const std::string& out, Figures& figures) {
+common::Json run_fault_list(const HilConfig& config, const std::string& out, Figures& figures) {
   common::Json json = common::Json::array();
-  const std::vector<std::string> names = hil::fault_names();
-  common::Progress progress("drills", static_cast<std::int64_t>(names.size()));
+  const std::vector<std::string> names = experiments::fault_names();
+  common::Progress progress("faults", static_cast<std::int64_t>(names.size()));
   double worst_s = 0.0;
   double unsafe = 0.0;
   double lost = 0.0;
   std::int64_t done = 0;
   for (const std::string& name : names) {
     if (common::interrupted()) throw common::Interrupted("bench hil: stopped by the user");
-    const hil::DrillResult result = hil::drill(name, static_cast<std::uint64_t>(config.deployment.seed), out);
+    const experiments::FaultResult result =
+        experiments::inject_fault(name, static_cast<std::uint64_t>(config.deployment.seed), out);
     worst_s = std::max(worst_s, result.on_after_s);
     unsafe += result.unsafe ? 1.0 : 0.0;
     lost += static_cast<double>(result.steps - result.recorded);
@@ -111,9 +112,9 @@ common::Json run_drills(const HilConfig& config, const std::string& out, Figures
     std::printf("  %-34s %-8s off after %.3f s  %s\n", one["fault"].get<std::string>().c_str(),
                 one["stopped"].get<bool>() ? "stopped" : "went on", one["on_after_s"].get<double>(),
                 one["reason"].get<std::string>().c_str());
-  for (const std::string& name : hil::device_fault_names()) {
-    const hil::DrillResult held =
-        hil::drill_held(name, static_cast<std::uint64_t>(config.deployment.seed), out);
+  for (const std::string& name : experiments::device_fault_names()) {
+    const experiments::FaultResult held =
+        experiments::inject_held_fault(name, static_cast<std::uint64_t>(config.deployment.seed), out);
     std::printf("  %-34s in a pulse of seconds: off after %.3f s  %s\n", name.c_str(), held.on_after_s,
                 held.reason.c_str());
     worst_s = std::max(worst_s, held.on_after_s);
@@ -122,7 +123,7 @@ common::Json run_drills(const HilConfig& config, const std::string& out, Figures
     one["held"] = true;
     json.push_back(one);
   }
-  figures.add("longest time to coils off after a fault", worst_s, "s", hil::kOffWithin_s);
+  figures.add("longest time to coils off after a fault", worst_s, "s", emulation::kOffWithin_s);
   figures.add("faults with an unsafe state", unsafe, "", 0.0);
   figures.add("records lost", lost, "", 0.0);
   return json;
@@ -131,11 +132,11 @@ common::Json run_drills(const HilConfig& config, const std::string& out, Figures
 common::Json run_hour(const HilConfig& config, const std::string& out, Figures& figures) {
   if (config.pulses == 0) return nullptr;
   common::log_info("bench hil: " + std::to_string(config.pulses) + " pulses with a fault a minute");
-  const hil::HourReport report =
-      hil::drill_hour(config.pulses, static_cast<std::uint64_t>(config.deployment.seed), out);
+  const experiments::HourReport report =
+      experiments::inject_for_an_hour(config.pulses, static_cast<std::uint64_t>(config.deployment.seed), out);
   common::Json log = common::Json::array();
   double unlogged = 0.0;
-  for (const hil::DrillResult& fault : report.faults) {
+  for (const experiments::FaultResult& fault : report.faults) {
     log.push_back(to_json(fault));
     unlogged += fault.reason.empty() ? 1.0 : 0.0;
   }
@@ -144,7 +145,7 @@ common::Json run_hour(const HilConfig& config, const std::string& out, Figures& 
               report.largest_current_A);
   figures.add("long run: unsafe states", static_cast<double>(report.unsafe), "", 0.0);
   figures.add("long run: faults without an entry in the log", unlogged, "", 0.0);
-  figures.add("long run: longest stretch with current", report.longest_on_s, "s", hil::kOffWithin_s);
+  figures.add("long run: longest stretch with current", report.longest_on_s, "s", emulation::kOffWithin_s);
   return {{"pulses", report.pulses},
           {"simulated_s", report.simulated_s},
           {"largest_current_A", report.largest_current_A},
@@ -152,7 +153,7 @@ common::Json run_hour(const HilConfig& config, const std::string& out, Figures& 
 }
 
 common::Json time_round_trips(const HilConfig& config, Figures& figures) {
-  hil::LiveBench bench(config.deployment.rig, static_cast<std::uint64_t>(config.deployment.seed));
+  emulation::LiveBench bench(config.deployment.rig, static_cast<std::uint64_t>(config.deployment.seed));
   rig::SerialConfig serial = config.deployment.rig.serial;
   serial.port = bench.port();
   rig::SerialCoils coils(serial);
@@ -181,44 +182,46 @@ common::Json time_round_trips(const HilConfig& config, Figures& figures) {
 /// The coils behind the whole chain, in simulated time.
 struct LockstepDrive {
   LockstepDrive(rig::VirtualRig& rig, const rig::SerialConfig& serial)
-      : bench(rig), coils(serial, [this] { return std::make_unique<hil::LockstepPort>(bench); }) {}
-  hil::EmulatedBench bench;
+      : bench(rig), coils(serial, [this] { return std::make_unique<emulation::LockstepPort>(bench); }) {}
+  emulation::EmulatedBench bench;
   rig::SerialCoils coils;
 };
 
-double mean_error_mm(const std::vector<control::TrialResult>& results) {
+double mean_error_mm(const std::vector<experiments::TrialResult>& results) {
   double sum = 0.0;
-  for (const control::TrialResult& result : results)
+  for (const experiments::TrialResult& result : results)
     sum += 1e3 * result.truth.cross_track_rms_m.value_or(result.truth.final_error_m);
   return sum / static_cast<double>(results.size());
 }
 
-std::vector<control::TrialPlan> square_plans(const HilConfig& config, const control::Deployment& deployment) {
-  std::vector<control::TrialPlan> plans;
+std::vector<experiments::TrialPlan> square_plans(const HilConfig& config,
+                                                 const experiments::Deployment& deployment) {
+  std::vector<experiments::TrialPlan> plans;
   for (std::int64_t index = 0; index < config.deployment.trials.count; ++index)
-    plans.push_back(control::plan_trial(config.deployment, "square", index, std::nullopt, std::nullopt,
-                                        [&](const geometry::Pose2& pose) { return deployment.fits(pose); }));
+    plans.push_back(
+        experiments::plan_trial(config.deployment, "square", index, std::nullopt, std::nullopt,
+                                [&](const geometry::Pose2& pose) { return deployment.fits(pose); }));
   return plans;
 }
 
 /// The same squares through the simulated coils and through the emulated bench.
 common::Json compare_squares(const HilConfig& config, Figures& figures) {
-  const control::ControllerSource source = source_of(config);
+  const experiments::ControllerSource source = source_of(config);
   common::ThreadPool pool(static_cast<std::size_t>(config.threads));
   const rig::SerialConfig serial = config.deployment.rig.serial;
-  const control::Deployment simulated(config.deployment);
-  const control::Deployment emulated(config.deployment, [serial](rig::VirtualRig& rig) {
+  const experiments::Deployment simulated(config.deployment);
+  const experiments::Deployment emulated(config.deployment, [serial](rig::VirtualRig& rig) {
     auto drive = std::make_shared<LockstepDrive>(rig, serial);
-    return control::RigDrive{&drive->coils, &drive->bench.clock(), drive};
+    return experiments::RigDrive{&drive->coils, &drive->bench.clock(), drive};
   });
-  const std::vector<control::TrialPlan> plans = square_plans(config, simulated);
+  const std::vector<experiments::TrialPlan> plans = square_plans(config, simulated);
   common::log_info("bench hil: " + std::to_string(plans.size()) +
                    " squares with simulated coils, then as many with "
                    "the emulated bench");
-  const auto by_simulation = simulated.run(plans, control::RigKind::kExplored, source, pool);
-  const auto by_bench = emulated.run(plans, control::RigKind::kExplored, source, pool);
+  const auto by_simulation = simulated.run(plans, experiments::RigKind::kExplored, source, pool);
+  const auto by_bench = emulated.run(plans, experiments::RigKind::kExplored, source, pool);
   double stopped = 0.0;
-  for (const control::TrialResult& result : by_bench) {
+  for (const experiments::TrialResult& result : by_bench) {
     stopped += result.completed ? 0.0 : 1.0;
     if (!result.completed) common::log_warning("square stopped: " + result.stop_reason);
   }
@@ -235,12 +238,12 @@ common::Json compare_squares(const HilConfig& config, Figures& figures) {
 
 /// One square in real time: pseudo-terminal, GigE Vision camera, U-Net, controller.
 common::Json run_live(const HilConfig& config, const std::string& out, Figures& figures) {
-  control::DeploymentConfig deployment = config.deployment;
+  experiments::DeploymentConfig deployment = config.deployment;
   imaging::SceneConfig scene = deployment.sensor.scene;
   scene.bench = rig::bench_of(deployment.rig, scene.bench);
   const auto renderer = std::make_shared<const imaging::SceneRenderer>(
       imaging::draw_scene(scene, static_cast<std::uint64_t>(deployment.sensor_seed)));
-  hil::LiveBench live(deployment.rig, static_cast<std::uint64_t>(deployment.rig_seed), renderer);
+  emulation::LiveBench live(deployment.rig, static_cast<std::uint64_t>(deployment.rig_seed), renderer);
   deployment.rig.coils = "serial";
   deployment.rig.serial.port = live.port();
   rig::CameraSourceConfig& camera = deployment.rig.camera;
@@ -254,7 +257,7 @@ common::Json run_live(const HilConfig& config, const std::string& out, Figures& 
 
   std::mutex mutex;
   std::vector<double> begun_s;
-  live.with([&](hil::EmulatedBench& bench) {
+  live.with([&](emulation::EmulatedBench& bench) {
     bench.watch = [&, was_on = false](double now_s, const auto&) mutable {
       bool on = false;
       for (int i = 0; i < 2; ++i)
@@ -266,16 +269,16 @@ common::Json run_live(const HilConfig& config, const std::string& out, Figures& 
       was_on = on;
     };
   });
-  const std::unique_ptr<control::Bench> bench =
-      control::make_real_bench(deployment.rig, deployment.sensor, deployment.safety);
-  const control::TrialPlan plan =
-      control::plan_trial(deployment, "square", 0, std::nullopt, std::nullopt,
-                          [&](const geometry::Pose2& pose) { return bench->fits(pose); });
+  const std::unique_ptr<session::RigSession> bench =
+      session::make_serial_session(deployment.rig, deployment.sensor, deployment.safety);
+  const experiments::TrialPlan plan =
+      experiments::plan_trial(deployment, "square", 0, std::nullopt, std::nullopt,
+                              [&](const geometry::Pose2& pose) { return bench->fits(pose); });
   live.place(plan.start);
   common::log_info("bench hil: one square in real time on " + live.port() + " under " + live.camera());
-  const control::TrialResult result =
-      control::run_on_bench(*bench, deployment, plan, source_of(config), [&] { return live.true_pose(); });
-  live.with([](hil::EmulatedBench& emulated) { emulated.watch = nullptr; });
+  const experiments::TrialResult result = experiments::run_on_session(
+      *bench, deployment, plan, source_of(config), [&] { return live.true_pose(); });
+  live.with([](emulation::EmulatedBench& emulated) { emulated.watch = nullptr; });
   const double period_s = deployment.loop.period_s();
   std::vector<double> deviation_ms;
   for (std::size_t i = 1; i < begun_s.size(); ++i) {
@@ -313,7 +316,7 @@ void bench_hil(const CommonOptions& options) {
   result["round_trip"] = time_round_trips(config, figures);
   result["real_time"] = run_live(config, options.out, figures);
   result["square"] = compare_squares(config, figures);
-  result["drills"] = run_drills(config, options.out, figures);
+  result["faults"] = run_fault_list(config, options.out, figures);
   result["long_run"] = run_hour(config, options.out, figures);
   result["figures"] = figures.take();
   common::write_file_atomically(options.out + "/hil.json", result.dump(1) + "\n");

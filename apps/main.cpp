@@ -66,7 +66,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   if (!is_given(kNoReexec, argc, argv)) lodestone::nets::restart_with_better_blas_kernels(argv);
   lodestone::common::install_interrupt_handler();
-  // Threads are for trials, scenes and shards; a picture's own operations are too short to be split.
+  // Threads are for trials, scenes and shards; an image's own operations are too short to be split.
   cv::setNumThreads(1);
   try {
     return run(argc, argv);

@@ -19,7 +19,7 @@ std::string shipped_folder(const std::string& name) {
   throw common::ConfigError("the folder " + name + " of lodestone is not here: run this in the source tree");
 }
 
-void choose_segmenter(control::SensingConfig& sensor) {
+void choose_segmenter(session::SensingConfig& sensor) {
   if (sensor.kind != "camera" || !sensor.segmenter.empty()) return;
   try {
     sensor.segmenter = shipped_folder("models") + "/segmenter";

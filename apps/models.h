@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "lodestone/control/sensing.h"
+#include "lodestone/session/sensing.h"
 
 namespace lodestone::apps {
 
@@ -12,6 +12,6 @@ std::string shipped_folder(const std::string& name);
 
 /// Names the segmenter that is shipped (models/segmenter) when a camera is used and none is named. Throws
 /// ConfigError when there is none.
-void choose_segmenter(control::SensingConfig& sensor);
+void choose_segmenter(session::SensingConfig& sensor);
 
 }  // namespace lodestone::apps

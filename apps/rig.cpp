@@ -65,7 +65,7 @@ void add_rig(CLI::App& program, ConfigCatalogue& catalogue) {
                   "CSV with the columns x_m,y_m: points of the dish plane in metres from its centre")
       ->type_name("FILE")
       ->required();
-  map->add_option("--plot", options->plot, "also draw the field over the dish (mT/A) into this picture")
+  map->add_option("--plot", options->plot, "also draw the field over the dish (mT/A) into this image")
       ->type_name("PNG");
   map->add_option("--out", options->common.out,
                   "CSV to write, x_m,y_m,Bx_T_per_A,By_T_per_A; standard output when absent")

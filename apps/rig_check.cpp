@@ -8,12 +8,12 @@
 #include "lodestone/common/files.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
-#include "lodestone/control/safety_supervisor.h"
-#include "lodestone/hil/live_bench.h"
+#include "lodestone/emulation/live_bench.h"
 #include "lodestone/imaging/scene.h"
 #include "lodestone/rig/coil_measurement.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/rig_config.h"
+#include "lodestone/safety/supervisor.h"
 #include "models.h"
 
 namespace lodestone::apps {
@@ -29,8 +29,8 @@ struct BenchConfig {
   double test_current_A = 3.0;
   std::int64_t pulses = 5;
   rig::RigConfig rig;
-  control::SafetyConfig safety;
-  control::SensingConfig sensor;
+  safety::SafetyConfig safety;
+  session::SensingConfig sensor;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -74,9 +74,9 @@ void rest(double seconds) {
 }
 
 /// Where the needle points, when the camera can tell.
-class Onlooker {
+class PoseProbe {
  public:
-  Onlooker(const BenchConfig& config, bool wanted) {
+  PoseProbe(const BenchConfig& config, bool wanted) {
     if (!wanted) {
       print_line("camera", "not looked at (--no-camera)");
       return;
@@ -85,7 +85,7 @@ class Onlooker {
     const imaging::Frame frame = camera_->grab(2.0);
     print_line("camera",
                std::to_string(frame.image.cols) + " x " + std::to_string(frame.image.rows) + " pixels");
-    control::SensingConfig sensor = config.sensor;
+    session::SensingConfig sensor = config.sensor;
     choose_segmenter(sensor);
     std::optional<imaging::Calibration> calibration;
     if (!sensor.calibration.empty()) calibration = imaging::read_calibration(sensor.calibration);
@@ -107,7 +107,7 @@ class Onlooker {
 
  private:
   std::unique_ptr<rig::Camera> camera_;
-  std::optional<control::CameraPoseSensor> sensor_;
+  std::optional<session::CameraPoseSensor> sensor_;
 };
 
 void check_emergency_stop(rig::SerialCoils& coils, bool yes) {
@@ -133,14 +133,14 @@ void check_emergency_stop(rig::SerialCoils& coils, bool yes) {
 }
 
 /// Energises one coil. Returns whether it is as it should be.
-bool check_coil(const BenchConfig& config, rig::SerialCoils& coils, control::SafetySupervisor& guarded,
-                Onlooker& onlooker, int coil, bool yes) {
+bool check_coil(const BenchConfig& config, rig::SerialCoils& coils, safety::Supervisor& guarded,
+                PoseProbe& probe, int coil, bool yes) {
   const std::string name = std::string("coil ") + kCoilNames[coil];
   if (!confirm("energise " + name + " with " + number(config.test_current_A, "A") + " for 0.2 s?", yes)) {
     print_line(name.c_str(), "left out");
     return true;
   }
-  std::optional<geometry::Pose2> before = onlooker.look();
+  std::optional<geometry::Pose2> before = probe.look();
   for (int i = 0; i < 3; ++i) {
     rig::CoilPulse pulse;
     pulse.current_A[static_cast<std::size_t>(coil)] = config.test_current_A;
@@ -157,7 +157,7 @@ bool check_coil(const BenchConfig& config, rig::SerialCoils& coils, control::Saf
                      number(state.resistance_ohm[static_cast<std::size_t>(coil)], "ohm", 2);
   bool good = std::abs(largest_A - config.test_current_A) < 0.1 * config.test_current_A;
   if (!good) line += " - NOT what was asked";
-  const std::optional<geometry::Pose2> after = onlooker.look();
+  const std::optional<geometry::Pose2> after = probe.look();
   const geometry::Vector2 towards(coil == 0   ? 1.0
                                   : coil == 1 ? -1.0
                                               : 0.0,
@@ -215,13 +215,13 @@ void check(const CheckOptions& options) {
   print_line("supply", number(state.supply_V[0], "V") + ", " + number(state.supply_V[1], "V"));
   print_line("motor controllers", number(state.board_C[0], "C") + ", " + number(state.board_C[1], "C"));
   check_emergency_stop(coils, options.yes);
-  Onlooker onlooker(config, !options.no_camera);
+  PoseProbe probe(config, !options.no_camera);
   const common::SteadyClock clock;
-  control::SafetySupervisor guarded(coils, config.safety, clock, control::SafetySupervisor::Poses::kNone);
+  safety::Supervisor guarded(coils, config.safety, clock, safety::Supervisor::Poses::kNone);
   bool good = true;
   // Each field lies across the one before, so that the needle has to turn.
   for (const int coil : {0, 2, 1, 3})
-    good = check_coil(config, coils, guarded, onlooker, coil, options.yes) && good;
+    good = check_coil(config, coils, guarded, probe, coil, options.yes) && good;
   coils.stop();
   if (!good) throw common::HardwareError("rig check: not everything is as it should be, see above");
   std::printf("the bench is ready\n");
@@ -233,7 +233,7 @@ void calibrate_coils(const CheckOptions& options) {
     throw common::ConfigError("calibrate coils: --out FILE.json is missing; name the file to write");
   rig::SerialCoils coils(config.rig.serial);
   const common::SteadyClock clock;
-  control::SafetySupervisor guarded(coils, config.safety, clock, control::SafetySupervisor::Poses::kNone);
+  safety::Supervisor guarded(coils, config.safety, clock, safety::Supervisor::Poses::kNone);
   common::Json resistance = common::Json::array();
   common::Json inductance = common::Json::array();
   std::printf("%-8s %10s %10s %10s %12s\n", "coil", "R ohm", "L mH", "L/R ms", "residual A");
@@ -270,7 +270,7 @@ void emulate(const CheckOptions& options) {
     renderer = std::make_shared<const imaging::SceneRenderer>(
         imaging::draw_scene(scene, static_cast<std::uint64_t>(config.seed)));
   }
-  hil::LiveBench bench(config.rig, static_cast<std::uint64_t>(config.seed), renderer);
+  emulation::LiveBench bench(config.rig, static_cast<std::uint64_t>(config.seed), renderer);
   common::Json rig = {{"coils", "serial"}, {"serial", {{"port", bench.port()}}}};
   if (renderer)
     rig["camera"] = {{"kind", "genicam"},

@@ -191,7 +191,7 @@ RateFigure rig_rate(const SpeedConfig& config, std::int64_t threads) {
   });
 }
 
-struct PictureLatency::Bench {
+struct ImageLatency::Bench {
   explicit Bench(const SpeedConfig& config)
       : scenes(vision::training_scenes(config.segmenter)),
         renderer(imaging::draw_scene(scenes, static_cast<std::uint64_t>(config.seed))),
@@ -202,7 +202,7 @@ struct PictureLatency::Bench {
                     localiser_config.rod = vision::rod_of(scenes.bench);
                     return localiser_config;
                   }()),
-        random(static_cast<std::uint64_t>(config.seed), "bench pictures") {
+        random(static_cast<std::uint64_t>(config.seed), "bench images") {
     policy.actor = nets::Actor(task::ObservationEncoder(policy.encoder).size(), policy.hidden);
     controller = std::make_unique<control::PolicyController>(policy);
   }
@@ -212,25 +212,25 @@ struct PictureLatency::Bench {
   nets::Policy policy;
   std::unique_ptr<control::PolicyController> controller;
   common::RandomStream random;
-  std::int64_t picture = 0;
+  std::int64_t image = 0;
 };
 
-PictureLatency::PictureLatency(const SpeedConfig& config)
+ImageLatency::ImageLatency(const SpeedConfig& config)
     : config_(config), bench_(std::make_unique<Bench>(config)) {}
-PictureLatency::~PictureLatency() = default;
+ImageLatency::~ImageLatency() = default;
 
-void PictureLatency::measure() {
+void ImageLatency::measure() {
   constexpr double kPathRadius_m = 0.015;
-  constexpr double kStep_rad = 0.13;  // 2 mm from picture to picture
+  constexpr double kStep_rad = 0.13;  // 2 mm from image to image
   const torch::NoGradGuard no_grad;
   const common::SteadyClock clock;
-  for (std::int64_t i = 0; i < config_.pictures; ++i, ++bench_->picture) {
-    const double angle = kStep_rad * static_cast<double>(bench_->picture);
+  for (std::int64_t i = 0; i < config_.images; ++i, ++bench_->image) {
+    const double angle = kStep_rad * static_cast<double>(bench_->image);
     const geometry::Pose2 pose{kPathRadius_m * std::cos(angle), kPathRadius_m * std::sin(angle),
                                geometry::wrap_angle(angle)};
-    const cv::Mat picture = bench_->renderer.render({{pose}}, bench_->random).image;
+    const cv::Mat image = bench_->renderer.render({{pose}}, bench_->random).image;
     const double start_s = clock.now_s();
-    const vision::Localisation found = bench_->localiser.locate(picture);
+    const vision::Localisation found = bench_->localiser.locate(image);
     const double seen_s = clock.now_s();
     task::Observation observation;
     observation.pose = found.pose;

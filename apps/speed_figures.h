@@ -18,7 +18,7 @@ struct SpeedConfig {
   double run_s = 1.0;
   std::int64_t td3_batch = 256;
   std::int64_t mbs_environments = 4096;
-  std::int64_t pictures = 200;
+  std::int64_t images = 200;
   std::string segmenter;
 
   template <class Visitor>
@@ -30,8 +30,7 @@ struct SpeedConfig {
     v.field("run_s", run_s, "s", "least time of one figure in one round", {0.01, 600.0});
     v.field("td3_batch", td3_batch, "transitions", "batch of one TD3 update", {2, 1 << 20});
     v.field("mbs_environments", mbs_environments, "", "environments stepped as one batch", {1, 1 << 22});
-    v.field("pictures", pictures, "", "pictures per round from which the needle's pose is found",
-            {10, 100000});
+    v.field("images", images, "", "images per round from which the needle's pose is found", {10, 100000});
     v.field("segmenter", segmenter, "", "segmenter checkpoint; empty is the one that is shipped");
   }
 };
@@ -55,16 +54,16 @@ RateFigure rig_rate(const SpeedConfig& config, std::int64_t threads);
 double td3_update_flop(const rl::Td3Config& td3);
 double mbs_step_flop();
 
-/// From a camera's picture to what is known or done, for a needle that moves as a driven one does.
-class PictureLatency {
+/// From a camera's image to what is known or done, for a needle that moves as a driven one does.
+class ImageLatency {
  public:
-  explicit PictureLatency(const SpeedConfig& config);
-  ~PictureLatency();
-  /// Another config.pictures pictures.
+  explicit ImageLatency(const SpeedConfig& config);
+  ~ImageLatency();
+  /// Another config.images images.
   void measure();
-  std::vector<double> pose_ms;     ///< picture -> pose, one thread
-  std::vector<double> command_ms;  ///< picture -> pose -> policy -> currents
-  std::int64_t missed = 0;         ///< pictures without a pose; their time counts as well
+  std::vector<double> pose_ms;     ///< image -> pose, one thread
+  std::vector<double> command_ms;  ///< image -> pose -> policy -> currents
+  std::int64_t missed = 0;         ///< images without a pose; their time counts as well
 
  private:
   struct Bench;

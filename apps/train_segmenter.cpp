@@ -14,7 +14,7 @@ namespace {
 
 using vision::TrainSegmenterConfig;
 
-/// Pictures by which the checkpoint's own figures are measured.
+/// Images by which the checkpoint's own figures are measured.
 constexpr std::int64_t kEvaluationFrames = 200;
 
 void train_segmenter(const CommonOptions& options) {
@@ -52,8 +52,7 @@ void train_segmenter(const CommonOptions& options) {
 }  // namespace
 
 void add_train_segmenter(CLI::App& program, ConfigCatalogue& catalogue) {
-  CLI::App* verb =
-      program.add_subcommand("train-segmenter", "learn to see the needle, from rendered pictures");
+  CLI::App* verb = program.add_subcommand("train-segmenter", "learn to see the needle, from rendered images");
   auto options = std::make_shared<CommonOptions>();
   add_common_options(*verb, *options, /*with_resume=*/true);
   verb->callback([options] { train_segmenter(*options); });

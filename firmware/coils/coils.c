@@ -11,7 +11,7 @@ enum {
   kSettle_us = 60000,      /* from the end of a duty's ramp until current and duty tell the resistance, */
   kFullRamp_us = 50000,    /* which takes so long for the whole duty */
   kStray_us = 150000,      /* from switching a coil off until its current must be gone */
-  kTellingCurrent_mA = 1000, /* below this a resistance would be too coarse (the controllers give 10 mA) */
+  kMinEstimationCurrent_mA = 1000, /* below this a resistance would be too coarse (the controllers give 10 mA) */
   kStrayCurrent_mA = 500,
 };
 
@@ -37,7 +37,7 @@ static void set_duty(struct Coils* coils, uint8_t coil, int16_t duty) {
   if (coils->duty[coil] == duty) return;
   coils->duty[coil] = duty;
   coils->changed_us[coil] = coils->now_us;
-  coils->telling_mA[coil] = 0;
+  coils->pending_estimate_mA[coil] = 0;
 }
 
 static void all_off(struct Coils* coils) {
@@ -53,7 +53,7 @@ static void latch(struct Coils* coils, uint16_t fault) {
   all_off(coils);
 }
 
-/* Voltage = current x resistance, as a share of the supply that is there now. */
+/* Voltage = current x resistance, as a fraction of the supply that is there now. */
 static int16_t duty_for(const struct Coils* coils, uint8_t coil, int16_t current_mA) {
   const uint32_t supply_mV = coils->controllers[coil / 2].supply_dV * 100ul;
   uint32_t wanted_mV = (uint32_t)magnitude(current_mA) * coils->resistance_mohm[coil] / 1000;
@@ -103,20 +103,20 @@ static void take_current(struct Coils* coils, uint8_t coil, int16_t measured_mA)
   if (size_mA > (uint32_t)coils->limits.max_current_mA * 5 / 4 + 500) latch(coils, kFaultOverCurrent);
   if (target_mA == 0 && steady_us > kStray_us && size_mA > kStrayCurrent_mA) latch(coils, kFaultStrayCurrent);
   const uint32_t ramp_us = (uint32_t)magnitude(coils->duty[coil]) * (kFullRamp_us / 100) / kRoboClawFullDuty * 100;
-  if (!coils->pulsing || target_mA < kTellingCurrent_mA || steady_us < kSettle_us + ramp_us) return;
+  if (!coils->pulsing || target_mA < kMinEstimationCurrent_mA || steady_us < kSettle_us + ramp_us) return;
   if (size_mA < target_mA / 4) {
     latch(coils, kFaultNoCurrent);
     return;
   }
-  coils->telling_mA[coil] = size_mA;
+  coils->pending_estimate_mA[coil] = size_mA;
 }
 
 /* The resistance that duty, supply and a steady current tell together. The supply was read after the current: one
  * that has sagged is no hot coil. */
 static void take_resistance(struct Coils* coils, uint8_t coil) {
-  const uint16_t size_mA = coils->telling_mA[coil];
+  const uint16_t size_mA = coils->pending_estimate_mA[coil];
   if (size_mA == 0) return;
-  coils->telling_mA[coil] = 0;
+  coils->pending_estimate_mA[coil] = 0;
   const uint32_t drive_mV = (uint32_t)magnitude(coils->duty[coil]) * coils->controllers[coil / 2].supply_dV * 100 /
                             kRoboClawFullDuty;
   const uint32_t nominal = coils->limits.resistance_mohm[coil];
@@ -252,8 +252,8 @@ static void next_transaction(struct Coils* coils) {
     controller->read_us = coils->now_us;
     /* During a pulse the currents matter most, and the supply once they are steady; the rest in turn. */
     const bool busy = coils->pulsing && driven(coils, c) && (coils->uptime_ms & 0x3f) > 8;
-    const bool telling = coils->telling_mA[2 * c] != 0 || coils->telling_mA[2 * c + 1] != 0;
-    const uint8_t reading = busy ? (telling ? 1 : 0) : controller->next_reading;
+    const bool estimating = coils->pending_estimate_mA[2 * c] != 0 || coils->pending_estimate_mA[2 * c + 1] != 0;
+    const uint8_t reading = busy ? (estimating ? 1 : 0) : controller->next_reading;
     if (!busy) controller->next_reading = (uint8_t)((reading + 1) % kReadingsInTurn);
     const uint8_t command = kReadings[reading];
     send_request(coils, c, command, 0, 0,

@@ -79,7 +79,8 @@ struct Coils {
   uint32_t duty_level[kCoils]; /* leaky count of on-time, 1/1000 ms */
   int16_t current_mA[kCoils];
   uint16_t resistance_mohm[kCoils];
-  uint16_t telling_mA[kCoils]; /* a steady current that waits for a fresh reading of the supply; 0: none */
+  uint16_t pending_estimate_mA[kCoils]; /* a steady current that waits for a fresh reading of the supply; 0:
+                                           none */
 
   uint8_t trace_coil;
   uint8_t trace_count;

@@ -91,7 +91,7 @@ enum {
 struct CoilLimits {
   uint16_t max_current_mA;
   uint16_t max_pulse_ms;
-  uint16_t max_duty_permille;       /* share of time that a coil may be on, */
+  uint16_t max_duty_permille;       /* fraction of time that a coil may be on, */
   uint16_t duty_window_ms;          /* over about this time */
   uint16_t min_supply_dV;           /* 0.1 V */
   uint16_t max_board_dC;            /* 0.1 C */

@@ -147,6 +147,13 @@ void ConfigReader::field(const char* key, Range& value, const char*, const char*
   value = {json->at(0).get<double>(), json->at(1).get<double>()};
 }
 
+void ConfigReader::retired(const char* key, const char* successor) const {
+  const auto found = object_.find(key);
+  if (found == object_.end()) return;
+  throw ConfigError(source_ + ": " + prefix_ + key + " = " + found->dump() + " is no longer a key: use " +
+                    successor);
+}
+
 void ConfigReader::finish() const {
   for (const auto& [key, value] : object_.items()) {
     if (known_.count(key) != 0) continue;

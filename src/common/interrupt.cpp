@@ -75,7 +75,7 @@ void install_interrupt_handler() {
 
 bool interrupted() noexcept { return g_interrupted != 0; }
 
-LastWords::LastWords(int descriptor, std::vector<std::uint8_t> bytes) : slot_(-1) {
+SignalSafeStop::SignalSafeStop(int descriptor, std::vector<std::uint8_t> bytes) : slot_(-1) {
   LODESTONE_CHECK(bytes.size() <= kMostWords, "at most 64 bytes");
   install_fatal_handlers();
   for (std::size_t i = 0; i < g_slots.size(); ++i) {
@@ -89,11 +89,11 @@ LastWords::LastWords(int descriptor, std::vector<std::uint8_t> bytes) : slot_(-1
   LODESTONE_CHECK(false, "at most eight at a time");
 }
 
-LastWords::~LastWords() {
+SignalSafeStop::~SignalSafeStop() {
   g_slots[static_cast<std::size_t>(slot_)].descriptor = -1;
   g_slots[static_cast<std::size_t>(slot_)].taken = false;
 }
 
-void LastWords::say() const noexcept { common::say(g_slots[static_cast<std::size_t>(slot_)]); }
+void SignalSafeStop::say() const noexcept { common::say(g_slots[static_cast<std::size_t>(slot_)]); }
 
 }  // namespace lodestone::common

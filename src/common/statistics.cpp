@@ -7,10 +7,10 @@
 
 namespace lodestone::common {
 
-double percentile(std::vector<double> values, double share) {
+double percentile(std::vector<double> values, double fraction) {
   if (values.empty()) return 0.0;
   std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+  return values[static_cast<std::size_t>(fraction * static_cast<double>(values.size() - 1))];
 }
 
 double median(const std::vector<double>& values) { return percentile(values, 0.5); }
@@ -50,12 +50,12 @@ double interquartile_mean(std::vector<double> values) {
 }
 
 Interval wilson_interval(std::int64_t successes, std::int64_t trials, double z) {
-  LODESTONE_CHECK(trials > 0 && successes >= 0 && successes <= trials, "a share of trials");
+  LODESTONE_CHECK(trials > 0 && successes >= 0 && successes <= trials, "a fraction of trials");
   const auto n = static_cast<double>(trials);
-  const double share = static_cast<double>(successes) / n;
+  const double fraction = static_cast<double>(successes) / n;
   const double scale = 1.0 + z * z / n;
-  const double centre = (share + z * z / (2.0 * n)) / scale;
-  const double half = z / scale * std::sqrt(share * (1.0 - share) / n + z * z / (4.0 * n * n));
+  const double centre = (fraction + z * z / (2.0 * n)) / scale;
+  const double half = z / scale * std::sqrt(fraction * (1.0 - fraction) / n + z * z / (4.0 * n * n));
   return {std::max(0.0, centre - half), std::min(1.0, centre + half)};
 }
 

@@ -82,8 +82,8 @@ void TensorBoardWriter::write(std::int64_t step, const std::vector<std::pair<std
 void TensorBoardWriter::write_image(std::int64_t step, const std::string& name, std::string_view png,
                                     std::int64_t width, std::int64_t height) {
   LODESTONE_CHECK(png.substr(0, 8) == "\x89PNG\r\n\x1a\n" && width > 0 && height > 0,
-                  "picture '" + name + "' must be a PNG of positive size");
-  // Summary.Image: height, width, colorspace (3 = RGB), encoded picture.
+                  "image '" + name + "' must be a PNG of positive size");
+  // Summary.Image: height, width, colorspace (3 = RGB), encoded image.
   const std::string image =
       number_field(1, height) + number_field(2, width) + number_field(3, 3) + bytes_field(4, png);
   write_summary(step, bytes_field(1, bytes_field(1, name) + bytes_field(4, image)));

@@ -41,8 +41,8 @@ geometry::Vector2 decide(Controller& controller, const task::Observation& observ
 
 }  // namespace
 
-ControlLoop::ControlLoop(const ControlLoopConfig& config, const task::ActionConfig& action,
-                         SafetySupervisor& coils, PoseSensor& sensor, common::Clock& clock)
+ControlLoop::ControlLoop(const ControlLoopConfig& config, const task::ActionConfig& action, Guard& coils,
+                         PoseSensor& sensor, common::Clock& clock)
     : config_(config), action_(action), coils_(coils), sensor_(sensor), clock_(clock) {}
 
 LoopOutcome ControlLoop::run(Controller& controller, Reference& reference, const Observer& observer) {
@@ -101,7 +101,7 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     if (invalid_in_a_row >= config_.max_invalid_poses)
       throw common::HardwareError("no pose for " + std::to_string(invalid_in_a_row) +
                                   " observations in a row: " + record.estimate.reason);
-    // A camera that runs freely gives its picture sooner or later; the pulses still come evenly.
+    // A camera that runs freely gives its image sooner or later; the pulses still come evenly.
     if (config_.decide_s > 0.0) clock_.sleep_until(start_s + due_s + config_.decide_s);
     if (record.estimate.valid) coils_.apply({record.current_A, config_.pulse_s});
     clock_.sleep_until(start_s + static_cast<double>(step + 1) * config_.period_s());

@@ -10,19 +10,19 @@ namespace lodestone::control {
 namespace {
 constexpr double kDegPerRad = 180.0 / 3.14159265358979323846;
 // Friction differs from pulse to pulse: what did not move may yet.
-constexpr int kPatience = 2;
+constexpr int kStallsBeforeDither = 2;
 }  // namespace
 
 AdaptiveGain::AdaptiveGain(std::unique_ptr<Controller> inner, const DecoratorConfig& config)
     : inner_(std::move(inner)), config_(config) {}
 
 /// To one side, to the other, twice as far to the first, and so on up to a right angle.
-geometry::Vector2 AdaptiveGain::swung(const geometry::Vector2& action) const {
-  const int swings = full_stalls_ - kPatience;
-  const double turns = 0.5 * (swings + 1);
-  const double size_deg = std::min(std::floor(turns) * config_.stall_swing_deg, 90.0);
-  const double angle_rad = (swings % 2 == 1 ? 1.0 : -1.0) * size_deg / kDegPerRad;
-  // A swing of the full command is a full command.
+geometry::Vector2 AdaptiveGain::dithered(const geometry::Vector2& action) const {
+  const int sides = full_stalls_ - kStallsBeforeDither;
+  const double turns = 0.5 * (sides + 1);
+  const double size_deg = std::min(std::floor(turns) * config_.direction_dither_deg, 90.0);
+  const double angle_rad = (sides % 2 == 1 ? 1.0 : -1.0) * size_deg / kDegPerRad;
+  // A dithered form of the full command is a full command.
   const geometry::Vector2 turned = Eigen::Rotation2Dd(angle_rad) * action;
   return turned / turned.cwiseAbs().maxCoeff();
 }
@@ -49,10 +49,10 @@ geometry::Vector2 AdaptiveGain::act(const task::Observation& observation) {
   acted_ = true;
   last_pose_ = observation.pose;
   geometry::Vector2 action = gain_ * inner_->act(observation);
-  const bool swing = full_stalls_ > kPatience && config_.stall_swing_deg > 0.0;
-  if (swing) action = swung(action);
+  const bool dither = full_stalls_ > kStallsBeforeDither && config_.direction_dither_deg > 0.0;
+  if (dither) action = dithered(action);
   full_ = action.cwiseAbs().maxCoeff() >= 1.0;
-  if (swing) action *= config_.stall_swing_strength;
+  if (dither) action *= config_.direction_dither_fraction;
   // Scaled as a whole, so that the direction of the pull survives the limit.
   return action / std::max(1.0, action.cwiseAbs().maxCoeff());
 }

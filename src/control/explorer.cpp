@@ -70,7 +70,7 @@ geometry::Vector2 Explorer::draw_action() {
     return random_.uniform() < 0.5 ? -magnitude : magnitude;
   };
   geometry::Vector2 action(drive(), drive());
-  if (random_.uniform() < config_.single_axis_share) action[static_cast<int>(random_.below(2))] = 0.0;
+  if (random_.uniform() < config_.single_axis_fraction) action[static_cast<int>(random_.below(2))] = 0.0;
   return action;
 }
 
@@ -105,7 +105,7 @@ geometry::Vector2 Explorer::act(const task::Observation& observation) {
   acted_ = true;
   last_position_m_ = position_m;
   geometry::Vector2 action = geometry::Vector2::Zero();
-  if (random_.uniform() >= config_.zero_share) {
+  if (random_.uniform() >= config_.zero_fraction) {
     double lowest = std::numeric_limits<double>::infinity();
     for (std::int64_t i = 0; i < config_.candidates; ++i) {
       const geometry::Vector2 candidate = draw_action();

@@ -20,7 +20,7 @@ void GoalSeeker::reset() {
 
 geometry::Vector2 GoalSeeker::act(const task::Observation& observation) {
   const double distance_m = (observation.pose.position_m() - target_m_).norm();
-  if (distance_m < config_.reached_m || steps_ >= config_.patience) draw_target();
+  if (distance_m < config_.reached_m || steps_ >= config_.max_pulses_per_target) draw_target();
   ++steps_;
   task::Observation seen = observation;
   seen.target_m = target_m_;

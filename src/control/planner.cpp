@@ -71,7 +71,7 @@ geometry::Vector2 Planner::act(const task::Observation& observation) {
         candidates_[c * horizon + t] = action.cwiseMax(-1.0).cwiseMin(1.0);
       }
     }
-    judge(observation);
+    evaluate_candidates(observation);
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(elites), order.end(),
                       [this](std::size_t a, std::size_t b) {
@@ -95,7 +95,7 @@ geometry::Vector2 Planner::act(const task::Observation& observation) {
   return plan_.front();
 }
 
-void Planner::judge(const task::Observation& observation) {
+void Planner::evaluate_candidates(const task::Observation& observation) {
   const auto count = static_cast<std::size_t>(config_.candidates);
   const std::size_t members = model_->members.size();
   const std::size_t size = model_->state_size;
@@ -107,7 +107,7 @@ void Planner::judge(const task::Observation& observation) {
   }
   cost_mm_.assign(count, 0.0);
   const auto horizon = static_cast<std::size_t>(config_.horizon);
-  const double share = 1.0 / static_cast<double>(members * horizon);
+  const double fraction = 1.0 / static_cast<double>(members * horizon);
   for (std::size_t t = 0; t < horizon; ++t) {
     for (std::size_t row = 0; row < rows; ++row) {
       const geometry::Vector2& action = candidates_[(row % count) * horizon + t];
@@ -136,7 +136,7 @@ void Planner::judge(const task::Observation& observation) {
         cost_mm += config_.heading_cost_mm *
                    std::abs(geometry::wrap_angle(state[2] - *observation.target_heading_rad));
       if (position_m.norm() > model_->dish_radius_m) cost_mm += kOutside_mm;
-      cost_mm_[row % count] += share * cost_mm;
+      cost_mm_[row % count] += fraction * cost_mm;
     }
   }
 }

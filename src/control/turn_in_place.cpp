@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kDegPerRad = 180.0 / kPi;
-/// A turn smaller than this is none: twice what the heading varies by from picture to picture, and more.
+/// A turn smaller than this is none: twice what the heading varies by from image to image, and more.
 constexpr double kTurned_deg = 2.0;
 
 }  // namespace

@@ -70,8 +70,8 @@ Coverage measure_coverage(const Dataset& dataset, const CoverageConfig& config) 
   for (const std::int64_t count : counts) {
     if (count == 0) continue;
     ++result.visited;
-    const double share = static_cast<double>(count) / total;
-    entropy -= share * std::log(share);
+    const double fraction = static_cast<double>(count) / total;
+    entropy -= fraction * std::log(fraction);
   }
   result.fraction = static_cast<double>(result.visited) / static_cast<double>(result.cells);
   result.evenness = result.cells > 1 ? entropy / std::log(static_cast<double>(result.cells)) : 1.0;

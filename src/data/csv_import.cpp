@@ -30,7 +30,8 @@ constexpr double kFullDrivePercent = 100.0;
 constexpr double kCurrentMargin = 1.2;
 // Positions beyond this many dish radii mean a wrong unit or centre, not a needle near the wall.
 constexpr double kPositionMargin = 1.5;
-// The recorded sphere's dish is not known: the workspace is the radius that this share of positions lies in.
+// The recorded sphere's dish is not known: the workspace is the radius that this fraction of positions lies
+// in.
 constexpr double kWorkspaceQuantile = 0.995;
 
 std::string joined(const std::vector<std::string>& names) {

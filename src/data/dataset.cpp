@@ -102,11 +102,11 @@ Split split_by_episode(const Dataset& dataset, double validation_fraction, doubl
   common::RandomStream random(seed, "data/split");
   for (std::size_t i = n; i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
 
-  const auto share = [n](double fraction) {
+  const auto count_of = [n](double fraction) {
     return static_cast<std::size_t>(std::llround(fraction * static_cast<double>(n)));
   };
-  const std::size_t n_test = share(test_fraction);
-  const std::size_t n_validation = share(validation_fraction);
+  const std::size_t n_test = count_of(test_fraction);
+  const std::size_t n_validation = count_of(validation_fraction);
   const auto too_small = [&](const char* part, double fraction) {
     throw DataError("a dataset of " + std::to_string(n) + " episodes leaves no episode for the " + part +
                     " part (fraction " + std::to_string(fraction) +

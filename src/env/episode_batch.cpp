@@ -98,7 +98,7 @@ geometry::Vector2 EpisodeBatch::drive(std::size_t i, const float* action) {
   return task::axis_drive(wanted, settings_.action);
 }
 
-bool EpisodeBatch::finish(std::size_t i, const geometry::Pose2& next, const StepExtra& extra) {
+bool EpisodeBatch::finish(std::size_t i, const geometry::Pose2& next, const StepEnd& extra) {
   Slot& slot = slots_[i];
   ++slot.step;
   ++slot.age;
@@ -110,10 +110,10 @@ bool EpisodeBatch::finish(std::size_t i, const geometry::Pose2& next, const Step
   step.index = slot.step;
   if (settings_.shrink_steps > 0)
     step.progress = static_cast<double>(slot.age) / static_cast<double>(settings_.shrink_steps);
-  task::StepOutcome outcome = task::judge_step(settings_.task, step);
+  task::StepOutcome outcome = task::evaluate_step(settings_.task, step);
   outcome.reward -= extra.penalty;
-  outcome.terminated = outcome.terminated || extra.stop;
-  outcome.truncated = !outcome.terminated && (outcome.truncated || extra.cut);
+  outcome.terminated = outcome.terminated || extra.terminated;
+  outcome.truncated = !outcome.terminated && (outcome.truncated || extra.truncated);
   slot.pose = next;
   const geometry::Vector2 before_m = slot.seen.pose.position_m();
   slot.seen.pose = sense(slot);

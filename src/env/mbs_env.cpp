@@ -112,14 +112,14 @@ void MbsEnv::step_shard(std::size_t shard, const float* actions) {
   for (std::size_t k = 0; k < scratch->row.size(); ++k) {
     const std::size_t i = scratch->row[k];
     geometry::Pose2 next = episodes_.pose(i);
-    StepExtra extra;
+    StepEnd extra;
     if (k >= scratch->first_of_member.front()) {
       const double* state = &scratch->next[(k - scratch->first_of_member.front()) * state_size_];
       next = {state[0], state[1], state_size_ == 3 ? state[2] : 0.0};
       if (disagreement_) {
         const double apart_m = scratch->disagreement_m[k - scratch->first_of_member.front()];
         extra.penalty = config_.disagreement_penalty * apart_m / episodes_.settings().task.dish_radius_m;
-        extra.stop = config_.disagreement_stop_m > 0.0 && apart_m > config_.disagreement_stop_m;
+        extra.terminated = config_.disagreement_stop_m > 0.0 && apart_m > config_.disagreement_stop_m;
       }
     }
     if (episodes_.finish(i, next, extra)) begin(i);
@@ -204,7 +204,7 @@ void MbsEnv::predict(Scratch& scratch) {
 void MbsEnv::predict_mean(Scratch& scratch) const {
   const std::size_t rows = scratch.gathered_drive.size() / 2;
   if (rows == 0) return;
-  const double share = 1.0 / static_cast<double>(members_.size());
+  const double fraction = 1.0 / static_cast<double>(members_.size());
   std::fill(scratch.next.begin(), scratch.next.end(), 0.0);
   scratch.one_member.resize(scratch.next.size());
   for (const nets::FoldedDynamics& member : members_) {
@@ -214,7 +214,7 @@ void MbsEnv::predict_mean(Scratch& scratch) const {
       // Headings are averaged as turns from the present one, which no cut of the circle can split.
       const bool heading = state_size_ == 3 && k % 3 == 2;
       const double change = scratch.one_member[k] - scratch.state[k];
-      scratch.next[k] += share * (heading ? geometry::wrap_angle(change) : change);
+      scratch.next[k] += fraction * (heading ? geometry::wrap_angle(change) : change);
     }
   }
   for (std::size_t k = 0; k < scratch.next.size(); ++k) {

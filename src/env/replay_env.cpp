@@ -73,8 +73,8 @@ StepResult ReplayEnv::step(const torch::Tensor& actions) {
     done[2 * i] = static_cast<float>(action.x());
     done[2 * i + 1] = static_cast<float>(action.y());
     ++stretch.next;
-    StepExtra extra;
-    extra.cut = stretch.next == stretch.end;
+    StepEnd extra;
+    extra.truncated = stretch.next == stretch.end;
     if (episodes_.finish(i, pose(stretch.episode, stretch.next), extra)) begin(i);
   }
   StepResult result = episodes_.result();

@@ -92,7 +92,7 @@ class Pen {
     return {box.width, box.height + below};
   }
 
-  /// Text centred at a point, moved so that all of it is in the picture, on a darkened ground.
+  /// Text centred at a point, moved so that all of it is in the image, on a darkened ground.
   void label(const std::string& text, cv::Point2d centre, double size, const cv::Scalar& colour) {
     const cv::Size box = text_size(text, size);
     const double margin = 6.0 * unit_;
@@ -184,12 +184,12 @@ void draw_currents(Pen& pen, const Annotation& annotation) {
   const double gap_m = std::max(0.004, bench.coil_face_m - inner_m);
   for (std::size_t coil = 0; coil < directions.size(); ++coil) {
     const double current_A = (*annotation.coil_current_A)[coil];
-    const double share = std::clamp(current_A / annotation.max_current_A, -1.0, 1.0);
+    const double fraction = std::clamp(current_A / annotation.max_current_A, -1.0, 1.0);
     const cv::Point2d inner = pen.pixel((inner_m + 0.1 * gap_m) * directions[coil]);
     const cv::Point2d outer = pen.pixel((inner_m + 0.9 * gap_m) * directions[coil]);
-    const cv::Point2d span = (outer - inner) * std::abs(share);
-    if (share > 0.0) draw_arrow(pen, inner, span, kVermilion);
-    if (share < 0.0) draw_arrow(pen, outer, -span, kBlue);
+    const cv::Point2d span = (outer - inner) * std::abs(fraction);
+    if (fraction > 0.0) draw_arrow(pen, inner, span, kVermilion);
+    if (fraction < 0.0) draw_arrow(pen, outer, -span, kBlue);
     const cv::Point2d middle = 0.5 * (inner + outer);
     const cv::Point2d beside = coil < 2 ? cv::Point2d(0.0, -44.0) : cv::Point2d(84.0, 0.0);
     pen.label(text_of("%+.1f A", current_A), middle + beside * pen.unit(), 0.7, kWhite);

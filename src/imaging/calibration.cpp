@@ -55,14 +55,14 @@ std::string text(double value, int digits = 2) {
   return out.str();
 }
 
-/// Mean of the pictures in grey.
+/// Mean of the images in grey.
 cv::Mat_<float> mean_grey(const std::vector<cv::Mat>& images, const CameraModel& camera) {
-  if (images.empty()) throw common::DataError("calibration: no picture was given; needs one or more");
+  if (images.empty()) throw common::DataError("calibration: no image was given; needs one or more");
   cv::Mat_<float> sum;
   for (const cv::Mat& image : images) {
     if (image.cols != camera.width_px || image.rows != camera.height_px ||
         (image.type() != CV_8UC3 && image.type() != CV_8UC1))
-      throw common::DataError("calibration: the picture is " + std::to_string(image.cols) + " x " +
+      throw common::DataError("calibration: the image is " + std::to_string(image.cols) + " x " +
                               std::to_string(image.rows) + " with " + std::to_string(image.channels()) +
                               " channels, must be " + std::to_string(camera.width_px) + " x " +
                               std::to_string(camera.height_px) +
@@ -145,13 +145,13 @@ class DishFitter {
     if (rim_expected < kPointsPerCircle / 2 ||
         static_cast<double>(rim) < config_.min_found * static_cast<double>(rim_expected))
       throw common::DataError("calibration: the dish was not found: " + std::to_string(rim) + " of " +
-                              std::to_string(rim_expected) + " points of its rim, needs a share of " +
+                              std::to_string(rim_expected) + " points of its rim, needs a fraction of " +
                               text(config_.min_found) +
-                              "; look at the picture, and check lens.focal_px, lens.distance_m and bench");
+                              "; look at the image, and check lens.focal_px, lens.distance_m and bench");
     if (lines < kLeastLinePoints)
       throw common::DataError(
           "calibration: " + std::to_string(lines) + " points of the coils' base lines are in view, needs " +
-          std::to_string(kLeastLinePoints) + "; at least one coil face must be in the picture");
+          std::to_string(kLeastLinePoints) + "; at least one coil face must be in the image");
   }
 
   /// Tukey's weights, scaled by the median residual.
@@ -239,8 +239,8 @@ class DishFitter {
     if (static_cast<double>(used) < config_.min_found * static_cast<double>(expected))
       throw common::DataError("calibration: only " + std::to_string(used) + " of " +
                               std::to_string(expected) +
-                              " expected points of dish and coils fit, needs a share of " +
-                              text(config_.min_found) + "; check the sizes under bench, and the picture");
+                              " expected points of dish and coils fit, needs a fraction of " +
+                              text(config_.min_found) + "; check the sizes under bench, and the image");
     if (!(fit.calibration.reprojection_rms_px <= config_.max_rms_px))
       throw common::DataError("calibration: residual " + text(fit.calibration.reprojection_rms_px) +
                               " px, must be at most max_rms_px = " + text(config_.max_rms_px) +

@@ -32,7 +32,7 @@ class Overlay {
     cv::polylines(image_, points, true, colour, 1, cv::LINE_AA, kShift);
   }
 
-  /// Straight on the floor, bent in the picture by the lens.
+  /// Straight on the floor, bent in the image by the lens.
   void line(const geometry::Vector2& from, const geometry::Vector2& to, const cv::Scalar& colour,
             int width = 1) {
     std::vector<cv::Point> points;
@@ -61,11 +61,10 @@ class Overlay {
 
 }  // namespace
 
-cv::Mat calibration_overlay(const cv::Mat& picture, const CameraModel& camera, const BenchGeometry& bench) {
-  LODESTONE_CHECK(
-      picture.type() == CV_8UC3 && picture.cols == camera.width_px && picture.rows == camera.height_px,
-      "an 8-bit BGR picture of the camera's size");
-  cv::Mat image = picture.clone();
+cv::Mat calibration_overlay(const cv::Mat& image, const CameraModel& camera, const BenchGeometry& bench) {
+  LODESTONE_CHECK(image.type() == CV_8UC3 && image.cols == camera.width_px && image.rows == camera.height_px,
+                  "an 8-bit BGR image of the camera's size");
+  cv::Mat image = image.clone();
   Overlay overlay(image, camera);
   const double radius_m = bench.dish_radius_m;
   for (double at_m = -kGrid_m * std::floor(radius_m / kGrid_m); at_m <= radius_m; at_m += kGrid_m) {

@@ -119,7 +119,7 @@ cv::Mat draw_charuco(const CharucoConfig& board) {
 
 void write_charuco(const std::string& png_file, const CharucoConfig& board) {
   std::vector<std::uint8_t> bytes;
-  LODESTONE_CHECK(cv::imencode(".png", draw_charuco(board), bytes), "a grey picture encodes as PNG");
+  LODESTONE_CHECK(cv::imencode(".png", draw_charuco(board), bytes), "a grey image encodes as PNG");
   constexpr std::size_t kEndOfHeader = 33;  // signature and IHDR
   std::string png(bytes.begin(), bytes.end());
   // A square is a whole number of pixels; the resolution makes up for the rounding.
@@ -154,28 +154,28 @@ CharucoCorners detect_charuco(const cv::Mat& image, const CharucoConfig& board) 
 CharucoFit fit_charuco(const std::vector<cv::Mat>& images, const CharucoConfig& board) {
   CharucoFit fit;
   std::vector<std::vector<cv::Point3f>> objects;
-  std::vector<std::vector<cv::Point2f>> pictures;
+  std::vector<std::vector<cv::Point2f>> images;
   for (std::size_t i = 0; i < images.size(); ++i) {
     if (images[i].size() != images[0].size())
-      throw common::DataError("pictures of the board differ in size; take all with one camera at one size");
+      throw common::DataError("images of the board differ in size; take all with one camera at one size");
     const CharucoCorners corners = detect_charuco(images[i], board);
     if (corners.ids.size() < kMinCorners) continue;
     fit.used.push_back(i);
     objects.push_back(object_points(corners));
-    pictures.push_back(image_points(corners));
+    images.push_back(image_points(corners));
   }
-  if (fit.used.size() < kMinCharucoPictures)
+  if (fit.used.size() < kMinCharucoImages)
     throw common::DataError("the board was seen in " + std::to_string(fit.used.size()) + " of " +
-                            std::to_string(images.size()) + " pictures, needs " +
-                            std::to_string(kMinCharucoPictures) +
-                            "; add sharp pictures that show most of it, some tilted by 15 degrees or more");
+                            std::to_string(images.size()) + " images, needs " +
+                            std::to_string(kMinCharucoImages) +
+                            "; add sharp images that show most of it, some tilted by 15 degrees or more");
   cv::Mat matrix = cv::Mat::eye(3, 3, CV_64F);
   cv::Mat distortion = cv::Mat::zeros(1, 5, CV_64F);
   std::vector<cv::Mat> rotations;
   std::vector<cv::Mat> translations;
   // CALIB_FIX_ASPECT_RATIO keeps one focal length; the camera model has radial terms k1 and k2 alone.
   fit.rms_px =
-      cv::calibrateCamera(objects, pictures, images[0].size(), matrix, distortion, rotations, translations,
+      cv::calibrateCamera(objects, images, images[0].size(), matrix, distortion, rotations, translations,
                           cv::CALIB_FIX_ASPECT_RATIO | cv::CALIB_ZERO_TANGENT_DIST | cv::CALIB_FIX_K3,
                           cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-12));
   fit.camera.width_px = images[0].cols;

@@ -60,7 +60,7 @@ class Visibility {
 /// Grey value between pixels, linear. (u, v) must lie inside by one pixel.
 float sample(const cv::Mat_<float>& image, double u_px, double v_px);
 
-/// Where the picture's edge is on the normal through a predicted place.
+/// Where the image's edge is on the normal through a predicted place.
 struct EdgeHit {
   bool found = false;
   double offset_px = 0.0;  ///< along the normal

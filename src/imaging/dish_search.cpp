@@ -12,7 +12,7 @@ namespace lodestone::imaging {
 namespace {
 
 constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
-constexpr double kScaleRange = 0.08;  ///< of the dish's size in the picture, either way
+constexpr double kScaleRange = 0.08;  ///< of the dish's size in the image, either way
 constexpr double kScaleStep = 0.005;
 constexpr double kTurnRange_deg = 44.0;  ///< the bench looks the same every 90 degrees
 constexpr double kTurnStep_deg = 0.5;
@@ -55,7 +55,7 @@ double rim_radius_px(const CameraModel& camera, const BenchGeometry& bench) {
          2.0;
 }
 
-/// Where most gradients point to from the distance of the rim, in pixels of the whole picture.
+/// Where most gradients point to from the distance of the rim, in pixels of the whole image.
 Eigen::Vector2d vote_for_centre(const cv::Mat_<float>& grey, double radius_px) {
   constexpr double kShrink = 4.0;
   constexpr float kLeast = 0.5F;
@@ -86,7 +86,7 @@ Eigen::Vector2d vote_for_centre(const cv::Mat_<float>& grey, double radius_px) {
   return {kShrink * (peak.x + 0.5) - 0.5, kShrink * (peak.y + 0.5) - 0.5};
 }
 
-/// How well the gradients of a picture fit a pose.
+/// How well the gradients of an image fit a pose.
 class Score {
  public:
   Score(const cv::Mat_<float>& grey, const BenchGeometry& bench, const CameraModel& start)
@@ -148,7 +148,7 @@ void climb(const Score& score, bool lines, const Pose& first_step, int halvings,
   }
 }
 
-/// Size of the dish in the picture, with its centre near that of `pose`.
+/// Size of the dish in the image, with its centre near that of `pose`.
 void scan_size(const Score& score, double distance_m, double pixel_m, Pose& pose) {
   const Pose from = pose;
   double best = -1.0;

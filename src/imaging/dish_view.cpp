@@ -21,7 +21,7 @@ DishView::DishView(const CameraModel& camera, double radius_m, double margin_m, 
     auto* out = places.ptr<cv::Vec2f>(row);
     for (int column = 0; column < size_px_; ++column) {
       const Eigen::Vector2d pixel = camera.project_floor(to_dish(column, row));
-      // Pixel k of the shrunk picture has its middle at shrink * k + (shrink - 1) / 2 of the picture.
+      // Pixel k of the shrunk image has its middle at shrink * k + (shrink - 1) / 2 of the image.
       const double offset = 0.5 * (shrink_ - 1);
       out[column] = {static_cast<float>((pixel.x() - offset) / shrink_),
                      static_cast<float>((pixel.y() - offset) / shrink_)};
@@ -52,14 +52,14 @@ bool DishView::shows(const geometry::Vector2& point_m) const {
          pixel.y() <= static_cast<double>(camera_.height_px - 1);
 }
 
-cv::Mat DishView::cut(const cv::Mat& picture, const cv::Rect& area) const {
-  if (picture.cols != camera_.width_px || picture.rows != camera_.height_px)
-    throw common::DataError("the picture is " + std::to_string(picture.cols) + " x " +
-                            std::to_string(picture.rows) + " px, the calibration is for " +
+cv::Mat DishView::cut(const cv::Mat& image, const cv::Rect& area) const {
+  if (image.cols != camera_.width_px || image.rows != camera_.height_px)
+    throw common::DataError("the image is " + std::to_string(image.cols) + " x " +
+                            std::to_string(image.rows) + " px, the calibration is for " +
                             std::to_string(camera_.width_px) + " x " + std::to_string(camera_.height_px) +
                             "; calibrate again with `lodestone calibrate`");
   const cv::Mat lookup = lookup_(area);
-  // Only the part of the picture that the area shows is shrunk.
+  // Only the part of the image that the area shows is shrunk.
   // Straight lines are nearly straight in it, so that a few points of the border bound it.
   cv::Point low(1 << 20, 1 << 20);
   cv::Point high(-(1 << 20), -(1 << 20));
@@ -74,12 +74,11 @@ cv::Mat DishView::cut(const cv::Mat& picture, const cv::Rect& area) const {
       high = {std::max<int>(high.x, place[0]), std::max<int>(high.y, place[1])};
     }
   }
-  const cv::Rect all(0, 0, picture.cols / shrink_, picture.rows / shrink_);
+  const cv::Rect all(0, 0, image.cols / shrink_, image.rows / shrink_);
   const cv::Rect box = cv::Rect(low.x - 4, low.y - 4, high.x - low.x + 10, high.y - low.y + 10) & all;
-  cv::Mat out = cv::Mat::zeros(area.size(), picture.type());
+  cv::Mat out = cv::Mat::zeros(area.size(), image.type());
   if (box.empty()) return out;
-  const cv::Mat source(picture,
-                       {box.x * shrink_, box.y * shrink_, box.width * shrink_, box.height * shrink_});
+  const cv::Mat source(image, {box.x * shrink_, box.y * shrink_, box.width * shrink_, box.height * shrink_});
   cv::Mat shrunk = source;
   if (shrink_ > 1) cv::resize(source, shrunk, box.size(), 0.0, 0.0, cv::INTER_AREA);
   cv::Mat places;

@@ -17,7 +17,7 @@ std::string number(double value, const char* format = "%.4g") {
   return text;
 }
 
-/// Row by row, so that a picture that is part of a larger one is compared too; a live picture differs in its
+/// Row by row, so that an image that is part of a larger one is compared too; a live image differs in its
 /// first row, which makes this free.
 bool same_bytes(const cv::Mat& a, const cv::Mat& b) {
   if (a.size() != b.size() || a.type() != b.type()) return false;
@@ -45,22 +45,22 @@ void FrameGuard::reset() { last_.release(); }
 
 void FrameGuard::check_format(const cv::Mat& image) const {
   if (image.empty()) {
-    throw common::HardwareError(camera_ + ": empty picture (0 pixels), expected " +
+    throw common::HardwareError(camera_ + ": empty image (0 pixels), expected " +
                                 std::to_string(config_.width_px) + "x" + std::to_string(config_.height_px) +
                                 "; check its cable and power");
   }
   if (image.channels() != 3) {
-    throw common::HardwareError(camera_ + ": picture of " + std::to_string(image.channels()) +
+    throw common::HardwareError(camera_ + ": image of " + std::to_string(image.channels()) +
                                 " channel(s), must be 3 (blue, green, red); the tape's colour tells the "
                                 "needle's head: set a colour pixel format");
   }
   if (image.depth() != CV_8U) {
-    throw common::HardwareError(camera_ + ": picture of " + std::to_string(8 * image.elemSize1()) +
+    throw common::HardwareError(camera_ + ": image of " + std::to_string(8 * image.elemSize1()) +
                                 " bits per channel or not of whole numbers, must be 8 bits; set an 8-bit "
                                 "pixel format");
   }
   if (image.cols != config_.width_px || image.rows != config_.height_px) {
-    throw common::HardwareError(camera_ + ": picture of " + std::to_string(image.cols) + "x" +
+    throw common::HardwareError(camera_ + ": image of " + std::to_string(image.cols) + "x" +
                                 std::to_string(image.rows) + " pixels, must be " +
                                 std::to_string(config_.width_px) + "x" + std::to_string(config_.height_px) +
                                 "; set the camera's size, or calibrate anew at this one");
@@ -79,28 +79,28 @@ void FrameGuard::check_exposure(const cv::Mat& image) const {
       ++seen;
     }
   }
-  const double share = static_cast<double>(white) / static_cast<double>(seen);
-  if (share > config_.max_white_share) {
-    throw common::HardwareError(camera_ + ": overexposed picture, " + number(100.0 * share, "%.1f") +
+  const double fraction = static_cast<double>(white) / static_cast<double>(seen);
+  if (fraction > config_.max_white_fraction) {
+    throw common::HardwareError(camera_ + ": overexposed image, " + number(100.0 * fraction, "%.1f") +
                                 " % of it is white, must be at most " +
-                                number(100.0 * config_.max_white_share, "%.1f") +
+                                number(100.0 * config_.max_white_fraction, "%.1f") +
                                 " %; shorten the exposure or dim the light");
   }
 }
 
 void FrameGuard::check_progress(const Frame& frame) const {
   if (!std::isfinite(frame.stamp_s)) {
-    throw common::HardwareError(camera_ + ": picture with stamp " + number(frame.stamp_s) +
+    throw common::HardwareError(camera_ + ": image with stamp " + number(frame.stamp_s) +
                                 " s, must be a finite time; check the camera's driver");
   }
   if (last_.empty()) return;
   if (!(frame.stamp_s > last_stamp_s_)) {
-    throw common::HardwareError(camera_ + ": frozen, picture with stamp " + number(frame.stamp_s, "%.6f") +
+    throw common::HardwareError(camera_ + ": frozen, image with stamp " + number(frame.stamp_s, "%.6f") +
                                 " s, must be later than the one before, " + number(last_stamp_s_, "%.6f") +
                                 " s; restart the camera");
   }
   if (same_bytes(frame.image, last_)) {
-    throw common::HardwareError(camera_ + ": frozen, the same picture twice (stamps " +
+    throw common::HardwareError(camera_ + ": frozen, the same image twice (stamps " +
                                 number(last_stamp_s_, "%.6f") + " s and " + number(frame.stamp_s, "%.6f") +
                                 " s); restart the camera");
   }

@@ -32,16 +32,16 @@ CameraModel nominal_camera(const LensConfig& lens) {
   return camera;
 }
 
-SceneConfig widened(SceneConfig config, double share) {
+SceneConfig widened(SceneConfig config, double fraction) {
   struct Widener {
-    double share;
+    double fraction;
     void field(const char*, common::Range& range, const char*, const char*, common::Bounds bounds) {
-      const double extra = 0.5 * share * (range.high - range.low);
+      const double extra = 0.5 * fraction * (range.high - range.low);
       range = {std::max(range.low - extra, bounds.min), std::min(range.high + extra, bounds.max)};
     }
     void group(const char*, LensConfig&, const char*) {}
     void group(const char*, BenchGeometry&, const char*) {}
-  } widener{share};
+  } widener{fraction};
   config.visit(widener);
   return config;
 }

@@ -17,9 +17,9 @@ Colour operator*(float factor, const Colour& colour) {
   return {factor * colour[0], factor * colour[1], factor * colour[2]};
 }
 
-Colour mix(const Colour& a, const Colour& b, float share_of_b) {
+Colour mix(const Colour& a, const Colour& b, float fraction_of_b) {
   Colour out;
-  for (int i = 0; i < 3; ++i) out[i] = a[i] + share_of_b * (b[i] - a[i]);
+  for (int i = 0; i < 3; ++i) out[i] = a[i] + fraction_of_b * (b[i] - a[i]);
   return out;
 }
 
@@ -59,7 +59,7 @@ cv::Mat floor_map(const CameraModel& camera) {
   return map;
 }
 
-/// Smooth unevenness, standard deviation 1, a few cells across the picture.
+/// Smooth unevenness, standard deviation 1, a few cells across the image.
 cv::Mat unevenness(common::RandomStream& random, cv::Size size, int cells) {
   cv::Mat_<float> grid(cells, cells);
   for (float& value : grid) value = static_cast<float>(random.normal());
@@ -86,7 +86,7 @@ class Bench {
     const float r_floor = std::hypot(x, y);
     const float radius = static_cast<float>(bench_.dish_radius_m);
     if (r_floor < radius - 2.0F * pixel_m_) return (1.0F + 0.02F * texture) * floor_;
-    // The ray passes the top of the wall at this share of its way.
+    // The ray passes the top of the wall at this fraction of its way.
     const float up = static_cast<float>(bench_.wall_height_m) / eye_.z();
     const float r_top = std::hypot(x + up * (eye_.x() - x), y + up * (eye_.y() - y));
     const float thickness = static_cast<float>(bench_.wall_thickness_m);

@@ -24,7 +24,7 @@ std::vector<signed char> make_noise_bank(std::size_t size) {
   return bank;
 }
 
-/// The most a picture of usual size needs; larger ones repeat it.
+/// The most an image of usual size needs; larger ones repeat it.
 const std::vector<signed char>& noise_bank() {
   static const std::vector<signed char> bank = make_noise_bank(3 * 1280 * 1024 + kNoiseShift);
   return bank;
@@ -54,7 +54,7 @@ class FrameNoise {
                                  std::lround(256.0 * sigma_grey / kNoiseScale))),
         offset_(random.below(kNoiseShift)) {}
 
-  /// Noisy copy of an area; `clean` begins at the area's corner, `out` is the whole picture.
+  /// Noisy copy of an area; `clean` begins at the area's corner, `out` is the whole image.
   void apply(const cv::Mat& clean, const cv::Rect& area, cv::Mat& out) const {
     const std::vector<signed char>& bank = noise_bank();
     const std::size_t bytes = 3 * static_cast<std::size_t>(area.width);
@@ -62,7 +62,7 @@ class FrameNoise {
       const std::size_t place =
           3 * (static_cast<std::size_t>(area.y + v) * static_cast<std::size_t>(out.cols) +
                static_cast<std::size_t>(area.x));
-      // Pictures larger than the bank read it again.
+      // Images larger than the bank read it again.
       const signed char* noise = bank.data() + (offset_ + place) % (bank.size() - bytes);
       add_noise(clean.ptr(v), noise, gain_, bytes, out.ptr(area.y + v) + 3 * area.x);
     }
@@ -127,7 +127,7 @@ class NeedlePainter {
         tape_from_m_(half_m_ - static_cast<float>(scene.bench.tape_length_m)),
         steps_(std::clamp(static_cast<int>(std::ceil(needle.smear_m.norm() / pixel_m_)), 1, 24)) {}
 
-  /// Part of the picture that the needle and its cover can touch.
+  /// Part of the image that the needle and its cover can touch.
   cv::Rect area() const {
     const double margin_m = half_m_ + 0.5 * needle_.smear_m.norm() + 1e-3 +
                             (needle_.covered > 0.0 ? 1.5 * cover_.half_width_m : 0.0);
@@ -138,7 +138,7 @@ class NeedlePainter {
     return box & cv::Rect(0, 0, layers_.under.cols, layers_.under.rows);
   }
 
-  /// Draws into `under`, which is the scene's `under` cut to `box`; masks are whole pictures or empty.
+  /// Draws into `under`, which is the scene's `under` cut to `box`; masks are whole images or empty.
   void paint(const cv::Rect& box, cv::Mat& under, cv::Mat& needle_mask, cv::Mat& tape_mask) const {
     const float cos_h = static_cast<float>(std::cos(needle_.pose.heading_rad));
     const float sin_h = static_cast<float>(std::sin(needle_.pose.heading_rad));
@@ -182,10 +182,10 @@ class NeedlePainter {
       const float my = way * static_cast<float>(needle_.smear_m.y());
       add(s - (cos_h * mx + sin_h * my), d - (cos_h * my - sin_h * mx), sum);
     }
-    const float share = 1.0F / static_cast<float>(steps_);
-    sum.coverage *= share;
-    sum.tape *= share;
-    for (float& value : sum.colour) value *= share;
+    const float fraction = 1.0F / static_cast<float>(steps_);
+    sum.coverage *= fraction;
+    sum.tape *= fraction;
+    for (float& value : sum.colour) value *= fraction;
     return sum;
   }
 

@@ -48,7 +48,7 @@ UNetImpl::UNetImpl(const UNetConfig& config, std::int64_t classes, bool batch_no
                                       channels, classes * config.upscale * config.upscale, 1)));
 }
 
-/// LibTorch gives small and 1x1 convolutions of one picture on one thread to a path that copies every patch
+/// LibTorch gives small and 1x1 convolutions of one image on one thread to a path that copies every patch
 /// first; a folded network, which needs no gradients, goes to oneDNN with all of them.
 Tensor UNetImpl::convolve(torch::nn::Conv2d& convolution, std::int64_t stride, std::int64_t padding,
                           const Tensor& x) const {
@@ -63,14 +63,14 @@ Tensor UNetImpl::run(Unit& unit, const Tensor& x) {
   return y.relu_();
 }
 
-Tensor UNetImpl::forward(const Tensor& picture) {
-  return forward_normalised((picture - colour_mean) / colour_std);
+Tensor UNetImpl::forward(const Tensor& image) {
+  return forward_normalised((image - colour_mean) / colour_std);
 }
 
 Tensor UNetImpl::forward_normalised(Tensor x) {
   const std::int64_t multiple = config_.multiple();
   LODESTONE_CHECK(x.dim() == 4 && x.size(1) == 3 && x.size(2) % multiple == 0 && x.size(3) % multiple == 0,
-                  "pictures [N, 3, H, W] with sides that are multiples of " + std::to_string(multiple));
+                  "images [N, 3, H, W] with sides that are multiples of " + std::to_string(multiple));
   std::size_t next = 0;
   x = run(units_[next++], x);
   std::vector<Tensor> skipped;
@@ -90,9 +90,9 @@ Tensor UNetImpl::forward_normalised(Tensor x) {
   return config_.upscale > 1 ? torch::pixel_shuffle(x, config_.upscale) : x;
 }
 
-void UNetImpl::fit_normaliser(const Tensor& pictures) {
+void UNetImpl::fit_normaliser(const Tensor& images) {
   const torch::NoGradGuard no_grad;
-  const Tensor values = pictures.to(torch::kFloat64).transpose(0, 1).flatten(1);
+  const Tensor values = images.to(torch::kFloat64).transpose(0, 1).flatten(1);
   colour_mean.copy_(values.mean(1).view({1, 3, 1, 1}));
   colour_std.copy_(values.std(1).clamp_min(1.0).view({1, 3, 1, 1}));
 }

@@ -8,10 +8,10 @@ std::string camera_section(const RunData& run) {
   std::string panels;
   for (const FilmedTrial& trial : run.filmed) {
     panels += "<figure><img style=\"max-width:100%\" alt=\"" + escape(trial.name) +
-              "\" src=\"data:image/jpeg;base64," + common::base64(trial.last_picture) + "\"><figcaption>" +
+              "\" src=\"data:image/jpeg;base64," + common::base64(trial.last_image) + "\"><figcaption>" +
               escape(trial.name) + "</figcaption></figure>\n";
   }
-  return "<p>The last picture of filmed trials, as the camera gave it to the localiser, with what the "
+  return "<p>The last image of filmed trials, as the camera gave it to the localiser, with what the "
          "controller "
          "believed drawn in: the dish where the calibration puts it (white), the estimated needle (orange, "
          "its "

@@ -8,7 +8,7 @@
 namespace lodestone::report {
 namespace {
 
-std::string coverage_picture(const data::Coverage& coverage) {
+std::string coverage_image(const data::Coverage& coverage) {
   const double radius_mm = 1000.0 * coverage.workspace_radius_m;
   const auto cells = coverage.position_cells;
   const double side_mm = 2.0 * radius_mm / static_cast<double>(cells);
@@ -60,7 +60,7 @@ std::string collection_section(const RunData& run) {
                      "even spread, is <b>" +
                      fixed(c.evenness, 3) + "</b> (1 would be even).</p>\n<div class=\"two\">";
   html += figure(
-      coverage_picture(c),
+      coverage_image(c),
       "<b>Where pulses were recorded.</b> Dark cells hold many, light cells few: a pale patch is a place "
       "about which the simulator has to guess. Coils are drawn schematically.");
   std::string charts;

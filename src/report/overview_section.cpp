@@ -64,7 +64,7 @@ std::string overview_section(const RunData& run, const RunData* recorded) {
       "<p>The rig is explored and recorded; a network learns from the record what a pulse of the coils does "
       "(the model-based simulator, MBS); a policy is trained by TD3 in many copies of that simulator; and "
       "the policy "
-      "then drives the rig. Every picture below comes from the files of this run.</p>\n" +
+      "then drives the rig. Every image below comes from the files of this run.</p>\n" +
       cards(run);
   std::vector<std::vector<std::string>> rows;
   add_steps(run, "", rows);

@@ -256,22 +256,22 @@ class PaperReport {
                                         {"best", "target", "MBS, best preset, random target", "–"},
                                         {"best", "pose", "MBS, best preset, pose", "–"}}) {
       const std::string folder = cells_ + "/policy/" + t.row + "/" + t.task;
-      std::vector<double> to_share_s;
+      std::vector<double> to_fraction_s;
       std::vector<double> whole_s;
       for (const std::string& seed : seeds_of(folder)) {
         const Json result = read_if_there(seed + "/result.json");
-        if (const auto value = number_at(result, {"seconds_to_95_percent"})) to_share_s.push_back(*value);
+        if (const auto value = number_at(result, {"seconds_to_95_percent"})) to_fraction_s.push_back(*value);
         if (const auto value = number_at(result, {"train_seconds"})) whole_s.push_back(*value);
       }
-      if (to_share_s.empty()) continue;
-      json_["training"][t.row][t.task] = {{"seconds_to_95_percent", common::mean(to_share_s)},
+      if (to_fraction_s.empty()) continue;
+      json_["training"][t.row][t.task] = {{"seconds_to_95_percent", common::mean(to_fraction_s)},
                                           {"train_seconds", common::mean(whole_s)},
-                                          {"n_seeds", to_share_s.size()}};
+                                          {"n_seeds", to_fraction_s.size()}};
       table.cells.push_back(
           {t.name, t.paper,
-           text("%.1f ± %.1f", common::mean(to_share_s), common::standard_deviation(to_share_s)),
+           text("%.1f ± %.1f", common::mean(to_fraction_s), common::standard_deviation(to_fraction_s)),
            text("%.1f ± %.1f", common::mean(whole_s), common::standard_deviation(whole_s)),
-           std::to_string(to_share_s.size())});
+           std::to_string(to_fraction_s.size())});
       const std::string chart =
           return_chart(std::string("fig4-") + t.row + "-" + t.task, t.name, {{t.name, folder}});
       if (!chart.empty()) charts += chart;

@@ -62,7 +62,7 @@ class Outcome {
   GError* error_ = nullptr;
 };
 
-/// The picture in a buffer. Throws HardwareError for a format that is not known or a buffer that is too
+/// The image in a buffer. Throws HardwareError for a format that is not known or a buffer that is too
 /// short for its size.
 cv::Mat to_bgr(ArvBuffer* buffer, const std::string& name) {
   const ArvPixelFormat value = arv_buffer_get_image_pixel_format(buffer);
@@ -81,7 +81,7 @@ cv::Mat to_bgr(ArvBuffer* buffer, const std::string& name) {
   std::size_t bytes = 0;
   const void* const data = arv_buffer_get_image_data(buffer, &bytes);
   if (data == nullptr || width <= 0 || height <= 0 || bytes < step * static_cast<std::size_t>(height)) {
-    throw common::HardwareError(name + ": a picture of " + std::to_string(width) + "x" +
+    throw common::HardwareError(name + ": an image of " + std::to_string(width) + "x" +
                                 std::to_string(height) + " came with " + std::to_string(bytes) +
                                 " bytes only; restart the camera");
   }
@@ -251,7 +251,7 @@ void AravisCamera::Device::start() {
   outcome.expect(name + " does not start", "restart the camera");
 }
 
-/// When nobody took pictures for a while, every buffer is full and what they show is old.
+/// When nobody took images for a while, every buffer is full and what they show is old.
 void AravisCamera::Device::drop_stale() const {
   gint waiting = 0;
   gint full = 0;
@@ -312,7 +312,7 @@ imaging::Frame AravisCamera::grab(double timeout_s) {
                                 " was lost: it does not answer; check power and cable, then "
                                 "open it anew");
   }
-  throw common::HardwareError(device_->name + ": no picture within " + number(timeout_s) + " s (" +
+  throw common::HardwareError(device_->name + ": no image within " + number(timeout_s) + " s (" +
                               std::to_string(incomplete) +
                               " came with packets missing); check cable, power and the network's load");
 }

@@ -200,8 +200,7 @@ void write_field_plot(const std::string& file, const physics::CoilGeometry& geom
   }
 
   std::vector<unsigned char> encoded;
-  if (!cv::imencode(".png", image, encoded))
-    throw common::IoError(file + ": the picture could not be encoded");
+  if (!cv::imencode(".png", image, encoded)) throw common::IoError(file + ": the image could not be encoded");
   common::write_file_atomically(
       file, std::string_view(reinterpret_cast<const char*>(encoded.data()), encoded.size()));
 }

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_picture(const fs::path& file) {
+bool is_image(const fs::path& file) {
   static const std::set<std::string> kEndings = {".png",  ".jpg", ".jpeg", ".bmp", ".tif",
                                                  ".tiff", ".ppm", ".pgm",  ".webp"};
   std::string ending = file.extension().string();
@@ -28,18 +28,18 @@ bool is_picture(const fs::path& file) {
   return kEndings.count(ending) != 0;
 }
 
-std::vector<std::string> pictures_of_folder(const std::string& folder) {
+std::vector<std::string> images_of_folder(const std::string& folder) {
   std::vector<std::string> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.is_regular_file() && is_picture(entry.path())) files.push_back(entry.path().string());
+    if (entry.is_regular_file() && is_image(entry.path())) files.push_back(entry.path().string());
   }
   std::sort(files.begin(), files.end());
   if (files.empty())
-    throw common::IoError("no pictures in folder " + folder + " (png, jpg, bmp, tif, ppm, webp)");
+    throw common::IoError("no images in folder " + folder + " (png, jpg, bmp, tif, ppm, webp)");
   return files;
 }
 
-std::vector<std::string> pictures_of_pattern(const std::string& pattern) {
+std::vector<std::string> images_of_pattern(const std::string& pattern) {
   glob_t found{};
   std::vector<std::string> files;
   if (::glob(pattern.c_str(), 0, nullptr, &found) == 0)
@@ -51,7 +51,7 @@ std::vector<std::string> pictures_of_pattern(const std::string& pattern) {
   return files;
 }
 
-/// Decodes one file as it is stored. Throws HardwareError: for a run, a picture that is broken is a camera
+/// Decodes one file as it is stored. Throws HardwareError: for a run, an image that is broken is a camera
 /// that fails.
 cv::Mat decode(const std::string& file) {
   cv::Mat image;
@@ -66,7 +66,7 @@ cv::Mat decode(const std::string& file) {
   } catch (const common::IoError& error) {
     throw common::HardwareError(error.what());
   }
-  if (image.empty()) throw common::HardwareError("cannot decode the picture " + file + "; is it complete?");
+  if (image.empty()) throw common::HardwareError("cannot decode the image " + file + "; is it complete?");
   if (image.channels() == 4) cv::cvtColor(image, image, cv::COLOR_BGRA2BGR);
   return image;
 }
@@ -82,16 +82,16 @@ struct FileCamera::Source {
 
   void open() {
     if (fs::is_directory(name)) {
-      files = pictures_of_folder(name);
+      files = images_of_folder(name);
     } else if (!fs::exists(name)) {
       if (name.find_first_of("*?[") == std::string::npos)
-        throw common::IoError("no such file or folder: '" + name + "', give pictures or a video to read");
-      files = pictures_of_pattern(name);
-    } else if (is_picture(name)) {
+        throw common::IoError("no such file or folder: '" + name + "', give images or a video to read");
+      files = images_of_pattern(name);
+    } else if (is_image(name)) {
       files = {name};
     } else if (!video.open(name, cv::CAP_FFMPEG)) {
       throw common::IoError("cannot read " + name +
-                            " as a video; give pictures, or a video such as .mp4 or .avi");
+                            " as a video; give images, or a video such as .mp4 or .avi");
     }
   }
 
@@ -103,7 +103,7 @@ struct FileCamera::Source {
       video.read(image);
     }
     if (image.empty()) {
-      throw common::HardwareError("camera " + name + " has no more pictures after " +
+      throw common::HardwareError("camera " + name + " has no more images after " +
                                   std::to_string(handed_out));
     }
     return image;

@@ -26,7 +26,7 @@ const char* const kFaults[wire::kFaultCount] = {
     "a coil is too hot",
     "the supply is too low",
     "the emergency stop is open",
-    "a coil was on for too large a share of the time",
+    "a coil was on for too large a fraction of the time",
     "the coil controller's watchdog has restarted it",
     "a motor controller reports a fault (emergency stop, temperature or over-current)",
 };
@@ -128,7 +128,7 @@ SerialCoils::SerialCoils(const SerialConfig& config, OpenPort open)
 SerialCoils::~SerialCoils() { stop(); }
 
 void SerialCoils::disconnect() noexcept {
-  last_words_.reset();
+  signal_safe_stop_.reset();
   port_.reset();
 }
 
@@ -150,7 +150,8 @@ void SerialCoils::connect() {
   port_->discard_input();
   decoder_->frames = {};
   if (port_->descriptor() >= 0)
-    last_words_ = std::make_unique<common::LastWords>(port_->descriptor(), frame_of(wire::kStop, 0, {}));
+    signal_safe_stop_ =
+        std::make_unique<common::SignalSafeStop>(port_->descriptor(), frame_of(wire::kStop, 0, {}));
   // Only has to differ from the session before; nothing that is recorded depends on it.
   std::random_device random;
   sequence_ = static_cast<std::uint16_t>(random());
@@ -275,7 +276,7 @@ void SerialCoils::stop() noexcept {
   try {
     const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
     if (!lock.owns_lock()) {  // another thread is in the middle of a request: the frame alone will do
-      if (last_words_) last_words_->say();
+      if (signal_safe_stop_) signal_safe_stop_->say();
       return;
     }
     if (!port_) return;  // the firmware's own limits end the pulse

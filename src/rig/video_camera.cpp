@@ -49,7 +49,7 @@ void check_device(const std::string& path) {
                                 "); plug it in, or set camera.source to its number or path");
   }
   if (!fs::is_character_file(path, ignored)) {
-    throw common::HardwareError(path + " is not a device; for pictures and videos set camera.kind to files");
+    throw common::HardwareError(path + " is not a device; for images and videos set camera.kind to files");
   }
   if (::access(path.c_str(), R_OK | W_OK) != 0) {
     throw common::HardwareError(
@@ -104,7 +104,7 @@ VideoCamera::Reader open_device(const CameraSourceConfig& config) {
   if (!capture->open(path, cv::CAP_V4L2)) {
     throw common::HardwareError(
         "cannot open " + path +
-        "; is another program using it, or is it not the picture device of the camera?");
+        "; is another program using it, or is it not the image device of the camera?");
   }
   configure(*capture, path, config);
   return [capture](cv::Mat& image) { return capture->read(image); };
@@ -136,7 +136,7 @@ struct VideoCamera::Shared {
         newest = {image, stamp_s};
         changed.notify_all();
       }
-      problem = "it delivers no more pictures";
+      problem = "it delivers no more images";
     } catch (const std::exception& error) {
       problem = error.what();
     }
@@ -175,7 +175,7 @@ imaging::Frame VideoCamera::grab(double timeout_s) {
     throw common::HardwareError("camera " + shared_->name + " failed: " + shared_->failure +
                                 "; check its cable, then open it anew");
   }
-  throw common::HardwareError("camera " + shared_->name + ": no picture within " + number(timeout_s) +
+  throw common::HardwareError("camera " + shared_->name + ": no image within " + number(timeout_s) +
                               " s; check its cable, its exposure and its frame rate");
 }
 

@@ -4,9 +4,9 @@
 
 namespace lodestone::rl {
 
-Hindsight::Hindsight(double share, const task::TaskConfig& task, const task::EncoderConfig& encoder,
+Hindsight::Hindsight(double fraction, const task::TaskConfig& task, const task::EncoderConfig& encoder,
                      std::int64_t environments, std::uint64_t seed)
-    : share_(share),
+    : fraction_(fraction),
       task_(task),
       encoder_(encoder),
       random_(seed, "hindsight"),
@@ -50,7 +50,7 @@ void Hindsight::relabel(const std::vector<Step>& episode, ReplayBuffer& buffer) 
     return geometry::Pose2{at_m.x(), at_m.y(), 0.0};
   };
   for (std::size_t t = 0; t < episode.size(); ++t) {
-    if (random_.uniform() >= share_) continue;
+    if (random_.uniform() >= fraction_) continue;
     const std::size_t later = t + random_.below(episode.size() - t);
     Step step = episode[t];
     task::Step judged;
@@ -58,7 +58,7 @@ void Hindsight::relabel(const std::vector<Step>& episode, ReplayBuffer& buffer) 
     judged.after = pose(step.next);
     judged.goal.position_m = encoder_.position_m(episode[later].next.data());
     judged.action = {step.action[0], step.action[1]};
-    const task::StepOutcome outcome = task::judge_step(task_, judged);
+    const task::StepOutcome outcome = task::evaluate_step(task_, judged);
     encoder_.retarget(judged.goal.position_m, step.observation.data());
     encoder_.retarget(judged.goal.position_m, step.next.data());
     // An end that was not the old goal's doing (the edge of the dish, say) stays one.

@@ -27,7 +27,7 @@ std::int64_t thread_count(std::int64_t asked) {
 }
 
 /// The part of a configuration that decides the result.
-common::Json deciding(TrainPolicyConfig config) {
+common::Json reproducibility_settings(TrainPolicyConfig config) {
   config.threads = 0;
   config.recorded.clear();
   config.dynamics.clear();  // folders may be moved; the environments' state says when the model is another
@@ -58,9 +58,9 @@ std::string note(const PolicyScore& score) {
 }
 
 std::optional<Hindsight> hindsight(const TrainPolicyConfig& config) {
-  const double share = config.training.learning.hindsight;
-  if (share <= 0.0) return std::nullopt;
-  return Hindsight(share, config.task, config.encoder, config.training.environments,
+  const double fraction = config.training.learning.hindsight;
+  if (fraction <= 0.0) return std::nullopt;
+  return Hindsight(fraction, config.task, config.encoder, config.training.environments,
                    static_cast<std::uint64_t>(config.seed));
 }
 
@@ -81,7 +81,7 @@ class Run {
 
   void resume() {
     const nets::Checkpoint checkpoint = nets::load_checkpoint(folder_ + "/training", kKind);
-    if (checkpoint.config != deciding(config_)) {
+    if (checkpoint.config != reproducibility_settings(config_)) {
       throw common::ConfigError("--resume: the configuration differs from that of " + folder_ +
                                 "/training; use the same --config and --set as before, or another --out");
     }
@@ -132,7 +132,7 @@ class Run {
     save();
     result_.env_steps = learner_.env_steps();
     result_.updates = learner_.updates();
-    result_.seconds_to_95_percent = seconds_to_share(0.95);
+    result_.seconds_to_95_percent = seconds_to_fraction(0.95);
     result_.peak_memory_mb = common::peak_memory_mb();
     return result_;
   }
@@ -158,9 +158,9 @@ class Run {
     return score;
   }
 
-  double seconds_to_share(double share) const {
+  double seconds_to_fraction(double fraction) const {
     const double first = returns_.front().second;
-    const double wanted = first + share * (returns_.back().second - first);
+    const double wanted = first + fraction * (returns_.back().second - first);
     const auto reached = std::find_if(returns_.begin() + 1, returns_.end() - 1,
                                       [wanted](const auto& entry) { return entry.second >= wanted; });
     return reached->first;
@@ -184,7 +184,7 @@ class Run {
   void save() {
     nets::Checkpoint checkpoint;
     checkpoint.kind = kKind;
-    checkpoint.config = deciding(config_);
+    checkpoint.config = reproducibility_settings(config_);
     learner_.save(checkpoint);
     checkpoint.facts["run"] = {{"next_evaluation", next_evaluation_},
                                {"train_seconds", result_.train_seconds},

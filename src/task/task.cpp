@@ -26,7 +26,7 @@ double success_radius_m(const TaskConfig& config, double progress) {
          std::min(1.0, progress) * (config.final_success_radius_m - config.success_radius_m);
 }
 
-StepOutcome judge_step(const TaskConfig& config, const Step& step) {
+StepOutcome evaluate_step(const TaskConfig& config, const Step& step) {
   const double distance_before = (step.before.position_m() - step.goal.position_m).norm();
   const double distance_after = (step.after.position_m() - step.goal.position_m).norm();
   StepOutcome outcome;

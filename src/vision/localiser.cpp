@@ -32,8 +32,8 @@ bool Localiser::inside(const geometry::Pose2& pose, const cv::Rect& area) const 
   return true;
 }
 
-Localisation Localiser::look(const cv::Mat& picture, const cv::Rect& area) const {
-  const Evidence evidence = segmenter_->segment(view_.cut(picture, area));
+Localisation Localiser::look(const cv::Mat& image, const cv::Rect& area) const {
+  const Evidence evidence = segmenter_->segment(view_.cut(image, area));
   Localisation found{fit_rod(evidence, segmenter_->grid_of(view_, area), config_.rod, last_heading_rad_)};
   if (found.found && !inside(found.pose, area)) {
     found.found = false;
@@ -43,11 +43,11 @@ Localisation Localiser::look(const cv::Mat& picture, const cv::Rect& area) const
 }
 
 /// A square around the last pose.
-Localisation Localiser::look_near(const cv::Mat& picture, double side_m) const {
+Localisation Localiser::look_near(const cv::Mat& image, double side_m) const {
   const std::int64_t multiple = segmenter_->config().network.multiple();
   const auto side_px = static_cast<std::int64_t>(std::lround(side_m / view_.pixel_m()));
   const std::int64_t fitting_px = std::max<std::int64_t>(1, side_px / multiple) * multiple;
-  Localisation found = look(picture, view_.around(*last_m_, static_cast<int>(fitting_px)));
+  Localisation found = look(image, view_.around(*last_m_, static_cast<int>(fitting_px)));
   found.tracked = found.found;
   return found;
 }
@@ -63,11 +63,11 @@ void Localiser::remember(const Localisation& found) {
   last_heading_rad_ = found.pose.heading_rad;
 }
 
-Localisation Localiser::locate(const cv::Mat& picture) {
+Localisation Localiser::locate(const cv::Mat& image) {
   Localisation found;
-  if (last_m_ && still_) found = look_near(picture, config_.still_crop_m);
-  if (last_m_ && !found.found) found = look_near(picture, config_.crop_m);
-  if (!found.found) found = look(picture, view_.whole());
+  if (last_m_ && still_) found = look_near(image, config_.still_crop_m);
+  if (last_m_ && !found.found) found = look_near(image, config_.crop_m);
+  if (!found.found) found = look(image, view_.whole());
   remember(found);
   return found;
 }

@@ -36,23 +36,23 @@ struct Attempt {
   double ms = 0.0;
 };
 
-/// One scene's pictures.
+/// One scene's images.
 struct SceneResult {
   Attempt clean;
   Attempt occluded;
   Attempt tracked;
-  Attempt again;  ///< another picture of the needle that was tracked
+  Attempt again;  ///< another image of the needle that was tracked
   bool found_in_none = false;
   bool found_in_two = false;
   double render_ms = 0.0;
   double scene_ms = 0.0;
 };
 
-Attempt attempt(Localiser& localiser, const cv::Mat& picture, const geometry::Pose2& truth) {
+Attempt attempt(Localiser& localiser, const cv::Mat& image, const geometry::Pose2& truth) {
   Attempt out;
   out.truth = truth;
   const double start_ms = thread_ms();
-  out.found = localiser.locate(picture);
+  out.found = localiser.locate(image);
   out.ms = thread_ms() - start_ms;
   return out;
 }
@@ -88,8 +88,9 @@ SceneResult run_scene(const std::shared_ptr<const Segmenter>& segmenter, const i
 
   localiser.forget();
   const geometry::Pose2 hidden = pose();
-  const double share = random.uniform(kLeastCovered, kMostCovered);
-  result.occluded = attempt(localiser, renderer.render({{hidden, {0.0, 0.0}, share}}, random).image, hidden);
+  const double fraction = random.uniform(kLeastCovered, kMostCovered);
+  result.occluded =
+      attempt(localiser, renderer.render({{hidden, {0.0, 0.0}, fraction}}, random).image, hidden);
   return result;
 }
 
@@ -185,7 +186,7 @@ SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const Segmenter> segmente
     render_ms.push_back(result.render_ms);
     scene_ms.push_back(result.scene_ms);
   }
-  // Two pictures differ by the error of both, hence the half.
+  // Two images differ by the error of both, hence the half.
   const double count = 2.0 * static_cast<double>(std::max<std::int64_t>(pairs, 1));
   evaluation.repeatability_mm = 1e3 * std::sqrt(apart_m2 / count);
   evaluation.repeatability_deg = 180.0 / kPi * std::sqrt(apart_rad2 / count);

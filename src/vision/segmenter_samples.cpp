@@ -58,10 +58,10 @@ class SampleMaker {
     return needles;
   }
 
-  void store(const cv::Mat& picture, std::int64_t row) const {
+  void store(const cv::Mat& image, std::int64_t row) const {
     const torch::Tensor pixels =
-        torch::from_blob(picture.data, {picture.rows, picture.cols, 3}, torch::kUInt8).permute({2, 0, 1});
-    out_.pictures[row].copy_(pixels);
+        torch::from_blob(image.data, {image.rows, image.cols, 3}, torch::kUInt8).permute({2, 0, 1});
+    out_.images[row].copy_(pixels);
   }
 
   void store_mask(const cv::Mat& mask, std::int64_t row, std::int64_t channel) const {
@@ -98,7 +98,7 @@ SegmenterSamples render_samples(const imaging::SceneConfig& scenes, const Sample
   LODESTONE_CHECK(config.crop_px % network.multiple() == 0, "crops the network can take");
   const std::int64_t mask_px = config.crop_px * network.upscale / network.stem;
   SegmenterSamples samples;
-  samples.pictures = torch::empty({count, 3, config.crop_px, config.crop_px}, torch::kUInt8);
+  samples.images = torch::empty({count, 3, config.crop_px, config.crop_px}, torch::kUInt8);
   samples.masks = torch::empty({count, 2, mask_px, mask_px}, torch::kUInt8);
   const std::int64_t scene_count = (count + config.frames_per_scene - 1) / config.frames_per_scene;
   const SampleMaker maker(config, segmenter, samples);
@@ -113,7 +113,7 @@ SegmenterSamples render_samples(const imaging::SceneConfig& scenes, const Sample
     const std::int64_t last = std::min(first + config.frames_per_scene, count);
     for (std::int64_t row = first; row < last; ++row) maker.run(renderer, view, random, row);
   });
-  if (common::interrupted()) throw common::Interrupted("rendering of training pictures was interrupted");
+  if (common::interrupted()) throw common::Interrupted("rendering of training images was interrupted");
   return samples;
 }
 

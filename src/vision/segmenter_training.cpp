@@ -14,14 +14,14 @@
 #include "lodestone/common/progress.h"
 #include "lodestone/nets/checkpoint.h"
 #include "lodestone/nets/flat_parameters.h"
-#include "prediction_picture.h"
+#include "prediction_image.h"
 
 namespace lodestone::vision {
 
 void TrainSegmenterConfig::validate() const {
   const nets::UNetConfig& network = segmenter.network;
-  if (pictures.crop_px % network.multiple() != 0)
-    throw common::ConfigError("pictures.crop_px = " + std::to_string(pictures.crop_px) +
+  if (images.crop_px % network.multiple() != 0)
+    throw common::ConfigError("images.crop_px = " + std::to_string(images.crop_px) +
                               ", must be a multiple of " + std::to_string(network.multiple()) +
                               " (segmenter.network.stem times 2 to the power of its depth)");
   if (training.batch_size % 4 != 0)
@@ -58,8 +58,8 @@ Tensor loss_of(const SegmenterTrainingConfig& config, const Tensor& logits, cons
 }
 
 /// One of the eight ways to lay a square on itself.
-Tensor turned(const Tensor& picture, std::uint64_t way) {
-  Tensor out = picture;
+Tensor turned(const Tensor& image, std::uint64_t way) {
+  Tensor out = image;
   if ((way & 1U) != 0) out = out.flip(-1);
   if ((way & 2U) != 0) out = out.flip(-2);
   if ((way & 4U) != 0) out = out.transpose(-1, -2);
@@ -76,14 +76,14 @@ class Training {
     start_s_ = clock_.now_s();
     train_ = render(config.training.samples, "train");
     validation_ = render(config.training.validation_samples, "validation");
-    common::log_info("rendered " + std::to_string(train_.size() + validation_.size()) + " pictures");
+    common::log_info("rendered " + std::to_string(train_.size() + validation_.size()) + " images");
     for (std::size_t shard = 0; shard < kShards; ++shard) {
       networks_.emplace_back(config.segmenter.network);
       parameters_.push_back(std::make_unique<nets::FlatParameters>(*networks_.back()));
     }
     common::RandomStream random(seed_, "segmenter weights");
     networks_[0]->initialise(random);
-    networks_[0]->fit_normaliser(train_.pictures.slice(0, 0, std::min<std::int64_t>(train_.size(), 256)));
+    networks_[0]->fit_normaliser(train_.images.slice(0, 0, std::min<std::int64_t>(train_.size(), 256)));
     share();
     first_moment_ = torch::zeros_like(parameters_[0]->values());
     second_moment_ = torch::zeros_like(parameters_[0]->values());
@@ -152,7 +152,7 @@ class Training {
 
  private:
   SegmenterSamples render(std::int64_t count, const char* part) {
-    return render_samples(config_.scenes, config_.pictures, config_.segmenter, count,
+    return render_samples(config_.scenes, config_.images, config_.segmenter, count,
                           common::derive_seed(seed_, part), pool_);
   }
 
@@ -216,13 +216,13 @@ class Training {
   double run_batch(const std::int64_t* rows, std::size_t per_shard) {
     std::vector<double> losses(kShards);
     pool_.for_each(kShards, [&](std::size_t shard) {
-      std::vector<Tensor> pictures;
+      std::vector<Tensor> images;
       std::vector<Tensor> targets;
-      for (std::size_t i = 0; i < per_shard; ++i) augment(rows[shard * per_shard + i], pictures, targets);
+      for (std::size_t i = 0; i < per_shard; ++i) augment(rows[shard * per_shard + i], images, targets);
       parameters_[shard]->zero_gradient();
       networks_[shard]->train();
       const Tensor logits =
-          networks_[shard]->forward(torch::stack(pictures).contiguous(torch::MemoryFormat::ChannelsLast));
+          networks_[shard]->forward(torch::stack(images).contiguous(torch::MemoryFormat::ChannelsLast));
       Tensor loss = loss_of(config_.training, logits, torch::stack(targets));
       loss.backward();
       losses[shard] = loss.item<double>();
@@ -230,7 +230,7 @@ class Training {
     return std::accumulate(losses.begin(), losses.end(), 0.0) / static_cast<double>(kShards);
   }
 
-  void augment(std::int64_t row, std::vector<Tensor>& pictures, std::vector<Tensor>& targets) const {
+  void augment(std::int64_t row, std::vector<Tensor>& images, std::vector<Tensor>& targets) const {
     common::RandomStream random(seed_, "segmenter augmentation",
                                 static_cast<std::uint64_t>(epoch_ * train_.size() + row));
     const std::uint64_t way = random.below(8);
@@ -240,7 +240,7 @@ class Training {
     for (int i = 0; i < 3; ++i)
       gains.push_back(static_cast<float>(all * random.uniform(1.0 - 0.5 * jitter, 1.0 + 0.5 * jitter)));
     const Tensor gain = torch::tensor(gains).view({3, 1, 1});
-    pictures.push_back((turned(train_.pictures[row], way).to(torch::kFloat32) * gain).clamp_max(255.0));
+    images.push_back((turned(train_.images[row], way).to(torch::kFloat32) * gain).clamp_max(255.0));
     targets.push_back(turned(train_.masks[row], way).to(torch::kFloat32) / 255.0);
   }
 
@@ -276,7 +276,7 @@ class Training {
       const std::int64_t last = std::min(first + kBatch, validation_.size());
       const Tensor target = validation_.masks.slice(0, first, last).to(torch::kFloat32) / 255.0;
       const Tensor logits =
-          networks_[0]->forward(validation_.pictures.slice(0, first, last).to(torch::kFloat32));
+          networks_[0]->forward(validation_.images.slice(0, first, last).to(torch::kFloat32));
       losses[batch] =
           loss_of(config_.training, logits, target).item<double>() * static_cast<double>(last - first);
       overlaps[batch] = dice(torch::sigmoid(logits), target) * static_cast<double>(last - first);
@@ -296,12 +296,12 @@ class Training {
     }
   }
 
-  /// Some validation pictures with the true and the predicted masks, for TensorBoard and as a file.
+  /// Some validation images with the true and the predicted masks, for TensorBoard and as a file.
   void show(common::MetricsLog& metrics) {
     const torch::NoGradGuard no_grad;
-    const Tensor pictures = validation_.pictures.slice(0, 0, std::min<std::int64_t>(validation_.size(), 4));
-    const Tensor probability = torch::sigmoid(networks_[0]->forward(pictures.to(torch::kFloat32)));
-    const cv::Mat sheet = prediction_picture(pictures, validation_.masks, probability);
+    const Tensor images = validation_.images.slice(0, 0, std::min<std::int64_t>(validation_.size(), 4));
+    const Tensor probability = torch::sigmoid(networks_[0]->forward(images.to(torch::kFloat32)));
+    const cv::Mat sheet = prediction_image(images, validation_.masks, probability);
     std::vector<unsigned char> png;
     cv::imencode(".png", sheet, png);
     metrics.write_image(epoch_, "predictions", std::string(png.begin(), png.end()), sheet.cols, sheet.rows);

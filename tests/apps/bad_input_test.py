@@ -39,7 +39,7 @@ check(["deploy", "--policy", "missing", "--task", "centre", "--out", "run"], 1, 
 check(["import", "missing.csv", "--out", "run.h5"], 1, "missing.csv")
 check(["evaluate", "dynamics", "--checkpoint", "missing", "--data", "missing.h5"], 1, "missing")
 check(["evaluate", "segmenter", "--checkpoint", "missing"], 1, "missing")
-check(["train-segmenter", "--set", "pictures.crop_px=100", "--out", "run"], 2, "pictures.crop_px = 100", "multiple of 32")
+check(["train-segmenter", "--set", "images.crop_px=100", "--out", "run"], 2, "images.crop_px = 100", "multiple of 32")
 check(["train-segmenter", "--set", "scenes.glare=[0.5,0.1]", "--out", "run"], 2, "scenes.glare", "low <= high")
 check(["collect", "--set", "sensor.segmenter=missing", "--out", "run"], 1, "missing")
 check(["deploy", "--controller", "baseline", "--sensor", "simulated", "--record", "--out", "run"], 2, "record.enabled", "camera")

@@ -64,7 +64,7 @@ try:
     assert all(abs(ohm - 1.915) < 0.03 for ohm in measured["resistance_ohm"]), measured
     assert all(abs(henry - 17.6e-3) < 2e-3 for henry in measured["inductance_H"]), measured
 
-    # The loop with the camera's picture, on the serial port.
+    # The loop with the camera's image, on the serial port.
     text = run("deploy", "--config", bench, "--controller", "baseline", "--task", "centre", "--trials", 1,
                *patient, "--set", "trials.point_seconds=4", "--out", folder / "deploy")
     expect(text, "as the camera saw them")
@@ -94,7 +94,7 @@ try:
     time.sleep(1)
     expect(run("rig", "check", "--config", bench, "--no-camera"), "the bench is ready")
 
-    # Exploring needs somebody who lays the needle down.
+    # Exploring needs somebody who places the needle.
     expect(run("collect", "--config", bench, "--set", "transitions=6", "--out", folder / "alone", code=1),
            "nobody can be asked")
     keyboard, terminal = pty.openpty()

@@ -93,7 +93,7 @@ with tempfile.TemporaryDirectory() as name:
     assert float(field[1].split(",")[2]) > 0.0, "positive current points towards the coil"
 
     speed = root / "speed"
-    quick = ("--set", "runs=1", "--set", "run_s=0.01", "--set", "pictures=10", "--set", "td3_batch=32", "--set",
+    quick = ("--set", "runs=1", "--set", "run_s=0.01", "--set", "images=10", "--set", "td3_batch=32", "--set",
              "mbs_environments=1000")
     run("bench", "speed", *quick, "--out", speed)
     measured = json.loads((speed / "speed.json").read_text())

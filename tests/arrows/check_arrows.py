@@ -21,11 +21,15 @@ LADDER = {
     "rig": {"physics", "imaging", "data", "geometry"},
     "env": {"physics", "task", "data", "nets", "geometry"},
     "rl": {"env", "nets", "data", "task", "geometry"},
-    "control": {"rig", "vision", "physics", "imaging", "data", "task", "nets", "geometry"},
-    "hil": {"control", "rig", "physics", "imaging", "data", "task", "geometry"},
+    "emulation": {"rig", "physics", "imaging", "geometry"},
+    "control": {"rig", "physics", "data", "task", "nets", "geometry"},
+    "safety": {"control", "rig", "geometry"},
+    "session": {"safety", "control", "rig", "vision", "imaging", "physics", "geometry"},
+    "experiments": {"session", "safety", "control", "emulation", "rig", "vision", "imaging", "physics", "data", "task", "nets",
+                    "geometry"},
     "report": {"data", "geometry"},
 }
-WITHOUT_TORCH = {"common", "geometry", "physics", "data", "task", "imaging", "rig", "hil", "report"}
+WITHOUT_TORCH = {"common", "geometry", "physics", "data", "task", "imaging", "rig", "emulation", "safety", "report"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.M)
 
 

@@ -21,7 +21,7 @@ std::pair<std::string, int> last_words_of_child(const std::vector<int>& signals)
     // Catch's own handlers are not what is tested.
     for (const int signal_number : signals) std::signal(signal_number, SIG_DFL);
     common::install_interrupt_handler();
-    common::LastWords words(ends[1], {'o', 'f', 'f'});
+    common::SignalSafeStop words(ends[1], {'o', 'f', 'f'});
     for (const int signal_number : signals) std::raise(signal_number);
     _exit(0);
   }

@@ -113,7 +113,7 @@ TEST_CASE("TensorBoard records are framed by length and checksum") {
   CHECK(crc == 0x224b7fa3U);
 }
 
-TEST_CASE("a picture in the TensorBoard events reads back with its step, tag, size and bytes") {
+TEST_CASE("an image in the TensorBoard events reads back with its step, tag, size and bytes") {
   const lodestone::tests::TemporaryFolder folder;
   std::string png("\x89PNG\r\n\x1a\n");
   for (int i = 0; i < 1000; ++i) png.push_back(static_cast<char>(i));

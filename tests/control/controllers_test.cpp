@@ -136,10 +136,10 @@ TEST_CASE("the policy controller computes what the network computes") {
   CHECK(action.y() == Approx(expected[0][1].item<double>()));
 }
 
-TEST_CASE("a full command that moves nothing swings from side to side until something moves") {
+TEST_CASE("a full command that moves nothing is dithered from side to side until something moves") {
   control::DecoratorConfig config;
   config.stall_gain = 2.0;
-  config.stall_swing_deg = 30.0;
+  config.direction_dither_deg = 30.0;
   control::AdaptiveGain controller(constant(0.8, 0.0), config);
   controller.reset();
   task::Observation observation;
@@ -159,11 +159,11 @@ TEST_CASE("a full command that moves nothing swings from side to side until some
   CHECK(angle_deg() == Approx(0.0).margin(1e-9));
 }
 
-TEST_CASE("a swing may be weaker than the full command, and still counts as one") {
+TEST_CASE("a dithered command may be weaker than the full one, and still counts as one") {
   control::DecoratorConfig config;
   config.stall_gain = 1.2;
-  config.stall_swing_deg = 30.0;
-  config.stall_swing_strength = 0.1;
+  config.direction_dither_deg = 30.0;
+  config.direction_dither_fraction = 0.1;
   control::AdaptiveGain controller(constant(1.0, 0.0), config);
   controller.reset();
   Vector2 action = controller.act(after({0.0, 0.0}, 0.0));

@@ -25,12 +25,12 @@ geometry::Pose2 toy_step(const geometry::Pose2& pose, const Vector2& action) {
 
 bool in_dish(const geometry::Pose2& pose) { return pose.position_m().norm() < 0.037; }
 
-/// Entropy of visits over position cells, in shares of the largest that this many cells allow.
+/// Entropy of visits over position cells, as a fraction of the largest that this many cells allow.
 double evenness(const std::map<int, int>& visits, int total) {
   double entropy = 0.0;
   for (const auto& [cell, count] : visits) {
-    const double share = static_cast<double>(count) / total;
-    entropy -= share * std::log(share);
+    const double fraction = static_cast<double>(count) / total;
+    entropy -= fraction * std::log(fraction);
   }
   return entropy / std::log(80.0);
 }

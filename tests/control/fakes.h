@@ -65,7 +65,7 @@ class ScriptedSensor final : public control::PoseSensor {
 
   std::deque<control::PoseEstimate> script;
   bool throws = false;
-  bool stalled = false;  ///< the same picture for ever
+  bool stalled = false;  ///< the same image for ever
 
  private:
   const common::Clock& clock_;

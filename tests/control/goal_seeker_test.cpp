@@ -22,9 +22,9 @@ control::GoalSeeker seeker(std::vector<Vector2>& targets, const control::GoalSee
 
 }  // namespace
 
-TEST_CASE("a target is kept until it is reached or patience ends") {
+TEST_CASE("a target is kept until it is reached or its pulses are used up") {
   control::GoalSeekerConfig config;
-  config.patience = 5;
+  config.max_pulses_per_target = 5;
   config.noise = 0.0;
   std::vector<Vector2> targets;
   control::GoalSeeker seek = seeker(targets, config);

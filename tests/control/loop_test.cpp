@@ -10,7 +10,7 @@ namespace {
 
 struct Bench {
   control::ControlLoopConfig config;
-  control::SafetyConfig safety;
+  safety::SafetyConfig safety;
   task::ActionConfig action;
   tests::RecordingCoils device;
   tests::ManualClock clock;
@@ -18,7 +18,7 @@ struct Bench {
   double duration_s = 1.5;
 
   control::LoopOutcome run(control::Controller& controller) {
-    control::SafetySupervisor coils(device, safety, clock);
+    safety::Supervisor coils(device, safety, clock);
     control::ControlLoop loop(config, action, coils, sensor, clock);
     control::PointReference reference({0.01, 0.0}, duration_s);
     return loop.run(controller, reference);
@@ -97,9 +97,9 @@ TEST_CASE("every fault stops the coils and is the reason of the outcome") {
   }
   SECTION("too many observations without a pose") {
     bench.config.max_invalid_poses = 3;
-    bench.sensor.push_invalid("no needle in the picture");
+    bench.sensor.push_invalid("no needle in the image");
     outcome = bench.run(steady);
-    expected = "no pose for 3 observations in a row: no needle in the picture";
+    expected = "no pose for 3 observations in a row: no needle in the image";
     CHECK(bench.device.pulses.size() == 1);
   }
   CHECK_FALSE(outcome.completed);

@@ -229,8 +229,8 @@ TEST_CASE("a predicted distribution is sampled, another draw in every environmen
   const torch::Tensor before = environments.reset().clone();
   const torch::Tensor moved =
       42.5 * (push(environments).final_observation.select(1, 0) - before.select(1, 0));  // mm
-  const double share = (moved > 2.0).to(torch::kFloat32).mean().item<double>();
-  CHECK(share == Approx(0.5).margin(0.07));
+  const double fraction = (moved > 2.0).to(torch::kFloat32).mean().item<double>();
+  CHECK(fraction == Approx(0.5).margin(0.07));
   CHECK(torch::minimum((moved - 4.0).abs(), moved.abs()).max().item<double>() < 0.05);
 
   config.outcome = "mean";

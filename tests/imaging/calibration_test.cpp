@@ -19,8 +19,8 @@ imaging::SceneConfig far_off() {
   return config;
 }
 
-cv::Mat picture_of(const imaging::SceneRenderer& renderer, bool with_needle = false) {
-  common::RandomStream random(1, "picture");
+cv::Mat image_of(const imaging::SceneRenderer& renderer, bool with_needle = false) {
+  common::RandomStream random(1, "image");
   std::vector<imaging::NeedleView> needles;
   if (with_needle) needles.push_back({{0.01, -0.02, 0.5}});
   return renderer.render(needles, random).image;
@@ -28,12 +28,12 @@ cv::Mat picture_of(const imaging::SceneRenderer& renderer, bool with_needle = fa
 
 }  // namespace
 
-TEST_CASE("a camera 5 mm and 5 degrees off is calibrated from one picture of the dish") {
+TEST_CASE("a camera 5 mm and 5 degrees off is calibrated from one image of the dish") {
   const imaging::SceneConfig config = far_off();
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const imaging::SceneRenderer renderer(imaging::draw_scene(config, seed));
     const imaging::Calibration calibration =
-        imaging::calibrate_from_dish({picture_of(renderer, seed % 2 == 0)}, config.bench, config.lens);
+        imaging::calibrate_from_dish({image_of(renderer, seed % 2 == 0)}, config.bench, config.lens);
     const imaging::FloorError error =
         imaging::floor_error(calibration.camera, renderer.scene().camera, config.bench);
     CAPTURE(seed);
@@ -48,7 +48,7 @@ TEST_CASE("known intrinsics are left as they are") {
   const imaging::SceneRenderer renderer(imaging::draw_scene(config, 11));
   imaging::CameraModel start = imaging::nominal_camera(config.lens);
   start.k1 = renderer.scene().camera.k1;
-  const imaging::DishFit fit = imaging::fit_dish({picture_of(renderer)}, config.bench, start, {}, true);
+  const imaging::DishFit fit = imaging::fit_dish({image_of(renderer)}, config.bench, start, {}, true);
   CHECK(fit.calibration.camera.focal_px == start.focal_px);
   CHECK(fit.calibration.camera.k1 == start.k1);
   CHECK(imaging::floor_error(fit.calibration.camera, renderer.scene().camera, config.bench).rms_m < 0.15e-3);
@@ -59,12 +59,12 @@ TEST_CASE("a camera that was knocked is noticed, one that was not is left alone"
   imaging::Scene scene = imaging::draw_scene(config, 3);
   const imaging::SceneRenderer before(scene);
   const imaging::Calibration calibration =
-      imaging::calibrate_from_dish({picture_of(before)}, config.bench, config.lens);
+      imaging::calibrate_from_dish({image_of(before)}, config.bench, config.lens);
   const imaging::CalibrationConfig bounds;
-  CHECK(imaging::camera_moved_m(picture_of(before, true), calibration, config.bench) < bounds.moved_bound_m);
+  CHECK(imaging::camera_moved_m(image_of(before, true), calibration, config.bench) < bounds.moved_bound_m);
   scene.camera = imaging::moved(scene.camera, {0.0, 0.0, 0.0}, {0.001, 0.0, 0.0});
   const imaging::SceneRenderer after(scene);
-  CHECK(imaging::camera_moved_m(picture_of(after), calibration, config.bench) > bounds.moved_bound_m);
+  CHECK(imaging::camera_moved_m(image_of(after), calibration, config.bench) > bounds.moved_bound_m);
 }
 
 TEST_CASE("what cannot be calibrated is named") {
@@ -83,10 +83,10 @@ TEST_CASE("what cannot be calibrated is named") {
 TEST_CASE("the overlay draws what the calibration says, and nothing else") {
   const imaging::SceneConfig config;
   const imaging::SceneRenderer renderer(imaging::draw_scene(config, 1));
-  const cv::Mat picture = picture_of(renderer);
-  const cv::Mat overlay = imaging::calibration_overlay(picture, renderer.scene().camera, config.bench);
+  const cv::Mat image = image_of(renderer);
+  const cv::Mat overlay = imaging::calibration_overlay(image, renderer.scene().camera, config.bench);
   cv::Mat difference;
-  cv::absdiff(picture, overlay, difference);
+  cv::absdiff(image, overlay, difference);
   const int changed = cv::countNonZero(difference.reshape(1));
   CHECK(changed > 10000);
   CHECK(changed < 0.1 * static_cast<double>(difference.total() * 3));

@@ -18,7 +18,7 @@ imaging::CameraModel tilted() {
 
 }  // namespace
 
-TEST_CASE("the nominal camera looks straight down with x to the right and y up in the picture") {
+TEST_CASE("the nominal camera looks straight down with x to the right and y up in the image") {
   const imaging::CameraModel camera;
   CHECK(camera.pixel_size_m() == Approx(0.1e-3).epsilon(1e-3));
   CHECK((camera.project_floor(geometry::Vector2(0.0, 0.0)) - Eigen::Vector2d(639.5, 511.5)).norm() < 1e-9);

@@ -25,7 +25,7 @@ imaging::CameraModel true_camera() {
 }
 
 /// The board lying on the floor, seen by `camera`, on grey.
-cv::Mat picture_of_board(const imaging::CharucoConfig& config, const imaging::CameraModel& camera) {
+cv::Mat image_of_board(const imaging::CharucoConfig& config, const imaging::CameraModel& camera) {
   imaging::CharucoConfig coarse = config;
   coarse.dpi = 300.0;
   const cv::Mat board = imaging::draw_charuco(coarse);
@@ -65,41 +65,41 @@ TEST_CASE("the printed board holds its resolution and reads back") {
 TEST_CASE("corners are named by their place on the print") {
   const imaging::CharucoConfig config;
   const imaging::CameraModel camera = true_camera();
-  const imaging::CharucoCorners corners = imaging::detect_charuco(picture_of_board(config, camera), config);
+  const imaging::CharucoCorners corners = imaging::detect_charuco(image_of_board(config, camera), config);
   REQUIRE(corners.ids.size() == 35);
   for (std::size_t i = 0; i < corners.ids.size(); ++i)
     CHECK((camera.project_floor(corners.board_m[i]) - corners.pixels[i]).norm() < 0.15);
 }
 
-TEST_CASE("pictures of the board give intrinsics, distortion and pose") {
+TEST_CASE("images of the board give intrinsics, distortion and pose") {
   const imaging::CharucoConfig config;
   const imaging::CameraModel camera = true_camera();
-  std::vector<cv::Mat> pictures;
+  std::vector<cv::Mat> images;
   std::vector<imaging::CameraModel> poses;
   for (const Eigen::Vector3d& turn :
        {Eigen::Vector3d(0.0, 0.0, 0.05), Eigen::Vector3d(0.45, 0.0, 0.0), Eigen::Vector3d(-0.45, 0.1, 0.3),
         Eigen::Vector3d(0.0, 0.45, -0.2), Eigen::Vector3d(0.1, -0.45, 0.1), Eigen::Vector3d(0.3, 0.3, 0.8)}) {
     poses.push_back(imaging::moved(camera, turn, {0.004 * turn.x(), 0.003, 0.01 * turn.z()}));
-    pictures.push_back(picture_of_board(config, poses.back()));
+    images.push_back(image_of_board(config, poses.back()));
   }
-  const imaging::CharucoFit fit = imaging::fit_charuco(pictures, config);
-  CHECK(fit.used.size() == pictures.size());
+  const imaging::CharucoFit fit = imaging::fit_charuco(images, config);
+  CHECK(fit.used.size() == images.size());
   CHECK(fit.rms_px < 0.1);
   CHECK(fit.camera.focal_px == Approx(camera.focal_px).epsilon(0.005));
   CHECK(fit.camera.centre_u_px == Approx(camera.centre_u_px).margin(10.0));
   CHECK(fit.camera.centre_v_px == Approx(camera.centre_v_px).margin(10.0));
   CHECK(fit.camera.k1 == Approx(camera.k1).margin(0.1));
-  const imaging::CameraModel posed = imaging::charuco_pose(pictures[1], config, fit.camera);
+  const imaging::CameraModel posed = imaging::charuco_pose(images[1], config, fit.camera);
   for (const double x : {-0.03, 0.0, 0.03}) {
     const geometry::Vector2 point(x, 0.02);
     CHECK((posed.to_dish(poses[1].project_floor(point)) - point).norm() < 5e-5);
   }
 }
 
-TEST_CASE("pictures without a board are refused with the remedy") {
+TEST_CASE("images without a board are refused with the remedy") {
   const imaging::CharucoConfig config;
   const std::vector<cv::Mat> empty(4, cv::Mat(512, 640, CV_8UC1, cv::Scalar(128)));
-  CHECK_THROWS_WITH(imaging::fit_charuco(empty, config), Catch::Contains("0 of 4 pictures"));
+  CHECK_THROWS_WITH(imaging::fit_charuco(empty, config), Catch::Contains("0 of 4 images"));
   CHECK_THROWS_AS(imaging::charuco_pose(empty[0], config, {}), common::DataError);
   imaging::CharucoConfig wrong;
   wrong.marker_m = wrong.square_m;

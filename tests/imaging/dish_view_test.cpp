@@ -54,7 +54,7 @@ TEST_CASE("areas around a point keep to the view and to the grid") {
   CHECK_FALSE(view.shows({0.2, 0.0}));
 }
 
-TEST_CASE("a picture of another size is refused") {
+TEST_CASE("an image of another size is refused") {
   const imaging::DishView view({}, 0.0425, 0.002, 0.2e-3, 32);
   CHECK_THROWS_AS(view.cut(cv::Mat::zeros(480, 640, CV_8UC3), view.whole()), common::DataError);
 }

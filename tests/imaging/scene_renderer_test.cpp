@@ -78,7 +78,7 @@ TEST_CASE("noise has the standard deviation it is given") {
   CHECK(deviation[1] == Approx(4.0).epsilon(0.1));
 }
 
-TEST_CASE("a covered needle keeps its mask and loses some of its picture") {
+TEST_CASE("a covered needle keeps its mask and loses some of its image") {
   const imaging::SceneRenderer renderer(scene_with(0.0));
   common::RandomStream random(1, "frame");
   const cv::Mat empty = renderer.render({}, random).image;

@@ -18,7 +18,7 @@ nets::UNet small_network() {
 
 }  // namespace
 
-TEST_CASE("the mask has the picture's shape, shrunk by the stem and enlarged by the upscaling") {
+TEST_CASE("the mask has the image's shape, shrunk by the stem and enlarged by the upscaling") {
   nets::UNet network = small_network();
   CHECK(network->forward(torch::zeros({2, 3, 64, 96})).sizes() == torch::IntArrayRef({2, 2, 32, 48}));
   CHECK_THROWS_AS(network->forward(torch::zeros({1, 3, 60, 64})), std::logic_error);
@@ -32,9 +32,9 @@ TEST_CASE("a folded network is the same function in evaluation mode") {
   for (int i = 0; i < 10; ++i) network->forward(torch::rand({4, 3, 64, 64}) * 255.0);
   network->eval();
   nets::UNet fast = nets::folded(network);
-  const torch::Tensor picture = torch::rand({2, 3, 64, 96}) * 255.0;
+  const torch::Tensor image = torch::rand({2, 3, 64, 96}) * 255.0;
   const torch::NoGradGuard no_grad;
-  CHECK((fast->forward(picture) - network->forward(picture)).abs().max().item<double>() < 1e-4);
+  CHECK((fast->forward(image) - network->forward(image)).abs().max().item<double>() < 1e-4);
 }
 
 TEST_CASE("a small U-Net learns to mark what is bright") {
@@ -42,12 +42,12 @@ TEST_CASE("a small U-Net learns to mark what is bright") {
   torch::manual_seed(2);
   torch::optim::Adam optimiser(network->parameters(), torch::optim::AdamOptions(1e-2));
   const torch::Tensor blocks = (torch::rand({8, 1, 8, 8}) > 0.7).to(torch::kFloat32);
-  const torch::Tensor picture = torch::upsample_nearest2d(blocks, {64, 64}).repeat({1, 3, 1, 1}) * 200.0;
+  const torch::Tensor image = torch::upsample_nearest2d(blocks, {64, 64}).repeat({1, 3, 1, 1}) * 200.0;
   const torch::Tensor target = torch::upsample_nearest2d(blocks, {32, 32}).repeat({1, 2, 1, 1});
   double loss = 0.0;
   for (int step = 0; step < 200; ++step) {
     optimiser.zero_grad();
-    const torch::Tensor error = torch::binary_cross_entropy_with_logits(network->forward(picture), target);
+    const torch::Tensor error = torch::binary_cross_entropy_with_logits(network->forward(image), target);
     error.backward();
     optimiser.step();
     loss = error.item<double>();

@@ -103,7 +103,7 @@ TEST_CASE("a GenICam camera over GigE Vision keeps the contract of Camera, and s
       camera->grab(0.3);
     } catch (const common::HardwareError& error) {
       silent = true;
-      CHECK_THAT(error.what(), Contains("no picture within 0.3 s") || Contains("was lost"));
+      CHECK_THAT(error.what(), Contains("no image within 0.3 s") || Contains("was lost"));
     }
   }
   CHECK(silent);

@@ -7,7 +7,7 @@
 
 namespace lodestone::tests {
 
-/// What every Camera must keep: colour pictures of one size whose time goes forward.
+/// What every Camera must keep: colour images of one size whose time goes forward.
 inline void check_camera(rig::Camera& camera) {
   const imaging::Frame first = camera.grab(1.0);
   const imaging::Frame second = camera.grab(1.0);
@@ -18,7 +18,7 @@ inline void check_camera(rig::Camera& camera) {
   CHECK(first.image.data != second.image.data);  // a frame kept is not overwritten by the next
 }
 
-/// A camera that has stopped answering says so instead of handing out an old picture.
+/// A camera that has stopped answering says so instead of handing out an old image.
 inline void check_silent_camera(rig::Camera& camera) {
   CHECK_THROWS_AS(camera.grab(0.01), common::HardwareError);
 }

@@ -5,7 +5,7 @@
 
 namespace lodestone::tests {
 
-/// Hands out grey pictures, one every 33 ms of its own time, until it is told to fall silent.
+/// Hands out grey images, one every 33 ms of its own time, until it is told to fall silent.
 class FakeCamera final : public rig::Camera {
  public:
   imaging::Frame grab(double timeout_s) override {

@@ -28,17 +28,17 @@ void write_video(const std::string& file, int frames) {
 
 }  // namespace
 
-TEST_CASE("a folder of pictures is a camera that shows them by name and then ends") {
+TEST_CASE("a folder of images is a camera that shows them by name and then ends") {
   const tests::TemporaryFolder folder;
   for (const int i : {2, 0, 1}) cv::imwrite(folder / ("frame_" + std::to_string(i) + ".png"), flat(50 * i));
-  common::write_file_atomically(folder / "notes.txt", "not a picture");
+  common::write_file_atomically(folder / "notes.txt", "not an image");
   rig::FileCamera camera(folder.path(), 20.0);
   for (int i = 0; i < 3; ++i) {
     const imaging::Frame frame = camera.grab(0.0);
     CHECK(grey_of(frame) == 50 * i);
     CHECK(frame.stamp_s == Approx(0.05 * i));
   }
-  CHECK_THROWS_WITH(camera.grab(1.0), Contains("has no more pictures after 3"));
+  CHECK_THROWS_WITH(camera.grab(1.0), Contains("has no more images after 3"));
 }
 
 TEST_CASE("folders, patterns and videos keep the contract of Camera") {
@@ -50,11 +50,11 @@ TEST_CASE("folders, patterns and videos keep the contract of Camera") {
     config.source = source;
     const auto camera = rig::open_camera(config);
     tests::check_camera(*camera);
-    tests::check_silent_camera(*camera);  // two pictures, no third
+    tests::check_silent_camera(*camera);  // two images, no third
   }
 }
 
-TEST_CASE("a video is read to its end, a single picture once") {
+TEST_CASE("a video is read to its end, a single image once") {
   const tests::TemporaryFolder folder;
   write_video(folder / "film.avi", 5);
   rig::FileCamera film(folder / "film.avi", 30.0);
@@ -67,7 +67,7 @@ TEST_CASE("a video is read to its end, a single picture once") {
   CHECK_THROWS_AS(one.grab(0.0), common::HardwareError);
 }
 
-TEST_CASE("a grey picture stays grey, so that the frame guard can refuse it") {
+TEST_CASE("a grey image stays grey, so that the frame guard can refuse it") {
   const tests::TemporaryFolder folder;
   cv::imwrite(folder / "a.png", flat(10, CV_8UC1));
   cv::imwrite(folder / "b.png", flat(10, CV_8UC4));
@@ -80,7 +80,7 @@ TEST_CASE("what cannot be read from disk is named") {
   const tests::TemporaryFolder folder;
   CHECK_THROWS_WITH(rig::FileCamera(folder / "nowhere", 30.0), Contains("nowhere"));
   CHECK_THROWS_AS(rig::FileCamera("", 30.0), common::IoError);
-  CHECK_THROWS_WITH(rig::FileCamera(folder.path(), 30.0), Contains("no pictures in folder"));
+  CHECK_THROWS_WITH(rig::FileCamera(folder.path(), 30.0), Contains("no images in folder"));
   CHECK_THROWS_WITH(rig::FileCamera(folder / "*.png", 30.0), Contains("no file matches"));
   common::write_file_atomically(folder / "text.mp4", "this is no video at all");
   CHECK_THROWS_WITH(rig::FileCamera(folder / "text.mp4", 30.0), Contains("as a video"));

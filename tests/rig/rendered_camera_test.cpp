@@ -28,7 +28,7 @@ TEST_CASE("the rendered camera keeps the contract of Camera") {
   CHECK_THROWS_AS(camera.grab(0.001), common::HardwareError);  // shorter than the exposure
 }
 
-TEST_CASE("a picture takes its exposure on the rig's clock and shows where the needle is") {
+TEST_CASE("an image takes its exposure on the rig's clock and shows where the needle is") {
   rig::VirtualRig rig({}, 1);
   rig::RenderedCamera camera(rig, renderer_of(0.0), common::RandomStream(1, "noise"));
   rig.place({0.01, 0.0, 0.0});
@@ -43,7 +43,7 @@ TEST_CASE("a picture takes its exposure on the rig's clock and shows where the n
   CHECK(cv::countNonZero(difference.reshape(1) > 40) > 1000);
 }
 
-TEST_CASE("the bench in the picture has the rig's sizes") {
+TEST_CASE("the bench in the image has the rig's sizes") {
   rig::VirtualRigConfig config;
   config.needle.length_m = 0.018;
   config.dish.radius_m = 0.04;

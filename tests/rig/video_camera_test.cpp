@@ -18,7 +18,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// A device that gives a picture whenever the test asks it to, and hangs otherwise.
+/// A device that gives an image whenever the test asks it to, and hangs otherwise.
 class HandDriven {
  public:
   rig::VideoCamera::Reader reader() {
@@ -32,8 +32,8 @@ class HandDriven {
       return true;
     };
   }
-  void show(int pictures) {
-    change([&] { pending_ += pictures; });
+  void show(int images) {
+    change([&] { pending_ += images; });
   }
   void close() {
     change([&] { closed_ = true; });
@@ -53,7 +53,7 @@ class HandDriven {
   bool closed_ = false;
 };
 
-bool steady_picture(cv::Mat& image) {
+bool steady_image(cv::Mat& image) {
   std::this_thread::sleep_for(std::chrono::milliseconds(2));
   image.create(48, 64, CV_8UC3);
   image.setTo(cv::Scalar::all(90));
@@ -63,22 +63,22 @@ bool steady_picture(cv::Mat& image) {
 }  // namespace
 
 TEST_CASE("a camera that is read by a thread keeps the contract of Camera") {
-  rig::VideoCamera camera(steady_picture, "device", 0.0);
+  rig::VideoCamera camera(steady_image, "device", 0.0);
   tests::check_camera(camera);
 }
 
-TEST_CASE("a device that hangs does not hang the caller, and a picture is handed out once") {
+TEST_CASE("a device that hangs does not hang the caller, and an image is handed out once") {
   HandDriven device;
   {
     rig::VideoCamera camera(device.reader(), "device", 0.0);
     tests::check_silent_camera(camera);
     device.show(1);
     CHECK(camera.grab(10.0).image.at<cv::Vec3b>(0, 0)[0] == 1);
-    CHECK_THROWS_WITH(camera.grab(0.01), Contains("device") && Contains("no picture within 0.01 s"));
+    CHECK_THROWS_WITH(camera.grab(0.01), Contains("device") && Contains("no image within 0.01 s"));
     device.show(1);
     CHECK(camera.grab(10.0).image.at<cv::Vec3b>(0, 0)[0] == 2);
     device.close();
-    CHECK_THROWS_WITH(camera.grab(10.0), Contains("delivers no more pictures"));
+    CHECK_THROWS_WITH(camera.grab(10.0), Contains("delivers no more images"));
     CHECK_THROWS_AS(camera.grab(10.0), common::HardwareError);
   }
 }

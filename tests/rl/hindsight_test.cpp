@@ -75,7 +75,7 @@ TEST_CASE("An end that was not the target's doing stays one", "[rl]") {
   CHECK(buffer.save().at("rows")[3][15].item<float>() == 1.0F);
 }
 
-TEST_CASE("Half an episode survives saving, and no share means no rows", "[rl]") {
+TEST_CASE("Half an episode survives saving, and no fraction means no rows", "[rl]") {
   rl::Hindsight one(0.5, {}, encoder(), 1, 7);
   rl::Hindsight two(0.5, {}, encoder(), 1, 8);
   rl::ReplayBuffer for_one(100, 6, 2);

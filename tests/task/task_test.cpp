@@ -14,7 +14,7 @@ StepOutcome move(const TaskConfig& config, const Vector2& from_m, const Vector2&
   step.before = {from_m.x(), from_m.y(), 0.0};
   step.after = {to_m.x(), to_m.y(), 0.0};
   step.index = index;
-  return judge_step(config, step);
+  return evaluate_step(config, step);
 }
 
 }  // namespace
@@ -67,9 +67,9 @@ TEST_CASE("the success radius shrinks with the training's progress") {
   Step step;
   step.before = {0.01, 0.0, 0.0};
   step.after = {0.0015, 0.0, 0.0};
-  CHECK_FALSE(judge_step(config, step).success);
+  CHECK_FALSE(evaluate_step(config, step).success);
   step.progress = 0.5;
-  CHECK(judge_step(config, step).success);
+  CHECK(evaluate_step(config, step).success);
   config.final_success_radius_m = 0.0;
   CHECK(success_radius_m(config, 1.0) == Approx(0.003));
 }
@@ -81,12 +81,12 @@ TEST_CASE("a pose is reached when place and heading are") {
   step.before = {0.001, 0.0, 1.0};
   step.after = {0.001, 0.0, 3.1};
   step.goal.heading_rad = -3.1;
-  const StepOutcome turned = judge_step(config, step);
+  const StepOutcome turned = evaluate_step(config, step);
   CHECK(turned.success);
   const double pi = 3.14159265358979;
   CHECK(turned.reward == Approx(-5.0 * ((2 * pi - 6.2) - (2 * pi - 4.1)) / pi + 10.0 - 0.04));
   step.after.heading_rad = 2.5;
-  CHECK_FALSE(judge_step(config, step).success);
+  CHECK_FALSE(evaluate_step(config, step).success);
 }
 
 TEST_CASE("current costs what the configuration says") {
@@ -96,5 +96,5 @@ TEST_CASE("current costs what the configuration says") {
   step.before = {0.02, 0.0, 0.0};
   step.after = step.before;
   step.action = {0.6, -0.8};
-  CHECK(judge_step(config, step).reward == Approx(-0.04 - 0.5));
+  CHECK(evaluate_step(config, step).reward == Approx(-0.04 - 0.5));
 }

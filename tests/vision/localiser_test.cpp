@@ -22,7 +22,7 @@ struct View {
         localiser(shipped_segmenter(), renderer.scene().camera, renderer.scene().bench.dish_radius_m, {}),
         random(seed, "frames") {}
 
-  cv::Mat picture(const std::vector<imaging::NeedleView>& needles) {
+  cv::Mat image(const std::vector<imaging::NeedleView>& needles) {
     return renderer.render(needles, random).image;
   }
 
@@ -43,11 +43,11 @@ void check_near(const vision::Localisation& found, const geometry::Pose2& pose, 
 TEST_CASE("a needle is found over the whole dish, then near its last place") {
   View view(1);
   geometry::Pose2 pose{-0.02, 0.012, 0.4};
-  const vision::Localisation first = view.localiser.locate(view.picture({{pose}}));
+  const vision::Localisation first = view.localiser.locate(view.image({{pose}}));
   check_near(first, pose, 0.6e-3);
   CHECK_FALSE(first.tracked);
   pose = {-0.015, 0.008, 1.0};
-  const vision::Localisation second = view.localiser.locate(view.picture({{pose}}));
+  const vision::Localisation second = view.localiser.locate(view.image({{pose}}));
   check_near(second, pose, 0.6e-3);
   CHECK(second.tracked);
 }
@@ -56,7 +56,7 @@ TEST_CASE("a needle that jumped is found again over the whole dish") {
   View view(2);
   view.localiser.expect({-0.03, -0.02});
   const geometry::Pose2 pose{0.022, 0.015, 2.8};
-  const vision::Localisation found = view.localiser.locate(view.picture({{pose}}));
+  const vision::Localisation found = view.localiser.locate(view.image({{pose}}));
   check_near(found, pose, 0.6e-3);
   CHECK_FALSE(found.tracked);
 }
@@ -64,24 +64,24 @@ TEST_CASE("a needle that jumped is found again over the whole dish") {
 TEST_CASE("a needle under a stain is found a little less well, and says so") {
   View view(3);
   const geometry::Pose2 pose{0.005, -0.01, -2.0};
-  const vision::Localisation found = view.localiser.locate(view.picture({{pose, {0.0, 0.0}, 0.25}}));
+  const vision::Localisation found = view.localiser.locate(view.image({{pose, {0.0, 0.0}, 0.25}}));
   check_near(found, pose, 1.5e-3);
   CHECK(found.covariance(0, 0) > 0.0);
 }
 
 TEST_CASE("no pose, and a reason, for no needle and for two") {
   View view(1);
-  const vision::Localisation none = view.localiser.locate(view.picture({}));
+  const vision::Localisation none = view.localiser.locate(view.image({}));
   CHECK_FALSE(none.found);
   CHECK_THAT(none.reason, Catch::Contains("no needle"));
   const vision::Localisation two =
-      view.localiser.locate(view.picture({{{-0.02, 0.01, 0.3}}, {{0.015, -0.012, 1.9}}}));
+      view.localiser.locate(view.image({{{-0.02, 0.01, 0.3}}, {{0.015, -0.012, 1.9}}}));
   CHECK_FALSE(two.found);
   CHECK_THAT(two.reason, Catch::Contains("more than one needle"));
 }
 
-TEST_CASE("a needle at the picture's edge gives no pose") {
-  // A camera so far off that its picture ends within the dish.
+TEST_CASE("a needle at the image's edge gives no pose") {
+  // A camera so far off that its image ends within the dish.
   imaging::Scene scene = imaging::draw_scene({}, 1);
   scene.camera = imaging::moved({}, {0.0, 0.0, 0.0}, {0.035, 0.0, 0.0});
   const imaging::SceneRenderer renderer(scene);
@@ -94,7 +94,7 @@ TEST_CASE("a needle at the picture's edge gives no pose") {
   CHECK_FALSE(found.reason.empty());
 }
 
-TEST_CASE("a picture of another size is refused") {
+TEST_CASE("an image of another size is refused") {
   View view(1);
   CHECK_THROWS_AS(view.localiser.locate(cv::Mat::zeros(480, 640, CV_8UC3)), common::DataError);
 }

@@ -21,8 +21,8 @@ class Evidence {
     maps_.tape = cv::Mat(kSide, kSide, CV_32F, cv::Scalar(-6.0));
   }
 
-  /// Log-odds of the share of each pixel that is needle. Hidden parts (along the needle, from its middle) say
-  /// nothing either way.
+  /// Log-odds of the fraction of each pixel that is needle. Hidden parts (along the needle, from its middle)
+  /// say nothing either way.
   Evidence& add(const geometry::Pose2& pose, double hidden_from_m = 1.0, double hidden_to_m = 1.0) {
     const vision::RodConfig rod;
     for (int row = 0; row < kSide; ++row) {
@@ -58,8 +58,8 @@ class Evidence {
   const vision::Evidence& maps() const { return maps_; }
 
  private:
-  static double log_odds(double share) {
-    const double p = std::min(std::max(share, 0.002), 0.998);
+  static double log_odds(double fraction) {
+    const double p = std::min(std::max(fraction, 0.002), 0.998);
     return std::log(p / (1.0 - p));
   }
   static void put(cv::Mat& map, int row, int column, double value) {

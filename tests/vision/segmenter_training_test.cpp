@@ -18,8 +18,8 @@ vision::TrainSegmenterConfig small_config() {
   vision::TrainSegmenterConfig config;
   config.segmenter.network.width = 4;
   config.segmenter.network.depth = 2;
-  config.pictures.crop_px = 128;
-  config.pictures.frames_per_scene = 8;
+  config.images.crop_px = 128;
+  config.images.frames_per_scene = 8;
   config.training.samples = 16;
   config.training.validation_samples = 8;
   config.training.batch_size = 8;
@@ -38,12 +38,12 @@ TEST_CASE("samples hold a needle and its mask, and do not depend on threads") {
   const vision::TrainSegmenterConfig config = small_config();
   common::ThreadPool one(1);
   common::ThreadPool three(3);
-  const auto a = vision::render_samples(config.scenes, config.pictures, config.segmenter, 24, 5, one);
-  const auto b = vision::render_samples(config.scenes, config.pictures, config.segmenter, 24, 5, three);
-  CHECK(torch::equal(a.pictures, b.pictures));
+  const auto a = vision::render_samples(config.scenes, config.images, config.segmenter, 24, 5, one);
+  const auto b = vision::render_samples(config.scenes, config.images, config.segmenter, 24, 5, three);
+  CHECK(torch::equal(a.images, b.images));
   CHECK(torch::equal(a.masks, b.masks));
   CHECK(a.masks.sizes() == torch::IntArrayRef({24, 2, 64, 64}));
-  // Tape is part of the needle, and most pictures show one.
+  // Tape is part of the needle, and most images show one.
   CHECK((a.masks.select(1, 1) > a.masks.select(1, 0)).sum().item<int>() < 20);
   CHECK((a.masks.select(1, 0).flatten(1).sum(1) > 0).sum().item<int>() > 12);
 }
@@ -71,7 +71,7 @@ TEST_CASE("training depends on the seed, not on threads, and resumes bitwise", "
 
 TEST_CASE("sizes that do not fit the network are named") {
   vision::TrainSegmenterConfig config = small_config();
-  config.pictures.crop_px = 100;
+  config.images.crop_px = 100;
   CHECK_THROWS_WITH(config.validate(), Catch::Contains("crop_px"));
   config = small_config();
   config.training.batch_size = 6;
@@ -87,9 +87,9 @@ TEST_CASE("a segmenter survives its checkpoint, and another kind is refused") {
   network->eval();
   vision::save_segmenter(folder / "s", config.segmenter, network, common::config_to_json(config), {});
   const auto loaded = vision::Segmenter::load(folder / "s");
-  const cv::Mat picture(128, 160, CV_8UC3, cv::Scalar(90, 120, 150));
+  const cv::Mat image(128, 160, CV_8UC3, cv::Scalar(90, 120, 150));
   const vision::Segmenter direct(config.segmenter, network);
-  CHECK(cv::norm(loaded->segment(picture).needle, direct.segment(picture).needle, cv::NORM_INF) == 0.0);
+  CHECK(cv::norm(loaded->segment(image).needle, direct.segment(image).needle, cv::NORM_INF) == 0.0);
   CHECK(vision::training_scenes(folder / "s").glare.high == config.scenes.glare.high);
   nets::Checkpoint other;
   other.kind = "policy";

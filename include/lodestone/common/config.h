@@ -36,6 +36,7 @@ using Choices = std::vector<std::string>;
 //
 // The same visit() reads JSON (ConfigReader), writes it (ConfigWriter) and documents it (ConfigDescriber).
 // Nested configurations are visited with v.group("dish", dish, "the dish").
+// A key that is no longer known is refused with where it went: v.retired("radius", "radius_m").
 // A configuration may also have `void validate() const`, which throws ConfigError; it runs after reading.
 
 /// Reads one JSON object strictly: an unknown key, a wrong type or a value out of bounds throws ConfigError
@@ -64,6 +65,9 @@ class ConfigReader {
     value.visit(reader);
     reader.finish();
   }
+
+  /// A key of earlier versions. Throws ConfigError that says what took its place.
+  void retired(const char* key, const char* successor) const;
 
   /// Throws ConfigError when the object holds a key that no field() or group() asked for.
   void finish() const;
@@ -102,6 +106,7 @@ class ConfigWriter {
     value.visit(writer);
     json_[key] = writer.take();
   }
+  void retired(const char* /*key*/, const char* /*successor*/) {}
   Json take() { return std::move(json_); }
 
  private:
@@ -138,6 +143,7 @@ class ConfigDescriber {
     value.visit(nested);
     for (ConfigRow& row : nested.rows_) rows_.push_back(std::move(row));
   }
+  void retired(const char* /*key*/, const char* /*successor*/) {}
   const std::vector<ConfigRow>& rows() const { return rows_; }
 
  private:

@@ -14,12 +14,12 @@ bool interrupted() noexcept;
 /// Bytes that are written to a file descriptor should a signal end the program (a fault, a closed terminal,
 /// an abort, a second Ctrl-C) while this object lives: how a dying program still switches a device off.
 /// Nothing helps against `kill -9`. At most eight at a time; LogicFault beyond.
-class LastWords {
+class SignalSafeStop {
  public:
-  LastWords(int descriptor, std::vector<std::uint8_t> bytes);
-  ~LastWords();
-  LastWords(const LastWords&) = delete;
-  LastWords& operator=(const LastWords&) = delete;
+  SignalSafeStop(int descriptor, std::vector<std::uint8_t> bytes);
+  ~SignalSafeStop();
+  SignalSafeStop(const SignalSafeStop&) = delete;
+  SignalSafeStop& operator=(const SignalSafeStop&) = delete;
   /// Writes them now.
   void say() const noexcept;
 

@@ -23,7 +23,7 @@ class MetricsLog {
 
   /// Writes {"step": step, "wall_s": ..., name: value...}. Throws IoError when the disk is full.
   void write(std::int64_t step, const Scalars& scalars);
-  /// Puts a picture (a whole PNG file, 8-bit RGB) into the TensorBoard events. Throws IoError.
+  /// Puts an image (a whole PNG file, 8-bit RGB) into the TensorBoard events. Throws IoError.
   void write_image(std::int64_t step, const std::string& tag, std::string_view png, std::int64_t width,
                    std::int64_t height);
 

@@ -8,8 +8,8 @@
 
 namespace lodestone::common {
 
-/// The value below which this share of the values lies, without interpolation; 0 when there are none.
-double percentile(std::vector<double> values, double share);
+/// The value below which this fraction of the values lies, without interpolation; 0 when there are none.
+double percentile(std::vector<double> values, double fraction);
 double median(const std::vector<double>& values);
 
 double mean(const std::vector<double>& values);
@@ -27,8 +27,8 @@ struct Interval {
   double high = 0.0;
 };
 
-/// Wilson's score interval of a share: sensible for 50 of 50, too. `z` = 1.96 covers 95 %. Throws LogicFault
-/// unless 0 <= successes <= trials and trials > 0.
+/// Wilson's score interval of a fraction: sensible for 50 of 50, too. `z` = 1.96 covers 95 %. Throws
+/// LogicFault unless 0 <= successes <= trials and trials > 0.
 Interval wilson_interval(std::int64_t successes, std::int64_t trials, double z = 1.96);
 
 /// Percentile bootstrap of a statistic of all values together, drawn anew with replacement inside every

@@ -9,7 +9,7 @@
 
 namespace lodestone::common {
 
-/// Writes scalars and pictures as a TensorBoard event file (TFRecord framing with masked CRC-32C around Event
+/// Writes scalars and images as a TensorBoard event file (TFRecord framing with masked CRC-32C around Event
 /// messages; format: tensorflow/core/util/event.proto and lib/io/record_writer).
 class TensorBoardWriter {
  public:

@@ -8,9 +8,9 @@
 
 #include "lodestone/common/clock.h"
 #include "lodestone/control/controller.h"
+#include "lodestone/control/guard.h"
 #include "lodestone/control/pose_sensor.h"
 #include "lodestone/control/reference.h"
-#include "lodestone/control/safety_supervisor.h"
 #include "lodestone/rig/coils.h"
 #include "lodestone/task/action.h"
 
@@ -61,7 +61,7 @@ class ControlLoop {
   using Observer = std::function<void(const StepRecord&)>;
 
   /// Everything must outlive the loop. `action` must map to amperes.
-  ControlLoop(const ControlLoopConfig& config, const task::ActionConfig& action, SafetySupervisor& coils,
+  ControlLoop(const ControlLoopConfig& config, const task::ActionConfig& action, Guard& coils,
               PoseSensor& sensor, common::Clock& clock);
 
   /// Never throws for what sensor, controller or coils do: any fault stops the coils and is the outcome's
@@ -73,7 +73,7 @@ class ControlLoop {
 
   ControlLoopConfig config_;
   task::ActionConfig action_;
-  SafetySupervisor& coils_;
+  Guard& coils_;
   PoseSensor& sensor_;
   common::Clock& clock_;
 };

@@ -12,8 +12,8 @@ struct DecoratorConfig {
   double stall_gain_max = 8.0;
   double stall_threshold_m = 0.0015;
   double stall_threshold_deg = 6.0;
-  double stall_swing_deg = 0.0;
-  double stall_swing_strength = 1.0;
+  double direction_dither_deg = 0.0;
+  double direction_dither_fraction = 1.0;
   double hold_radius_m = 0.0;
   double hold_heading_deg = 10.0;
 
@@ -23,18 +23,19 @@ struct DecoratorConfig {
             {1.0, 4.0});
     v.field("stall_gain_max", stall_gain_max, "", "largest factor that may build up", {1.0, 1000.0});
     v.field("stall_threshold_m", stall_threshold_m, "m",
-            "a sensed step shorter than this is no motion (above the noise from picture to picture)",
-            {0.0, 0.1});
+            "a sensed step shorter than this is no motion (above the noise from image to image)", {0.0, 0.1});
     v.field("stall_threshold_deg", stall_threshold_deg, "deg", "nor is a turn smaller than this",
             {0.0, 180.0});
     v.field(
-        "stall_swing_deg", stall_swing_deg, "deg",
+        "direction_dither_deg", direction_dither_deg, "deg",
         "a needle that the full command does not move is pulled this much to one side, then the other, then "
         "further; 0 is off",
         {0.0, 90.0});
-    v.field("stall_swing_strength", stall_swing_strength, "",
-            "share of the full command that such a pull has: turning takes less current than pulling",
+    v.field("direction_dither_fraction", direction_dither_fraction, "",
+            "fraction of the full command that such a pull has: turning takes less current than pulling",
             {0.01, 1.0});
+    v.retired("stall_swing_deg", "direction_dither_deg");
+    v.retired("stall_swing_strength", "direction_dither_fraction");
     v.field("hold_radius_m", hold_radius_m, "m",
             "no current while sensed within this of the target; 0 is off", {0.0, 0.1});
     v.field("hold_heading_deg", hold_heading_deg, "deg",
@@ -44,8 +45,8 @@ struct DecoratorConfig {
 
 /// Multiplies the command by a factor that grows with every step without motion and returns to 1 after
 /// motion: a memoryless policy below the break-away current would repeat itself for ever (rig-physics.md).
-/// Where even the full command moves nothing (the dead zones between two coils), its direction swings: that
-/// turns the needle.
+/// Where even the full command moves nothing (the dead zones between two coils), its direction is dithered:
+/// that turns the needle.
 class AdaptiveGain final : public Controller {
  public:
   AdaptiveGain(std::unique_ptr<Controller> inner, const DecoratorConfig& config);
@@ -54,7 +55,7 @@ class AdaptiveGain final : public Controller {
   double gain() const { return gain_; }
 
  private:
-  geometry::Vector2 swung(const geometry::Vector2& action) const;
+  geometry::Vector2 dithered(const geometry::Vector2& action) const;
 
   std::unique_ptr<Controller> inner_;
   DecoratorConfig config_;

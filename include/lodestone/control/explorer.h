@@ -18,8 +18,8 @@ struct ExplorerConfig {
   std::int64_t heading_bins = 8;
   std::int64_t level_bins = 5;
   std::int64_t candidates = 24;
-  double single_axis_share = 0.3;
-  double zero_share = 0.02;
+  double single_axis_fraction = 0.3;
+  double zero_fraction = 0.02;
   double min_drive = 0.1;
   double steering = 1.0;
   std::int64_t stuck_steps = 4;
@@ -35,10 +35,13 @@ struct ExplorerConfig {
     v.field("heading_bins", heading_bins, "", "heading bins of the visit counts", {1, 360});
     v.field("level_bins", level_bins, "", "current levels per axis and sign of the visit counts", {1, 100});
     v.field("candidates", candidates, "", "random actions the least visited is chosen from", {1, 10000});
-    v.field("single_axis_share", single_axis_share, "", "share of candidates that drive one axis only",
+    v.field("single_axis_fraction", single_axis_fraction, "",
+            "fraction of candidates that drive one axis only", {0.0, 1.0});
+    v.retired("single_axis_share", "single_axis_fraction");
+    v.retired("zero_share", "zero_fraction");
+    v.field("zero_fraction", zero_fraction, "", "fraction of steps without current", {0.0, 1.0});
+    v.field("min_drive", min_drive, "", "smallest axis drive, as a fraction of the largest current",
             {0.0, 1.0});
-    v.field("zero_share", zero_share, "", "share of steps without current", {0.0, 1.0});
-    v.field("min_drive", min_drive, "", "smallest axis drive, as a share of the largest current", {0.0, 1.0});
     v.field("steering", steering, "", "weight of steering towards places seldom visited; 0 is off",
             {0.0, 100.0});
     v.field("stuck_steps", stuck_steps, "", "steps without motion after which the operator moves the needle",

@@ -13,7 +13,7 @@ namespace lodestone::control {
 struct GoalSeekerConfig {
   double goal_radius_m = 0.030;
   double reached_m = 0.0015;
-  std::int64_t patience = 12;
+  std::int64_t max_pulses_per_target = 12;
   double noise = 0.1;
 
   template <class Visitor>
@@ -21,7 +21,8 @@ struct GoalSeekerConfig {
     v.field("goal_radius_m", goal_radius_m, "m", "targets are drawn over a disc of this radius", {0.0, 1.0});
     v.field("reached_m", reached_m, "m", "a target sensed closer than this is followed by the next one",
             {0.0, 0.1});
-    v.field("patience", patience, "pulses", "after so many, too", {1, 100000});
+    v.field("max_pulses_per_target", max_pulses_per_target, "pulses", "or after so many", {1, 100000});
+    v.retired("patience", "max_pulses_per_target");
     v.field("noise", noise, "action units", "standard deviation of what is added to every action",
             {0.0, 2.0});
   }

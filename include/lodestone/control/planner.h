@@ -62,7 +62,7 @@ class Planner final : public Controller {
 
  private:
   /// Mean cost in mm of every candidate over the members.
-  void judge(const task::Observation& observation);
+  void evaluate_candidates(const task::Observation& observation);
 
   std::shared_ptr<const PlannerModel> model_;
   PlannerConfig config_;

@@ -30,10 +30,10 @@ struct EpisodeSettings {
 };
 
 /// What an environment adds to the task's own rules.
-struct StepExtra {
-  double penalty = 0.0;  ///< taken from the reward
-  bool stop = false;     ///< the episode ends here, as if by the rules
-  bool cut = false;      ///< the episode is cut here, as if by the step limit
+struct StepEnd {
+  double penalty = 0.0;     ///< taken from the reward
+  bool terminated = false;  ///< the episode ends here, as if by the rules
+  bool truncated = false;   ///< the episode is cut here, as if by the step limit
 };
 
 /// What the pose sensor adds to the true pose, normally distributed and new in every step.
@@ -67,7 +67,7 @@ class EpisodeBatch {
   void note_action(std::size_t i, const geometry::Vector2& action) { slots_[i].seen.last_action = action; }
   /// The robot came to `next`: writes reward, ends and final observation. True when the episode ended: the
   /// caller then calls begin().
-  bool finish(std::size_t i, const geometry::Pose2& next, const StepExtra& extra = {});
+  bool finish(std::size_t i, const geometry::Pose2& next, const StepEnd& extra = {});
 
   torch::Tensor observation() const { return result_.observation; }
   const StepResult& result() const { return result_; }

@@ -34,8 +34,8 @@ struct Annotation {
 
 /// Draws into `image` (8-bit BGR, of the camera's size), antialiased, in colours that the colour-blind can
 /// tell apart (Okabe and Ito 2008): dish rim white, reference blue, path so far orange, target purple cross,
-/// pose vermilion with a yellow head. Stroke widths follow the picture's height. Throws LogicFault when the
-/// picture is of another type or size.
+/// pose vermilion with a yellow head. Stroke widths follow the image's height. Throws LogicFault when the
+/// image is of another type or size.
 void annotate(cv::Mat& image, const CameraModel& camera, const Annotation& annotation);
 
 }  // namespace lodestone::imaging

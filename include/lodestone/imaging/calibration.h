@@ -16,7 +16,7 @@ namespace lodestone::imaging {
 struct CalibrationConfig {
   double focal_sigma = 0.005;      // D: lenses hold their focal length to a few per mille
   double k1_sigma = 1.0;           // D: weak
-  double max_rms_px = 0.5;         // D: five times what a good picture leaves
+  double max_rms_px = 0.5;         // D: five times what a good image leaves
   double min_found = 0.5;          // D
   double moved_bound_m = 0.30e-3;  // D: twice the aimed error of a calibration
 
@@ -26,7 +26,7 @@ struct CalibrationConfig {
             {1e-6, 0.2});
     v.field("k1_sigma", k1_sigma, "", "how far the radial distortion k1 may be from nominal", {1e-6, 100.0});
     v.field("max_rms_px", max_rms_px, "px", "largest residual of a fit that is accepted", {0.01, 20.0});
-    v.field("min_found", min_found, "", "share of the dish's predicted edges that must be found",
+    v.field("min_found", min_found, "", "fraction of the dish's predicted edges that must be found",
             {0.05, 1.0});
     v.field("moved_bound_m", moved_bound_m, "m", "shift from which the camera counts as moved", {1e-6, 0.1});
   }
@@ -51,7 +51,7 @@ struct DishFit {
 /// turned by less than 45 degrees (dish and coils look alike every 90).
 ///
 /// `images`: 8-bit BGR or grey, of the size of `start`; several are averaged, the camera must stand still.
-/// With `hold_intrinsics` only the pose is fitted. Throws DataError when a picture cannot be used, the dish
+/// With `hold_intrinsics` only the pose is fitted. Throws DataError when an image cannot be used, the dish
 /// is not found, too few edges are in view, or the residual is above config.max_rms_px.
 DishFit fit_dish(const std::vector<cv::Mat>& images, const BenchGeometry& bench, const CameraModel& start,
                  const CalibrationConfig& config = {}, bool hold_intrinsics = false);
@@ -67,7 +67,7 @@ struct FloorError {
 };
 FloorError floor_error(const CameraModel& camera, const CameraModel& truth, const BenchGeometry& bench);
 
-/// How far, in metres RMS over the dish floor, the picture has moved since the calibration was made: the pose
+/// How far, in metres RMS over the dish floor, the image has moved since the calibration was made: the pose
 /// is fitted anew with the intrinsics held. Compare with CalibrationConfig::moved_bound_m. Throws as
 /// fit_dish() does.
 double camera_moved_m(const cv::Mat& image, const Calibration& calibration, const BenchGeometry& bench,

@@ -8,7 +8,7 @@
 
 namespace lodestone::imaging {
 
-/// Where a point of the dish frame lands in the picture: a pinhole with radial distortion.
+/// Where a point of the dish frame lands in the image: a pinhole with radial distortion.
 ///
 /// Pixel coordinates: the centre of the top left pixel is (0, 0), u to the right, v downwards. The dish frame
 /// has its origin at the centre of the dish floor, z upwards. Camera frame: x right, y down, z forward.
@@ -41,7 +41,7 @@ struct CameraModel {
 CameraModel moved(const CameraModel& camera, const Eigen::Vector3d& rotation_rad,
                   const Eigen::Vector3d& shift_m);
 
-/// A picture's measured relation to the dish, as `lodestone calibrate` writes it.
+/// An image's measured relation to the dish, as `lodestone calibrate` writes it.
 struct Calibration {
   CameraModel camera;
   double reprojection_rms_m = 0.0;  ///< of the features it was fitted to, on the dish floor

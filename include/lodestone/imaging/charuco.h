@@ -48,18 +48,18 @@ struct CharucoCorners {
 CharucoCorners detect_charuco(const cv::Mat& image, const CharucoConfig& board);
 
 struct CharucoFit {
-  CameraModel camera;  ///< intrinsics and k1, k2; its pose is that over the board of the first used picture
+  CameraModel camera;  ///< intrinsics and k1, k2; its pose is that over the board of the first used image
   double rms_px = 0.0;
-  std::vector<std::size_t> used;  ///< indices of the pictures with enough corners
+  std::vector<std::size_t> used;  ///< indices of the images with enough corners
 };
-/// Fits one focal length, principal point, k1 and k2 to pictures of the board, of one size. Some must be
+/// Fits one focal length, principal point, k1 and k2 to images of the board, of one size. Some must be
 /// tilted by 15 degrees or more: straight views cannot tell focal length from distance. Throws DataError when
-/// fewer than `kMinCharucoPictures` show enough of the board.
+/// fewer than `kMinCharucoImages` show enough of the board.
 CharucoFit fit_charuco(const std::vector<cv::Mat>& images, const CharucoConfig& board);
 
-constexpr std::size_t kMinCharucoPictures = 4;
+constexpr std::size_t kMinCharucoImages = 4;
 
-/// Pose over the board in one picture: the intrinsics of `camera` with the pose replaced, as if the board's
+/// Pose over the board in one image: the intrinsics of `camera` with the pose replaced, as if the board's
 /// frame were the dish's. Throws DataError when too few corners are seen.
 CameraModel charuco_pose(const cv::Mat& image, const CharucoConfig& board, const CameraModel& camera);
 

@@ -8,7 +8,7 @@
 
 namespace lodestone::imaging {
 
-/// A camera's picture made straight: the dish seen from right above, square, free of distortion, at a fixed
+/// A camera's image made straight: the dish seen from right above, square, free of distortion, at a fixed
 /// scale whatever the camera. Row 0 is the side of +y, columns go to +x. Everything after it works in metres.
 class DishView {
  public:
@@ -24,10 +24,10 @@ class DishView {
   /// `multiple_px`.
   cv::Rect around(const geometry::Vector2& centre_m, int size_px) const;
 
-  /// The area of the view, out of a camera's picture: same type, [area.height, area.width]. What the picture
-  /// does not show is black. Throws DataError when the picture has another size than the camera.
-  cv::Mat cut(const cv::Mat& picture, const cv::Rect& area) const;
-  /// Whether the picture shows the point.
+  /// The area of the view, out of a camera's image: same type, [area.height, area.width]. What the image
+  /// does not show is black. Throws DataError when the image has another size than the camera.
+  cv::Mat cut(const cv::Mat& image, const cv::Rect& area) const;
+  /// Whether the image shows the point.
   bool shows(const geometry::Vector2& point_m) const;
 
   /// Point of the dish at a place of the view; pixel centres are whole numbers.
@@ -38,8 +38,8 @@ class DishView {
   double pixel_m_;
   std::int64_t multiple_px_;
   int size_px_;
-  int shrink_;       ///< the picture is first averaged over squares of this side
-  cv::Mat lookup_;   ///< [size, size] 2 x short: place in the shrunk picture, whole pixels
+  int shrink_;       ///< the image is first averaged over squares of this side
+  cv::Mat lookup_;   ///< [size, size] 2 x short: place in the shrunk image, whole pixels
   cv::Mat between_;  ///< [size, size] unsigned short: the rest, as cv::remap wants it
 };
 

@@ -4,7 +4,7 @@
 
 namespace lodestone::imaging {
 
-/// One picture: 8-bit BGR, rows from the top, with the time of the middle of its exposure on the rig's clock.
+/// One image: 8-bit BGR, rows from the top, with the time of the middle of its exposure on the rig's clock.
 struct Frame {
   cv::Mat image;
   double stamp_s = 0.0;

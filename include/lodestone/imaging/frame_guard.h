@@ -9,27 +9,28 @@
 
 namespace lodestone::imaging {
 
-/// What a usable picture of one camera looks like.
+/// What a usable image of one camera looks like.
 struct FrameGuardConfig {
   std::int64_t width_px = 1280;
   std::int64_t height_px = 1024;
-  std::int64_t white_level = 250;  // D: clipped, with room for noise and JPEG
-  double max_white_share = 0.25;   // D: the ring light's glare stays far below
+  std::int64_t white_level = 250;    // D: clipped, with room for noise and JPEG
+  double max_white_fraction = 0.25;  // D: the ring light's glare stays far below
   std::int64_t sample_step_px = 16;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("width_px", width_px, "px", "expected width of the pictures", {1, 65536});
-    v.field("height_px", height_px, "px", "expected height of the pictures", {1, 65536});
+    v.field("width_px", width_px, "px", "expected width of the images", {1, 65536});
+    v.field("height_px", height_px, "px", "expected height of the images", {1, 65536});
     v.field("white_level", white_level, "grey levels",
             "a pixel is clipped when all its channels are at least this", {1, 255});
-    v.field("max_white_share", max_white_share, "", "largest share of clipped pixels", {0.0, 1.0});
+    v.retired("max_white_share", "max_white_fraction");
+    v.field("max_white_fraction", max_white_fraction, "", "largest fraction of clipped pixels", {0.0, 1.0});
     v.field("sample_step_px", sample_step_px, "px", "distance of the pixels looked at for overexposure",
             {1, 256});
   }
 };
 
-/// Looks at every picture of one camera before anything is read from it. Give each camera its own guard.
+/// Looks at every image of one camera before anything is read from it. Give each camera its own guard.
 class FrameGuard {
  public:
   /// `camera` names it in messages.
@@ -37,8 +38,8 @@ class FrameGuard {
 
   /// Throws common::HardwareError when the frame is empty, not 8-bit BGR, of another size, overexposed, or
   /// frozen (the very bytes of the frame before, or a stamp that is not newer). A real sensor's noise makes
-  /// two equal pictures impossible. A frame that was refused is not remembered. The guard shares the last
-  /// picture, because copying it would cost as much as straightening it: draw into a copy.
+  /// two equal images impossible. A frame that was refused is not remembered. The guard shares the last
+  /// image, because copying it would cost as much as straightening it: draw into a copy.
   void check(const Frame& frame);
 
   /// Forgets the last frame, for example after the camera was opened anew.

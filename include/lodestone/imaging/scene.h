@@ -21,8 +21,8 @@ struct LensConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("width_px", width_px, "px", "width of the picture", {64, 16384});
-    v.field("height_px", height_px, "px", "height of the picture", {64, 16384});
+    v.field("width_px", width_px, "px", "width of the image", {64, 16384});
+    v.field("height_px", height_px, "px", "height of the image", {64, 16384});
     v.field("focal_px", focal_px, "px", "focal length over pixel size", {50.0, 1e6});
     v.field("distance_m", distance_m, "m", "from the dish floor to the lens", {0.02, 10.0});
   }
@@ -30,7 +30,7 @@ struct LensConfig {
 
 CameraModel nominal_camera(const LensConfig& lens);
 
-/// What may differ from one bench, day or picture to the next. Every factor is drawn uniformly from its
+/// What may differ from one bench, day or image to the next. Every factor is drawn uniformly from its
 /// range.
 struct SceneConfig {
   LensConfig lens;
@@ -66,9 +66,9 @@ struct SceneConfig {
     v.field("camera_shift_m", camera_shift_m, "m", "sideways error of the camera's place", {-0.1, 0.1});
     v.field("camera_rise_m", camera_rise_m, "m", "error of the camera's height", {-0.1, 0.1});
     v.field("camera_tilt_deg", camera_tilt_deg, "deg", "tilt about x and about y", {-45.0, 45.0});
-    v.field("camera_turn_deg", camera_turn_deg, "deg", "rotation of the picture", {-40.0, 40.0});
+    v.field("camera_turn_deg", camera_turn_deg, "deg", "rotation of the image", {-40.0, 40.0});
     v.field("lens_k1", lens_k1, "", "radial distortion of the lens", {-5.0, 5.0});
-    v.field("brightness", brightness, "", "gain of the whole picture", {0.05, 5.0});
+    v.field("brightness", brightness, "", "gain of the whole image", {0.05, 5.0});
     v.field("colour_cast", colour_cast, "", "gain of each colour", {0.3, 3.0});
     v.field("vignetting", vignetting, "", "loss of light at the corners", {0.0, 0.9});
     v.field("floor_grey", floor_grey, "", "brightness of the dish floor, 1 is white", {0.0, 1.0});
@@ -90,8 +90,9 @@ struct SceneConfig {
   }
 };
 
-/// Every range longer by `share` of its length, half of it on either side, as far as the keys' bounds allow.
-SceneConfig widened(SceneConfig config, double share);
+/// Every range longer by `fraction` of its length, half of it on either side, as far as the keys' bounds
+/// allow.
+SceneConfig widened(SceneConfig config, double fraction);
 
 /// Colour as blue, green, red, 1 is white.
 using Colour = std::array<float, 3>;

@@ -10,11 +10,11 @@
 
 namespace lodestone::imaging {
 
-/// A needle in the picture. Its pose is that of its middle, in the dish frame.
+/// A needle in the image. Its pose is that of its middle, in the dish frame.
 struct NeedleView {
   geometry::Pose2 pose;
   geometry::Vector2 smear_m = geometry::Vector2::Zero();  ///< way during the exposure
-  double covered = 0.0;  ///< share of its length under a stain or another opaque thing
+  double covered = 0.0;  ///< fraction of its length under a stain or another opaque thing
 };
 
 struct RenderedFrame {

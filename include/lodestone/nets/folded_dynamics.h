@@ -12,8 +12,8 @@ namespace lodestone::nets {
 
 /// A dynamics network for fast evaluation: normalisers and batch normalisation (evaluation mode) are folded
 /// into the linear layers, so that a step is a few float32 matrix products (lodestone/nets/gemm.h) into
-/// buffers that are kept. Agrees with DynamicsNetwork::forward to rounding. predict() is const: threads share
-/// the network, each with its own Workspace.
+/// buffers that are kept. Agrees with DynamicsNetwork::forward to rounding. predict() is const: threads
+/// share the network, each with its own Workspace.
 class FoldedDynamics {
  public:
   /// Activations of one thread; grows to the largest batch seen.

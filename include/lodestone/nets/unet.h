@@ -13,7 +13,7 @@ namespace lodestone::nets {
 struct UNetConfig {
   std::int64_t width = 16;   ///< channels at the finest level; each level below has twice as many
   std::int64_t depth = 3;    ///< levels below the finest
-  std::int64_t stem = 4;     ///< the first layer shrinks the picture by this
+  std::int64_t stem = 4;     ///< the first layer shrinks the image by this
   std::int64_t upscale = 2;  ///< the last layer enlarges the mask by this
 
   template <class Visitor>
@@ -21,10 +21,10 @@ struct UNetConfig {
     v.field("width", width, "channels", "channels at the finest level; every level below has twice as many",
             {2, 256});
     v.field("depth", depth, "levels", "levels below the finest", {1, 6});
-    v.field("stem", stem, "", "the first layer shrinks the picture by this factor", {1, 16});
+    v.field("stem", stem, "", "the first layer shrinks the image by this factor", {1, 16});
     v.field("upscale", upscale, "", "the last layer enlarges the mask by this factor", {1, 16});
   }
-  /// Sides of a picture must be multiples of this.
+  /// Sides of an image must be multiples of this.
   std::int64_t multiple() const { return stem << depth; }
 };
 
@@ -38,12 +38,12 @@ class UNetImpl : public torch::nn::Module {
 
   /// [N, 3, H, W] float32, BGR in 0..255, H and W multiples of config().multiple() -> logits
   /// [N, classes, H * upscale / stem, W * upscale / stem].
-  torch::Tensor forward(const torch::Tensor& picture);
-  /// The same from (picture - colour_mean) / colour_std.
+  torch::Tensor forward(const torch::Tensor& image);
+  /// The same from (image - colour_mean) / colour_std.
   torch::Tensor forward_normalised(torch::Tensor x);
 
-  /// Mean and standard deviation of each colour over training pictures [N, 3, H, W].
-  void fit_normaliser(const torch::Tensor& pictures);
+  /// Mean and standard deviation of each colour over training images [N, 3, H, W].
+  void fit_normaliser(const torch::Tensor& images);
   /// He's initialisation, from `random` alone; masks begin nearly empty.
   void initialise(common::RandomStream& random);
 

@@ -28,7 +28,7 @@ struct CircuitConfig {
 struct CircuitState {
   double current_A = 0.0;
   double temperature_C = 20.0;
-  double duty = 0.0;  ///< signed share of the nominal supply
+  double duty = 0.0;  ///< signed fraction of the nominal supply
 };
 
 /// L di/dt = duty * supply - R(T) i. The driver knows R at 20 C only: duty = demand * R_20 / supply, clipped
@@ -39,7 +39,7 @@ class CoilCircuit {
   explicit CoilCircuit(const CircuitConfig& config);
 
   void demand(double current_A);
-  /// A power stage of its own: a signed share of the supply that it has, which may have sagged.
+  /// A power stage of its own: a signed fraction of the supply that it has, which may have sagged.
   void drive(double duty, double supply_V) { state_.duty = duty * supply_V / config_.supply_V; }
   void off() { state_.duty = 0.0; }
 

@@ -8,7 +8,7 @@
 
 namespace lodestone::report {
 
-/// Colours of what is compared, the same on every picture.
+/// Colours of what is compared, the same on every image.
 constexpr const char* kPolicyColour = "#1f5f8b";
 constexpr const char* kUnseenColour = "#6aa6c9";
 constexpr const char* kBaselineColour = "#c8553d";

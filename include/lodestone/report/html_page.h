@@ -6,7 +6,7 @@
 
 namespace lodestone::report {
 
-/// One HTML file that holds everything it shows: style, charting library and pictures. It asks the network
+/// One HTML file that holds everything it shows: style, charting library and images. It asks the network
 /// for nothing, which a content security policy in its head enforces.
 class HtmlPage {
  public:

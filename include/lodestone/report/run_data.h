@@ -37,8 +37,8 @@ struct DeployData {
 
 /// A trial of which there is a video.
 struct FilmedTrial {
-  std::string name;          ///< for example "unseen-policy-square-0"
-  std::string last_picture;  ///< JPEG
+  std::string name;        ///< for example "unseen-policy-square-0"
+  std::string last_image;  ///< JPEG
 };
 
 /// Everything found in a run folder: DIR/collect, DIR/dynamics, DIR/policy, DIR/deploy/{explored,unseen}.

@@ -21,7 +21,7 @@ class AravisCamera final : public Camera {
   explicit AravisCamera(const CameraSourceConfig& config);
   ~AravisCamera() override;
 
-  /// The newest complete picture, as BGR, not older than the call before. Stamps are on common::SteadyClock:
+  /// The newest complete image, as BGR, not older than the call before. Stamps are on common::SteadyClock:
   /// arrival of the first packet less latency and half the exposure. Throws HardwareError when none comes in
   /// time or the camera was lost.
   imaging::Frame grab(double timeout_s) override;

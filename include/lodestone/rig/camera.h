@@ -4,11 +4,11 @@
 
 namespace lodestone::rig {
 
-/// A source of pictures of the dish.
+/// A source of images of the dish.
 class Camera {
  public:
   virtual ~Camera() = default;
-  /// The next picture. Throws common::HardwareError when none comes within `timeout_s`.
+  /// The next image. Throws common::HardwareError when none comes within `timeout_s`.
   virtual imaging::Frame grab(double timeout_s) = 0;
 };
 

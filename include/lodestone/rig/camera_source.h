@@ -23,21 +23,20 @@ struct CameraSourceConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("kind", kind, "", "pictures or a video from disk, a USB (UVC) camera, or a GenICam camera",
+    v.field("kind", kind, "", "images or a video from disk, a USB (UVC) camera, or a GenICam camera",
             {"files", "uvc", "genicam"});
-    v.field(
-        "source", source, "",
-        "files: folder, pattern, picture or video; uvc: number or /dev path; genicam: name, empty for the "
-        "first one found");
-    v.field("width_px", width_px, "px", "width of the picture", {16, 16384});
-    v.field("height_px", height_px, "px", "height of the picture", {16, 16384});
-    v.field("frame_rate_hz", frame_rate_hz, "Hz", "pictures per second", {0.1, 1000.0});
+    v.field("source", source, "",
+            "files: folder, pattern, image or video; uvc: number or /dev path; genicam: name, empty for the "
+            "first one found");
+    v.field("width_px", width_px, "px", "width of the image", {16, 16384});
+    v.field("height_px", height_px, "px", "height of the image", {16, 16384});
+    v.field("frame_rate_hz", frame_rate_hz, "Hz", "images per second", {0.1, 1000.0});
     v.field("exposure_s", exposure_s, "s", "exposure; 0 leaves it to the camera", {0.0, 1.0});
     v.field("gain", gain, "", "uvc: in the driver's units; genicam: in dB; below 0 leaves it to the camera",
             {-1.0, 1000.0});
     v.field("pixel_format", pixel_format, "",
             "uvc: four letters such as MJPG; genicam: such as BayerRG8; empty chooses");
-    v.field("latency_s", latency_s, "s", "from the end of the exposure to the picture's arrival", {0.0, 1.0});
+    v.field("latency_s", latency_s, "s", "from the end of the exposure to the image's arrival", {0.0, 1.0});
   }
 };
 

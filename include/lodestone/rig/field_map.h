@@ -23,7 +23,7 @@ std::vector<geometry::Vector2> field_per_ampere(const physics::CoilGeometry& geo
 std::string field_csv(const std::vector<geometry::Vector2>& points_m,
                       const std::vector<geometry::Vector2>& field_T_per_A);
 
-/// Picture (PNG) of the field over the dish: magnitude in colour, arrows for its direction, the dish, the
+/// Image (PNG) of the field over the dish: magnitude in colour, arrows for its direction, the dish, the
 /// coil and the points asked for. Throws IoError.
 void write_field_plot(const std::string& file, const physics::CoilGeometry& geometry, int coil,
                       double dish_radius_m, const std::vector<geometry::Vector2>& points_m);

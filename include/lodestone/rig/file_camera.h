@@ -7,8 +7,8 @@
 
 namespace lodestone::rig {
 
-/// Pictures from disk as a camera: a folder of pictures or a pattern such as `run/frame_*.png` (in the order
-/// of their names, so number them with leading zeros), one picture, or a video file. Pictures are handed out
+/// Images from disk as a camera: a folder of images or a pattern such as `run/frame_*.png` (in the order
+/// of their names, so number them with leading zeros), one image, or a video file. Images are handed out
 /// as they are stored, so that an imaging::FrameGuard sees what is wrong with them; an alpha channel is
 /// dropped.
 class FileCamera final : public Camera {

@@ -46,7 +46,7 @@ struct SerialConfig {
             {0.5, 60.0});
     v.field("max_current_A", max_current_A, "A", "the firmware refuses more", {0.1, 20.0});
     v.field("max_pulse_s", max_pulse_s, "s", "the firmware refuses longer pulses", {0.001, 10.0});
-    v.field("max_duty", max_duty, "", "share of time that a coil may be on", {0.01, 1.0});
+    v.field("max_duty", max_duty, "", "fraction of time that a coil may be on", {0.01, 1.0});
     v.field("duty_window_s", duty_window_s, "s", "over about this time", {0.1, 60.0});
     v.field("min_supply_V", min_supply_V, "V", "a supply below this stops the coils", {6.0, 34.0});
     v.field("max_board_C", max_board_C, "C", "a motor controller above this stops the coils", {30.0, 85.0});
@@ -139,7 +139,7 @@ class SerialCoils final : public Coils {
   SerialConfig config_;
   OpenPort open_;
   std::unique_ptr<SerialPort> port_;
-  std::unique_ptr<common::LastWords> last_words_;
+  std::unique_ptr<common::SignalSafeStop> signal_safe_stop_;
   struct Decoder;
   std::unique_ptr<Decoder> decoder_;
   std::uint16_t sequence_ = 0;

@@ -10,11 +10,11 @@
 
 namespace lodestone::rig {
 
-/// A USB (UVC) camera through Video4Linux. A thread reads it all the time and keeps the newest picture only,
+/// A USB (UVC) camera through Video4Linux. A thread reads it all the time and keeps the newest image only,
 /// so grab() hands out what is seen now and never waits longer than it was allowed to.
 class VideoCamera final : public Camera {
  public:
-  /// Waits for the next picture and puts it into its argument, which comes in empty; false when there will be
+  /// Waits for the next image and puts it into its argument, which comes in empty; false when there will be
   /// no more.
   using Reader = std::function<bool(cv::Mat&)>;
 
@@ -28,7 +28,7 @@ class VideoCamera final : public Camera {
   /// Waits for the reader to return; Video4Linux gives up on a dead camera after 10 s.
   ~VideoCamera() override;
 
-  /// A picture that was not handed out before. Stamps are on common::SteadyClock. Throws HardwareError when
+  /// An image that was not handed out before. Stamps are on common::SteadyClock. Throws HardwareError when
   /// none comes in time, or when the camera has failed.
   imaging::Frame grab(double timeout_s) override;
 

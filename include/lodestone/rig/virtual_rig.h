@@ -67,11 +67,11 @@ class VirtualRig {
   /// Simulated time: sleep_until() advances the physics and returns at once.
   common::Clock& clock();
 
-  /// What a power stage of its own puts on the coils from now on, instead of pulses: signed shares of
+  /// What a power stage of its own puts on the coils from now on, instead of pulses: signed fractions of
   /// `supply_V`.
   void drive(const std::array<double, kCoilCount>& duty, double supply_V);
 
-  /// The operator lays the needle down, at rest. Throws DataError when an end would lie outside the wall.
+  /// The operator places the needle, at rest. Throws DataError when an end would lie outside the wall.
   void place(const geometry::Pose2& pose);
   /// Whether the needle lies wholly inside the wall at this pose.
   bool fits(const geometry::Pose2& pose) const;

@@ -43,9 +43,9 @@ struct DynamicsTrainingConfig {
     v.field("loss", loss, "", "training loss on normalised output; mixtures have their likelihood instead",
             {"l2", "huber"});
     v.field("huber_delta", huber_delta, "", "normalised error above which huber is linear", {1e-3, 100.0});
-    v.field("validation_fraction", validation_fraction, "", "share of the episodes to choose weights by",
+    v.field("validation_fraction", validation_fraction, "", "fraction of the episodes to choose weights by",
             {0.01, 0.9});
-    v.field("test_fraction", test_fraction, "", "share of the episodes set aside for the final figures",
+    v.field("test_fraction", test_fraction, "", "fraction of the episodes set aside for the final figures",
             {0.01, 0.9});
     v.field("keep_best", keep_best, "", "keep the weights of the best validation loss");
     v.field("patience", patience, "epochs", "stop a member after so long without improvement; 0: never",

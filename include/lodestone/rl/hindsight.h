@@ -12,16 +12,16 @@
 
 namespace lodestone::rl {
 
-/// Hindsight relabelling (Andrychowicz et al., 2017, strategy "future"): when an episode has ended, a share
-/// of its steps goes into the buffer once more, as if the aim had been a place the needle came to later in
-/// it. Reward and ends are the task's, from sensed positions.
+/// Hindsight relabelling (Andrychowicz et al., 2017, strategy "future"): when an episode has ended, a
+/// fraction of its steps goes into the buffer once more, as if the aim had been a place the needle came to
+/// later in it. Reward and ends are the task's, from sensed positions.
 class Hindsight {
  public:
   /// Throws ConfigError unless the task's goal is a point that the encoder shows.
   static void check(const task::TaskConfig& task, const task::EncoderConfig& encoder);
 
-  /// `share` of the steps. Throws as check() does.
-  Hindsight(double share, const task::TaskConfig& task, const task::EncoderConfig& encoder,
+  /// `fraction` of the steps. Throws as check() does.
+  Hindsight(double fraction, const task::TaskConfig& task, const task::EncoderConfig& encoder,
             std::int64_t environments, std::uint64_t seed);
 
   /// Takes in a step of all environments, as ReplayBuffer::add does, and adds relabelled steps to `buffer`.
@@ -40,7 +40,7 @@ class Hindsight {
   };
   void relabel(const std::vector<Step>& episode, ReplayBuffer& buffer);
 
-  double share_;
+  double fraction_;
   task::TaskConfig task_;
   task::ObservationEncoder encoder_;
   common::RandomStream random_;

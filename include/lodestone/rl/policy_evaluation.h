@@ -13,11 +13,11 @@ namespace lodestone::rl {
 /// Figures of the deterministic policy over one episode per environment.
 struct PolicyScore {
   double episode_return = 0.0;
-  double success_rate = 0.0;    ///< share of episodes that were within the success radius at some step
+  double success_rate = 0.0;    ///< fraction of episodes that were within the success radius at some step
   double final_error_mm = 0.0;  ///< mean distance to the goal when the episode ended
   double final_error_median_mm = 0.0;
   double episode_length = 0.0;
-  double action_saturation = 0.0;  ///< share of action components beyond 0.95
+  double action_saturation = 0.0;  ///< fraction of action components beyond 0.95
   std::int64_t episodes = 0;
 
   /// Under the keys evaluation/...

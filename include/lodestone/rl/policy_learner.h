@@ -43,7 +43,8 @@ struct LearningConfig {
     v.field("final_noise", final_noise, "fraction",
             "exploration noise at the end of the run, falling linearly; 1 keeps it", {0.0, 1.0});
     v.field("hindsight", hindsight, "",
-            "share of the steps that go into the buffer once more, as if the aim had been where the needle "
+            "hindsight relabelling: fraction of the steps that go into the buffer once more, with the goal "
+            "where the needle "
             "came to",
             {0.0, 1.0});
     v.field("overlap", overlap, "",
@@ -74,8 +75,8 @@ class PolicyLearner {
   Td3& td3() { return *td3_; }
 
   /// Means since the last call, under the keys train/...: episode_return, success_rate, episode_length,
-  /// critic_loss, actor_loss, q_mean, action_saturation (share of components beyond 0.95). Keys without data
-  /// are left out.
+  /// critic_loss, actor_loss, q_mean, action_saturation (fraction of components beyond 0.95). Keys without
+  /// data are left out.
   common::Scalars take_statistics();
 
   void save(nets::Checkpoint& checkpoint);

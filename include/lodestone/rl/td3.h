@@ -34,8 +34,8 @@ struct Td3Config {
             "readable reference; both agree to rounding",
             {"fused", "autograd"});
     v.field("discount", discount, "", "discount per step", {0.0, 1.0});
-    v.field("polyak_tau", polyak_tau, "", "share of the network that moves into its target per policy update",
-            {0.0, 1.0});
+    v.field("polyak_tau", polyak_tau, "",
+            "fraction of the network that moves into its target per policy update", {0.0, 1.0});
     v.field("learning_rate", learning_rate, "", "Adam's step size, actor and critics", {0.0, 1.0});
     v.field("policy_noise", policy_noise, "action units",
             "standard deviation of the target policy's smoothing noise", {0.0, 2.0});

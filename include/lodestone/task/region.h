@@ -27,7 +27,7 @@ struct RegionConfig {
     v.field("least_arrivals", least_arrivals, "", "pulses that must have brought the needle into a cell",
             {1, 1000000});
     v.field("least_departures", least_departures, "",
-            "share of the pulses in a cell that must have taken the needle out of it", {0.0, 1.0});
+            "fraction of the pulses in a cell that must have taken the needle out of it", {0.0, 1.0});
   }
 };
 

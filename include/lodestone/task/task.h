@@ -95,6 +95,6 @@ double success_radius_m(const TaskConfig& config, double progress);
 /// Reward and end of one step. Eq. 3 with the distance in dish radii:
 /// alpha * (d_after - d_before) / R + beta * [d_after < r] + tau; beyond the paper, the same for the heading
 /// error in half turns (goal "pose", where both must be within their bounds), less current_cost * |action|^2.
-StepOutcome judge_step(const TaskConfig& config, const Step& step);
+StepOutcome evaluate_step(const TaskConfig& config, const Step& step);
 
 }  // namespace lodestone::task

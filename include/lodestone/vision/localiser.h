@@ -23,7 +23,7 @@ struct LocaliserConfig {
             {0.001, 0.5});
     v.field("still_crop_m", still_crop_m, "m",
             "side of a smaller one, searched first while the needle hardly moves", {0.001, 0.5});
-    v.field("still_m", still_m, "m", "a shorter way between two pictures is hardly moving", {0.0, 0.1});
+    v.field("still_m", still_m, "m", "a shorter way between two images is hardly moving", {0.0, 0.1});
     v.group("rod", rod, "the needle, and what counts as seeing it");
   }
 };
@@ -32,17 +32,17 @@ struct Localisation : Rod {
   bool tracked = false;  ///< found near the last pose; otherwise the whole dish was searched
 };
 
-/// Camera picture -> pose. Looks around the last pose first, and over the whole dish when the needle is not
+/// Camera image -> pose. Looks around the last pose first, and over the whole dish when the needle is not
 /// there.
 class Localiser {
  public:
   Localiser(std::shared_ptr<const Segmenter> segmenter, const imaging::CameraModel& camera,
             double dish_radius_m, const LocaliserConfig& config);
 
-  /// `picture`: [height, width] 8-bit BGR of the calibrated camera. Throws DataError when it has another
+  /// `image`: [height, width] 8-bit BGR of the calibrated camera. Throws DataError when it has another
   /// size.
-  Localisation locate(const cv::Mat& picture);
-  /// The next picture is searched as a whole, or around `near_m`.
+  Localisation locate(const cv::Mat& image);
+  /// The next image is searched as a whole, or around `near_m`.
   void forget() {
     last_m_.reset();
     last_heading_rad_.reset();
@@ -54,8 +54,8 @@ class Localiser {
   }
 
  private:
-  Localisation look(const cv::Mat& picture, const cv::Rect& area) const;
-  Localisation look_near(const cv::Mat& picture, double side_m) const;
+  Localisation look(const cv::Mat& image, const cv::Rect& area) const;
+  Localisation look_near(const cv::Mat& image, double side_m) const;
   void remember(const Localisation& found);
   bool inside(const geometry::Pose2& pose, const cv::Rect& area) const;
 

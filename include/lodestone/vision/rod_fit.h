@@ -45,7 +45,8 @@ struct RodConfig {
     v.field("needle_diameter_m", needle_diameter_m, "m", "diameter of the needle", {1e-4, 0.02});
     v.field("tape_length_m", tape_length_m, "m", "length of the tape on its head", {1e-4, 0.1});
     v.field("inlier_m", inlier_m, "m", "mask pixels this near to a line support it", {1e-5, 0.02});
-    v.field("min_visible", min_visible, "", "a smaller share of the needle's area is no needle", {0.0, 1.0});
+    v.field("min_visible", min_visible, "", "a smaller fraction of the needle's area is no needle",
+            {0.0, 1.0});
     v.field("min_support", min_support, "", "mean probability along the rod below which it is no needle",
             {0.0, 1.0});
     v.field("min_head_certainty", min_head_certainty, "",
@@ -77,7 +78,7 @@ struct Rod {
 /// along the line where a rod of the needle's length explains the log-odds best -> head by the tape (section
 /// IV-B1 of the paper; the rod's place and the covariance are additions). Sub-pixel: pixels count by their
 /// probability. The same input always gives the same result.
-/// `last_heading_rad`, when given, is the needle's heading in the picture before.
+/// `last_heading_rad`, when given, is the needle's heading in the image before.
 Rod fit_rod(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config,
             const std::optional<double>& last_heading_rad = std::nullopt);
 

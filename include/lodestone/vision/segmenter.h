@@ -21,12 +21,12 @@ struct SegmenterConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.group("network", network, "the U-Net");
-    v.field("view_pixel_m", view_pixel_m, "m", "side of a pixel of the straightened view", {1e-5, 0.01});
+    v.field("view_pixel_m", view_pixel_m, "m", "side of a pixel of the rectified view", {1e-5, 0.01});
     v.field("view_margin_m", view_margin_m, "m", "the view reaches so far beyond the dish", {0.0, 0.1});
   }
 };
 
-/// A trained U-Net, ready for use: says for every mask pixel of a straightened view whether it is needle, and
+/// A trained U-Net, ready for use: says for every mask pixel of a rectified view whether it is needle, and
 /// whether it is tape. Const calls may run on several threads.
 class Segmenter {
  public:

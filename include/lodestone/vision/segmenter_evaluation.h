@@ -13,35 +13,35 @@
 
 namespace lodestone::vision {
 
-/// How well poses are found over some pictures.
+/// How well poses are found over some images.
 struct LocalisationScore {
-  double position_rms_mm = 0.0;  ///< over pictures with a pose
+  double position_rms_mm = 0.0;  ///< over images with a pose
   double position_p95_mm = 0.0;
   double position_max_mm = 0.0;
-  double heading_rms_deg = 0.0;  ///< over pictures with a pose that is not flipped
+  double heading_rms_deg = 0.0;  ///< over images with a pose that is not flipped
   std::int64_t flips = 0;        ///< poses with head and tail the wrong way round
   std::int64_t poses = 0;
   std::int64_t n = 0;
   /// Mean squared error over the covariance the localiser states, per dimension: 1 is honest, more is too
   /// sure.
   double normalised_error = 0.0;
-  double ms_per_frame = 0.0;  ///< processor time of one core, median over pictures with a pose
-  std::map<std::string, std::int64_t> refusals;  ///< pictures without a pose, by reason
+  double ms_per_frame = 0.0;  ///< processor time of one core, median over images with a pose
+  std::map<std::string, std::int64_t> refusals;  ///< images without a pose, by reason
 };
 
 struct SegmenterEvaluation {
   LocalisationScore clean;         ///< nothing covers the needle
   LocalisationScore occluded;      ///< 5 to 40 % of its length covered
   LocalisationScore tracked;       ///< clean, searched around a place up to 10 mm off
-  std::int64_t poses_of_none = 0;  ///< poses given for pictures without a needle; each is a guess
-  std::int64_t poses_of_two = 0;   ///< poses given for pictures with two needles, likewise
-  double repeatability_mm = 0.0;   ///< RMS between two pictures of a needle that lies still
+  std::int64_t poses_of_none = 0;  ///< poses given for images without a needle; each is a guess
+  std::int64_t poses_of_two = 0;   ///< poses given for images with two needles, likewise
+  double repeatability_mm = 0.0;   ///< RMS between two images of a needle that lies still
   double repeatability_deg = 0.0;
   double ms_per_rendered_frame = 0.0;
   double ms_per_scene = 0.0;  ///< rendering of what stays from frame to frame
 };
 
-/// Localises needles in rendered pictures: `frames` scenes from `scenes`, each once clean and once partly
+/// Localises needles in rendered images: `frames` scenes from `scenes`, each once clean and once partly
 /// covered; the camera is known. Scenes have random streams of their own: results do not depend on threads.
 SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const Segmenter> segmenter,
                                        const imaging::SceneConfig& scenes, const LocaliserConfig& localiser,

@@ -10,7 +10,7 @@
 
 namespace lodestone::vision {
 
-/// What the rendered training pictures hold.
+/// What the rendered training images hold.
 struct SampleConfig {
   std::int64_t frames_per_scene = 12;
   std::int64_t crop_px = 256;
@@ -23,24 +23,24 @@ struct SampleConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("frames_per_scene", frames_per_scene, "", "pictures of one scene", {1, 10000});
-    v.field("crop_px", crop_px, "px", "side of a training picture, in pixels of the view", {32, 4096});
-    v.field("elsewhere", elsewhere, "", "share of pictures cut anywhere in the dish, not around the needle",
+    v.field("frames_per_scene", frames_per_scene, "", "images of one scene", {1, 10000});
+    v.field("crop_px", crop_px, "px", "side of a training image, in pixels of the view", {32, 4096});
+    v.field("elsewhere", elsewhere, "", "fraction of images cut anywhere in the dish, not around the needle",
             {0.0, 1.0});
-    v.field("none", none, "", "share of pictures without a needle", {0.0, 1.0});
-    v.field("two", two, "", "share of pictures with two needles", {0.0, 1.0});
-    v.field("covered", covered, "", "share of needles that are partly covered", {0.0, 1.0});
-    v.field("max_covered", max_covered, "", "largest covered share of a needle", {0.0, 1.0});
-    v.field("moving", moving, "", "share of needles that move during the exposure", {0.0, 1.0});
+    v.field("none", none, "", "fraction of images without a needle", {0.0, 1.0});
+    v.field("two", two, "", "fraction of images with two needles", {0.0, 1.0});
+    v.field("covered", covered, "", "fraction of needles that are partly covered", {0.0, 1.0});
+    v.field("max_covered", max_covered, "", "largest covered fraction of a needle", {0.0, 1.0});
+    v.field("moving", moving, "", "fraction of needles that move during the exposure", {0.0, 1.0});
   }
 };
 
-/// Straightened crops and their true masks.
+/// Rectified crops and their true masks.
 struct SegmenterSamples {
-  torch::Tensor pictures;  ///< [N, 3, crop, crop] uint8 BGR
-  torch::Tensor masks;     ///< [N, 2, m, m] uint8: share of each mask pixel that is needle, tape; 255 is all
+  torch::Tensor images;  ///< [N, 3, crop, crop] uint8 BGR
+  torch::Tensor masks;   ///< [N, 2, m, m] uint8: fraction of each mask pixel that is needle, tape; 255 is all
 
-  std::int64_t size() const { return pictures.size(0); }
+  std::int64_t size() const { return images.size(0); }
 };
 
 /// A pose with the whole needle inside the dish, uniform over the disc and over headings.

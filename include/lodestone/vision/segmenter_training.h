@@ -27,18 +27,18 @@ struct SegmenterTrainingConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("samples", samples, "", "rendered training pictures", {8, 1000000});
-    v.field("validation_samples", validation_samples, "", "rendered pictures to choose weights by",
+    v.field("samples", samples, "", "rendered training images", {8, 1000000});
+    v.field("validation_samples", validation_samples, "", "rendered images to choose weights by",
             {1, 100000});
-    v.field("epochs", epochs, "", "passes over the training pictures", {1, 10000});
-    v.field("batch_size", batch_size, "pictures", "pictures per step; a multiple of 4", {4, 4096});
+    v.field("epochs", epochs, "", "passes over the training images", {1, 10000});
+    v.field("batch_size", batch_size, "images", "images per step; a multiple of 4", {4, 4096});
     v.field("learning_rate", learning_rate, "", "largest step size of AdamW; falls along half a cosine",
             {1e-7, 1.0});
     v.field("weight_decay", weight_decay, "", "decoupled weight decay", {0.0, 1.0});
     v.field("cross_entropy", cross_entropy, "", "weight of the cross-entropy of all pixels", {0.0, 1e4});
     v.field("dice", dice, "", "weight of the Dice losses of needle and tape", {0.0, 1e4});
     v.field("brightness_jitter", brightness_jitter, "",
-            "augmentation: gain of each colour, drawn for each picture at each use", {0.0, 0.9});
+            "augmentation: gain of each colour, drawn for each image at each use", {0.0, 0.9});
     v.field("patience", patience, "epochs", "stop after so long without a better validation loss; 0: never",
             {0, 10000});
     v.field("max_seconds", max_seconds, "s",
@@ -51,7 +51,7 @@ struct TrainSegmenterConfig {
   std::int64_t seed = 1;
   std::int64_t threads = 0;
   SegmenterConfig segmenter;
-  SampleConfig pictures;
+  SampleConfig images;
   imaging::SceneConfig scenes;
   SegmenterTrainingConfig training;
 
@@ -60,8 +60,8 @@ struct TrainSegmenterConfig {
     v.field("seed", seed, "", "seed of every random stream of the run", {0, 9e15});
     v.field("threads", threads, "", "threads; 0 means one per processor", {0, 1024});
     v.group("segmenter", segmenter, "what is trained");
-    v.group("pictures", pictures, "what the pictures hold");
-    v.group("scenes", scenes, "benches, lights and cameras the pictures are drawn from");
+    v.group("images", images, "what the images hold");
+    v.group("scenes", scenes, "benches, lights and cameras the images are drawn from");
     v.group("training", training, "how it learns");
   }
   /// Throws ConfigError when sizes do not fit the network.
@@ -77,10 +77,10 @@ struct SegmenterTrainingResult {
   double seconds = 0.0;          ///< wall time of this process, rendering included
 };
 
-/// Trains the U-Net on rendered pictures: cross-entropy plus Dice (Milletari et al., 2016), AdamW, flips and
+/// Trains the U-Net on rendered images: cross-entropy plus Dice (Milletari et al., 2016), AdamW, flips and
 /// quarter turns and colour gains as augmentation. Each batch is cut into four fixed shards with a batch
 /// normalisation of their own, so that the result depends on the seed and not on threads. Writes metrics,
-/// TensorBoard pictures of predictions and, after every epoch, `folder`/training, from which `resume` goes on
+/// TensorBoard images of predictions and, after every epoch, `folder`/training, from which `resume` goes on
 /// bitwise. Throws ConfigError, CheckpointError, IoError, and Interrupted after saving.
 SegmenterTrainingResult train_segmenter(const TrainSegmenterConfig& config, const std::string& folder,
                                         bool resume);

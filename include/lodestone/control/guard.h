@@ -1,0 +1,21 @@
+#pragma once
+
+#include "lodestone/control/pose_sensor.h"
+#include "lodestone/rig/coils.h"
+
+namespace lodestone::control {
+
+/// What stands between the control loop and the coils: hears of every step, sees every pose, lets a pulse
+/// through or throws HardwareError with the reason for a stop.
+class Guard {
+ public:
+  virtual ~Guard() = default;
+  /// A step begins that was due at `due_s`.
+  virtual void begin_step(double due_s) = 0;
+  /// What the sensor saw; poses that are not valid are handed in, too.
+  virtual void observe(const PoseEstimate& estimate) = 0;
+  virtual void apply(const rig::CoilPulse& pulse) = 0;
+  virtual void stop() noexcept = 0;
+};
+
+}  // namespace lodestone::control

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "lodestone/common/clock.h"
+#include "lodestone/emulation/arduino.h"
+#include "lodestone/emulation/roboclaw_model.h"
+#include "lodestone/rig/virtual_rig.h"
+
+namespace lodestone::emulation {
+
+/// A bench made of the real firmware on an emulated Arduino, two modelled motor controllers and a virtual rig
+/// whose coils they drive. The PC's side of the serial line is host_write() and host_read(). All time is
+/// simulated and moves only in advance_to(). Use from one thread.
+class EmulatedBench {
+ public:
+  /// `rig` must outlive the bench, and from here on only the bench may move its clock. Throws HardwareError
+  /// when this build has no emulator.
+  explicit EmulatedBench(rig::VirtualRig& rig);
+  ~EmulatedBench();
+
+  double now_s() const { return now_s_; }
+  void advance_to(double time_s);
+  /// The bench's time as a clock: sleeping advances it.
+  common::Clock& clock();
+
+  /// Bytes that the PC sends, one after the other at 115,200 baud.
+  void host_write(const std::uint8_t* bytes, std::size_t count);
+  /// The next byte that has arrived at the PC.
+  bool host_read(std::uint8_t& byte);
+
+  /// Currents in the coils now, A, +x -x +y -y. What the needle feels, not what anyone measured.
+  std::array<double, rig::kCoilCount> current_A() const;
+  rig::VirtualRig& rig() { return rig_; }
+  Arduino& arduino() { return *arduino_; }
+  RoboClawModel& controller(int index) { return controllers_[static_cast<std::size_t>(index)]; }
+
+  // Faults.
+  /// The USB plug: pulled, nothing passes either way; the Arduino keeps its power.
+  void set_plugged(bool plugged);
+  bool plugged() const { return plugged_; }
+  /// Sees and may change every byte on the serial line; `false` swallows it.
+  using ByteFilter = std::function<bool(std::uint8_t& byte)>;
+  ByteFilter to_device_filter;
+  ByteFilter to_host_filter;
+  /// Supply of both controllers, V.
+  void set_supply_V(double volt);
+  /// A driver that sticks: this coil gets this duty whatever its controller says; NaN clears it.
+  void stick_driver(int coil, double duty);
+  /// A coil with shorted turns: its resistance falls to this fraction (and its inductance with it). Above 1:
+  /// a bad contact.
+  void short_coil(int coil, double fraction);
+  /// Heats a coil to this temperature, at once.
+  void heat_coil(int coil, double temperature_C);
+  /// Bytes that nobody sent.
+  void inject_to_device(const std::vector<std::uint8_t>& bytes);
+  void inject_to_host(const std::vector<std::uint8_t>& bytes);
+  /// Sees every step of the bench, for recordings and checks: time and currents.
+  std::function<void(double now_s, const std::array<double, rig::kCoilCount>& current_A)> watch;
+
+ private:
+  class BenchClock;
+  struct Timed {
+    std::uint8_t byte;
+    double time_s;
+  };
+  void step_to(double time_s);
+  void drive_rig();
+
+  rig::VirtualRig& rig_;
+  std::unique_ptr<Arduino> arduino_;
+  std::array<RoboClawModel, 2> controllers_;
+  std::unique_ptr<BenchClock> clock_;
+  double start_s_;  // of the rig's clock
+  double now_s_;
+  bool plugged_ = true;
+  double line_free_s_ = 0.0;
+  std::array<double, rig::kCoilCount> stuck_;
+  std::array<double, rig::kCoilCount> short_;
+  std::array<double, rig::kCoilCount> driven_{};
+  double driven_supply_V_ = 0.0;
+  std::deque<Timed> to_device_;
+  std::deque<Timed> to_host_;
+  std::deque<std::uint8_t> host_inbox_;
+  std::deque<Timed> to_controllers_;
+};
+
+}  // namespace lodestone::emulation

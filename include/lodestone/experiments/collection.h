@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "lodestone/control/control_loop.h"
+#include "lodestone/control/explorer.h"
+#include "lodestone/data/dataset.h"
+#include "lodestone/rig/rig_config.h"
+#include "lodestone/safety/supervisor.h"
+#include "lodestone/session/rig_session.h"
+
+namespace lodestone::experiments {
+
+/// Phase 1: exploring one rig.
+struct CollectionConfig {
+  std::int64_t seed = 1;
+  std::int64_t rig_seed = 1;
+  std::int64_t sensor_seed = 1;
+  std::int64_t transitions = 34742;  // section V-A
+  std::int64_t episode_steps = 25;
+  std::int64_t sessions = 1;
+  control::ControlLoopConfig loop;
+  safety::SafetyConfig safety;
+  control::ExplorerConfig explorer;
+  rig::RigConfig rig;
+  session::SensingConfig sensor;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("seed", seed, "", "seed of the exploration and of the sensor's noise", {0, 9e15});
+    v.field("rig_seed", rig_seed, "", "seed of the rig's friction map", {0, 9e15});
+    v.field("sensor_seed", sensor_seed, "", "seed of the camera's place and calibration", {0, 9e15});
+    v.field("transitions", transitions, "", "transitions to record", {1, 1e9});
+    v.field("episode_steps", episode_steps, "steps", "longest stretch between two resets by the operator",
+            {1, 1e6});
+    v.field("sessions", sessions, "",
+            "explorations of the same rig that know nothing of each other and run side by side on threads; a "
+            "real "
+            "bench has them one after the other",
+            {1, 64});
+    v.group("loop", loop, "timing of the control loop");
+    v.group("safety", safety, "limits of the supervisor");
+    v.group("explorer", explorer, "how the rig is explored");
+    v.group("rig", rig, "the rig");
+    v.group("sensor", sensor, "how poses are sensed");
+  }
+};
+
+/// What the dataset's attributes say.
+data::DatasetInfo dataset_info(const CollectionConfig& config);
+
+/// Somebody or something at the controls instead of the explorer.
+struct Teleoperator {
+  control::Controller* controller = nullptr;
+  std::function<bool()> episode_over;  ///< asked at every step
+  ControlLoop::Observer watch;         ///< sees every observation, before its pulse
+  std::function<std::string()> save;   ///< its state between two episodes; empty functions: it has none
+  std::function<void(const std::string&)> restore;
+};
+
+/// The virtual bench of a session.
+std::unique_ptr<session::RigSession> make_exploration_session(const CollectionConfig& config,
+                                                              std::int64_t session = 0,
+                                                              bool realtime = false);
+
+/// Explores one rig, one episode at a time, through the same control loop as deployment.
+class Collection {
+ public:
+  /// `session`: explorer, sensor noise and pulse scatter have random streams of their own in every session.
+  explicit Collection(const CollectionConfig& config, std::int64_t session = 0);
+  /// On any bench; where there is a teleoperator, the explorer only says where to place the needle.
+  Collection(const CollectionConfig& config, std::unique_ptr<session::RigSession> bench,
+             std::optional<Teleoperator> teleoperator = {}, std::int64_t session = 0);
+
+  /// The next episode, of at most `max_steps` steps: from where the operator placed the needle until the step
+  /// limit, a stuck needle, a missing pose, or the teleoperator's word. Observations are sensed poses,
+  /// actions signed axis currents in A. Throws Interrupted (the episode is lost) and HardwareError.
+  data::Episode next_episode(std::int64_t max_steps);
+
+  /// Everything that changes, between two episodes; going on after restore() is bitwise as if never stopped.
+  common::Json save() const;
+  /// Throws DataError when the state is malformed.
+  void restore(const common::Json& state);
+
+ private:
+  CollectionConfig config_;
+  std::unique_ptr<session::RigSession> bench_;
+  std::optional<Teleoperator> teleoperator_;
+  control::Explorer explorer_;
+};
+
+}  // namespace lodestone::experiments

@@ -1,0 +1,175 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lodestone/common/range.h"
+#include "lodestone/common/thread_pool.h"
+#include "lodestone/control/control_loop.h"
+#include "lodestone/control/decorators.h"
+#include "lodestone/control/dipole_pull.h"
+#include "lodestone/control/planner.h"
+#include "lodestone/control/reference.h"
+#include "lodestone/control/turn_in_place.h"
+#include "lodestone/experiments/score.h"
+#include "lodestone/experiments/trial.h"
+#include "lodestone/experiments/trial_video.h"
+#include "lodestone/nets/policy.h"
+#include "lodestone/rig/rig_config.h"
+#include "lodestone/session/rig_session.h"
+#include "lodestone/session/sensing.h"
+#include "lodestone/task/region.h"
+
+namespace lodestone::experiments {
+
+/// Which trials are run. Starts and targets are drawn from the run's seed, the same for every controller and
+/// rig.
+struct TrialsConfig {
+  std::int64_t count = 50;
+  double start_radius_m = 0.035;
+  double goal_radius_m = 0.030;
+  std::string within = "disc";
+  common::Range temperature_C = {20.0, 25.0};  // I: a laboratory over the year
+  double point_seconds = 20.0;
+  double square_side_m = 0.030;
+  double circle_radius_m = 0.015;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("count", count, "", "trials per task", {1, 100000});
+    v.field("start_radius_m", start_radius_m, "m", "starts are drawn over a disc of this radius", {0.0, 1.0});
+    v.field("goal_radius_m", goal_radius_m, "m", "targets of `point` are drawn over a disc of this radius",
+            {0.0, 1.0});
+    v.field("within", within, "",
+            "starts and targets lie anywhere on those discs, or only where the policy's training data show "
+            "them to be "
+            "reachable",
+            {"disc", "reachable"});
+    v.field("temperature_C", temperature_C, "C",
+            "an unseen rig's room, and with it its coils and fluid, is this warm", {0.0, 60.0});
+    v.field("point_seconds", point_seconds, "s", "length of a trial of `centre`, `point` or `pose`",
+            {0.1, 3600.0});
+    v.field("square_side_m", square_side_m, "m", "side of the square", {1e-3, 1.0});
+    v.field("circle_radius_m", circle_radius_m, "m", "radius of the circle", {1e-3, 1.0});
+  }
+};
+
+/// Everything a deployment depends on, besides the policy.
+struct DeploymentConfig {
+  std::int64_t seed = 1;
+  std::int64_t rig_seed = 1;
+  std::int64_t sensor_seed = 1;
+  TrialsConfig trials;
+  ScoreConfig score;
+  control::PathReferenceConfig reference;
+  control::ControlLoopConfig loop;
+  safety::SafetyConfig safety;
+  control::DecoratorConfig decorators;
+  control::TurnConfig turn;
+  control::DipolePullConfig baseline;
+  control::PlannerConfig planner;
+  rig::RigConfig rig;
+  session::SensingConfig sensor;
+  RecordingConfig record;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("seed", seed, "", "seed of starts, targets, sensor noise and unseen rigs", {0, 9e15});
+    v.field("rig_seed", rig_seed, "", "seed of the explored rig's friction map, as in collect", {0, 9e15});
+    v.field("sensor_seed", sensor_seed, "", "seed of the explored rig's camera, as in collect", {0, 9e15});
+    v.group("trials", trials, "the trials");
+    v.group("score", score, "rules of scoring");
+    v.group("reference", reference, "how a path is fed to the controller");
+    v.group("loop", loop, "timing of the control loop");
+    v.group("safety", safety, "limits of the supervisor");
+    v.group("decorators", decorators, "what is put around every controller");
+    v.group("turn", turn, "turning in place, where a target has a heading (task pose)");
+    v.group("baseline", baseline, "the proportional baseline");
+    v.group("planner", planner, "planning in the learned simulator");
+    v.group("rig", rig, "the rig");
+    v.group("sensor", sensor, "how poses are sensed");
+    v.group("record", record, "videos");
+  }
+};
+
+/// A rig that was explored (friction map and camera of collect), or one never seen before (own friction map,
+/// camera and temperature in every trial, calibrated from its first image).
+enum class RigKind { kExplored, kUnseen };
+const char* to_string(RigKind kind);
+
+/// Start, target or path of trial `index` of a task ("centre", "point", "pose", "square", "circle", or "path"
+/// with `path`). `target_m`, when given, replaces the drawn target of `point`. `fits` says whether a start
+/// lies inside the dish. With a `region`, start and drawn target lie in it.
+TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, std::int64_t index,
+                     const std::optional<geometry::Vector2>& target_m,
+                     const std::optional<geometry::Path>& path,
+                     const std::function<bool(const geometry::Pose2&)>& fits,
+                     const task::Region* region = nullptr);
+
+/// A controller and the scale of its actions. `make` is called once per trial and must be safe to call from
+/// several threads.
+struct ControllerSource {
+  std::string name;  ///< "policy", "planner" or "baseline"
+  task::ActionConfig action;
+  std::function<std::unique_ptr<control::Controller>()> make;
+};
+
+/// The baseline at the rig's largest current.
+ControllerSource baseline_source(const DeploymentConfig& config);
+
+/// A trained policy. Throws ConfigError when its actions go beyond the rig's largest current; `what` names
+/// it.
+ControllerSource policy_source(const DeploymentConfig& config, const nets::Policy& policy,
+                               const std::string& what);
+
+/// A planner on a learned simulator.
+ControllerSource planner_source(const DeploymentConfig& config, const nets::DynamicsModel& model,
+                                const std::string& what);
+
+/// What drives a virtual rig: its own coils and clock, or a whole emulated bench around it, which `keep`
+/// keeps.
+struct RigDrive {
+  rig::Coils* coils = nullptr;
+  common::Clock* clock = nullptr;
+  std::shared_ptr<void> keep;
+};
+using MakeDrive = std::function<RigDrive(rig::VirtualRig& rig)>;
+
+/// One trial on a bench, from where the needle lies. `truth`, where somebody knows it, is for scoring only;
+/// the sensed pose stands for it elsewhere. `watch` sees every observation before its pulse.
+TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& config, const TrialPlan& plan,
+                           const ControllerSource& source, const std::function<geometry::Pose2()>& truth = {},
+                           const ControlLoop::Observer& watch = {});
+
+/// Runs trials, each on a virtual rig of its own with its own random streams, so that results depend neither
+/// on threads nor on which other trials are run.
+class Deployment {
+ public:
+  /// `drive`, when given, must be safe to call from several threads.
+  explicit Deployment(const DeploymentConfig& config, MakeDrive drive = {});
+
+  /// Results in the order of `plans`. With `realtime`, every trial takes as long as it says. Videos go into
+  /// `video_folder`, which exists; none are made when it is empty.
+  std::vector<TrialResult> run(const std::vector<TrialPlan>& plans, RigKind kind,
+                               const ControllerSource& source, common::ThreadPool& pool,
+                               bool realtime = false, const std::string& video_folder = "") const;
+
+  /// Whether the needle lies inside the wall at a pose.
+  bool fits(const geometry::Pose2& pose) const { return sample_rig_->fits(pose); }
+
+ private:
+  TrialResult run_one(const TrialPlan& plan, RigKind kind, const ControllerSource& source, bool realtime,
+                      const std::string& video_folder) const;
+
+  DeploymentConfig config_;
+  MakeDrive drive_;
+  session::Sensing sensing_;
+  session::SeenBench explored_;
+  std::unique_ptr<rig::VirtualRig> sample_rig_;  // lends its field table to the rigs of the trials
+};
+
+}  // namespace lodestone::experiments

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "lodestone/imaging/scene_renderer.h"
+#include "lodestone/rig/rendered_camera.h"
+#include "lodestone/session/camera_pose_sensor.h"
+#include "lodestone/session/simulated_pose_sensor.h"
+
+namespace lodestone::session {
+
+/// How the pose of a virtual rig's needle is sensed.
+struct SensingConfig {
+  std::string kind = "camera";
+  std::string segmenter;
+  std::string calibration;
+  CameraSensorConfig camera;
+  imaging::SceneConfig scene;
+  SensorErrorConfig simulated;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field(
+        "kind", kind, "",
+        "camera: images are rendered and localised; simulated: the true pose plus the localiser's measured "
+        "error",
+        {"camera", "simulated"});
+    v.field("segmenter", segmenter, "", "folder of the segmenter checkpoint; empty: the one that is shipped");
+    v.field("calibration", calibration, "",
+            "calibration.json of a real bench, as lodestone calibrate wrote it; empty: made from the first "
+            "image");
+    v.group("camera", camera, "from images to poses");
+    v.group("scene", scene, "what the bench looks like; sizes of dish, coils and needle come from the rig");
+    v.group("simulated", simulated, "errors of the simulated localiser");
+  }
+};
+
+/// One look of a bench with its camera: scene, and calibration when it has been made. Shared by the trials on
+/// the same bench.
+struct SeenBench {
+  std::uint64_t seed = 0;  ///< of the scene, or of the simulated calibration error
+  std::shared_ptr<const imaging::SceneRenderer> renderer;
+  std::optional<imaging::Calibration> calibration;
+};
+
+/// Pose sensor of one virtual rig, of the configured kind.
+class RigSensor final : public control::PoseSensor {
+ public:
+  RigSensor(rig::VirtualRig& rig, const SensingConfig& config,
+            std::shared_ptr<const vision::Segmenter> segmenter, const SeenBench& bench,
+            common::RandomStream noise, common::Clock* clock = nullptr);
+
+  control::PoseEstimate observe() override;
+  /// The needle has been placed elsewhere.
+  void reset();
+  /// Null when the sensor is simulated.
+  const CameraPoseSensor* camera() const { return by_camera_ ? &*by_camera_ : nullptr; }
+
+  /// State of the noise, for bitwise resumption between two episodes.
+  std::string save() const;
+  void restore(const std::string& state);
+
+ private:
+  std::optional<SimulatedPoseSensor> simulated_;
+  std::optional<rig::RenderedCamera> camera_;
+  std::optional<CameraPoseSensor> by_camera_;
+};
+
+/// Makes sensors: reads the segmenter once, and paints and calibrates benches.
+class Sensing {
+ public:
+  /// Throws CheckpointError when the segmenter cannot be read.
+  Sensing(const SensingConfig& config, const rig::VirtualRigConfig& rig);
+
+  /// A bench seen under one seed, calibrated from an image of the empty dish, as an operator would before
+  /// placing the needle. Throws DataError when that fails.
+  SeenBench calibrated_bench(std::uint64_t seed) const;
+  /// The same without calibration: the sensor then calibrates itself on its first image.
+  SeenBench new_bench(std::uint64_t seed) const;
+  /// `clock`: what moves the rig's time where the rig does not do so itself.
+  std::unique_ptr<RigSensor> make(rig::VirtualRig& rig, const SeenBench& bench, common::RandomStream noise,
+                                  common::Clock* clock = nullptr) const;
+
+  bool by_camera() const { return config_.kind == "camera"; }
+  const imaging::BenchGeometry& bench() const { return config_.scene.bench; }
+
+ private:
+  SensingConfig config_;
+  std::shared_ptr<const vision::Segmenter> segmenter_;
+};
+
+}  // namespace lodestone::session

@@ -1,0 +1,156 @@
+#include "lodestone/emulation/emulated_bench.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lodestone/common/error.h"
+
+namespace lodestone::emulation {
+
+namespace {
+constexpr double kByte_s = 10.0 / 115200.0;
+constexpr double kStep_s = 0.1e-3;  // about one byte on a line
+}  // namespace
+
+class EmulatedBench::BenchClock final : public common::Clock {
+ public:
+  explicit BenchClock(EmulatedBench& bench) : bench_(bench) {}
+  double now_s() const override { return bench_.now_s(); }
+  void sleep_until(double time_s) override { bench_.advance_to(time_s); }
+
+ private:
+  EmulatedBench& bench_;
+};
+
+EmulatedBench::EmulatedBench(rig::VirtualRig& rig)
+    : rig_(rig),
+      controllers_{RoboClawModel(0x80), RoboClawModel(0x81)},
+      clock_(std::make_unique<BenchClock>(*this)),
+      start_s_(rig.clock().now_s()),
+      now_s_(start_s_) {
+  stuck_.fill(std::numeric_limits<double>::quiet_NaN());
+  short_.fill(1.0);
+  set_supply_V(rig.config().circuit.supply_V);
+  arduino_ = std::make_unique<Arduino>(
+      [this](std::uint8_t byte) {
+        to_host_.push_back({byte, arduino_->now_s() + start_s_ + kByte_s});
+      },
+      [this](std::uint8_t byte) {
+        to_controllers_.push_back({byte, arduino_->now_s() + start_s_ + kByte_s});
+      });
+}
+
+EmulatedBench::~EmulatedBench() = default;
+
+common::Clock& EmulatedBench::clock() { return *clock_; }
+
+void EmulatedBench::host_write(const std::uint8_t* bytes, std::size_t count) {
+  if (!plugged_) return;
+  line_free_s_ = std::max(line_free_s_, now_s_);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::uint8_t byte = bytes[i];
+    if (!to_device_filter || to_device_filter(byte)) to_device_.push_back({byte, line_free_s_});
+    line_free_s_ += kByte_s;
+  }
+}
+
+bool EmulatedBench::host_read(std::uint8_t& byte) {
+  if (host_inbox_.empty()) return false;
+  byte = host_inbox_.front();
+  host_inbox_.pop_front();
+  return true;
+}
+
+std::array<double, rig::kCoilCount> EmulatedBench::current_A() const {
+  return rig_.coils().status().current_A;
+}
+
+void EmulatedBench::set_plugged(bool plugged) {
+  plugged_ = plugged;
+  to_device_.clear();
+  to_host_.clear();
+  host_inbox_.clear();
+}
+
+void EmulatedBench::set_supply_V(double volt) {
+  for (RoboClawModel& controller : controllers_) controller.supply_V = volt;
+}
+
+void EmulatedBench::stick_driver(int coil, double duty) { stuck_[static_cast<std::size_t>(coil)] = duty; }
+
+void EmulatedBench::short_coil(int coil, double fraction) {
+  LODESTONE_CHECK(fraction > 0.0, "a fraction above 0");
+  short_[static_cast<std::size_t>(coil)] = fraction;
+}
+
+void EmulatedBench::heat_coil(int coil, double temperature_C) {
+  common::Json state = rig_.save();
+  state["coils"][static_cast<std::size_t>(coil)][1] = temperature_C;
+  rig_.restore(state);
+}
+
+void EmulatedBench::inject_to_device(const std::vector<std::uint8_t>& bytes) {
+  line_free_s_ = std::max(line_free_s_, now_s_);
+  for (const std::uint8_t byte : bytes) {
+    to_device_.push_back({byte, line_free_s_});
+    line_free_s_ += kByte_s;
+  }
+}
+
+void EmulatedBench::inject_to_host(const std::vector<std::uint8_t>& bytes) {
+  host_inbox_.insert(host_inbox_.end(), bytes.begin(), bytes.end());
+}
+
+/// What the controllers put on the coils from now on.
+void EmulatedBench::drive_rig() {
+  std::array<double, rig::kCoilCount> duty{};
+  for (std::size_t c = 0; c < controllers_.size(); ++c) {
+    const std::array<double, 2> output = controllers_[c].duty();
+    duty[2 * c] = output[0];
+    duty[2 * c + 1] = output[1];
+  }
+  for (std::size_t i = 0; i < duty.size(); ++i)
+    duty[i] = (std::isnan(stuck_[i]) ? duty[i] : stuck_[i]) / short_[i];
+  const double supply_V = controllers_[0].supply_V;
+  if (duty == driven_ && supply_V == driven_supply_V_) return;
+  driven_ = duty;
+  driven_supply_V_ = supply_V;
+  rig_.drive(duty, supply_V);
+}
+
+void EmulatedBench::step_to(double time_s) {
+  while (!to_device_.empty() && to_device_.front().time_s <= now_s_) {
+    arduino_->host_byte(to_device_.front().byte);
+    to_device_.pop_front();
+  }
+  std::uint8_t byte = 0;
+  for (RoboClawModel& controller : controllers_)
+    if (controller.send(now_s_, byte)) arduino_->controller_byte(byte);
+  arduino_->run_until(time_s - start_s_);
+  rig_.clock().sleep_until(time_s);
+  now_s_ = time_s;
+  const rig::CoilStatus coils = rig_.coils().status();
+  for (std::size_t c = 0; c < controllers_.size(); ++c)
+    controllers_[c].current_A = {coils.current_A[2 * c], coils.current_A[2 * c + 1]};
+  while (!to_controllers_.empty() && to_controllers_.front().time_s <= now_s_) {
+    for (RoboClawModel& controller : controllers_)
+      controller.receive(to_controllers_.front().byte, to_controllers_.front().time_s);
+    to_controllers_.pop_front();
+  }
+  for (RoboClawModel& controller : controllers_) controller.advance(now_s_);
+  drive_rig();
+  while (!to_host_.empty() && to_host_.front().time_s <= now_s_) {
+    byte = to_host_.front().byte;
+    to_host_.pop_front();
+    if (plugged_ && (!to_host_filter || to_host_filter(byte))) host_inbox_.push_back(byte);
+  }
+  if (watch) watch(now_s_, coils.current_A);
+}
+
+void EmulatedBench::advance_to(double time_s) {
+  LODESTONE_CHECK(std::isfinite(time_s), "a simulated clock cannot sleep for ever");
+  while (now_s_ < time_s) step_to(std::min(time_s, now_s_ + kStep_s));
+}
+
+}  // namespace lodestone::emulation

@@ -1,0 +1,213 @@
+#include "lodestone/experiments/deployment.h"
+
+#include <cmath>
+
+#include "lodestone/common/error.h"
+#include "lodestone/control/policy_controller.h"
+#include "lodestone/physics/viscosity.h"
+#include "lodestone/task/task.h"
+
+namespace lodestone::experiments {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Streams of a trial are told apart by its task and index, not by the order in which trials run.
+std::uint64_t trial_seed(const DeploymentConfig& config, const TrialPlan& plan) {
+  return common::derive_seed(static_cast<std::uint64_t>(config.seed), "deploy/" + plan.task,
+                             static_cast<std::uint64_t>(plan.index));
+}
+
+void check_scale(const DeploymentConfig& config, double scale_A, const std::string& what) {
+  if (scale_A > config.rig.max_current_A)
+    throw common::ConfigError(what + ": its largest drive is " + std::to_string(scale_A) +
+                              ", the rig takes " + std::to_string(config.rig.max_current_A) +
+                              " A at most; it was trained for another rig");
+}
+
+/// What the configuration puts around every controller.
+std::unique_ptr<control::Controller> decorated(std::unique_ptr<control::Controller> controller,
+                                               const DeploymentConfig& config, double scale_A) {
+  controller = control::decorate(std::move(controller), config.decorators);
+  if (config.turn.current_A > 0.0)
+    controller = std::make_unique<control::TurnInPlace>(std::move(controller), config.turn, scale_A);
+  return controller;
+}
+
+/// A rig nobody has seen: another room temperature changes coils and fluid.
+rig::RigConfig warmed(rig::RigConfig config, double temperature_C) {
+  const double change = physics::water_glycerol_viscosity_Pa_s(temperature_C) /
+                        physics::water_glycerol_viscosity_Pa_s(physics::kNominalFluid_C);
+  config.fluid.viscosity_Pa_s *= change;
+  config.circuit.ambient_C = temperature_C;
+  return config;
+}
+
+}  // namespace
+
+const char* to_string(RigKind kind) { return kind == RigKind::kExplored ? "explored" : "unseen"; }
+
+TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, std::int64_t index,
+                     const std::optional<geometry::Vector2>& target_m,
+                     const std::optional<geometry::Path>& path,
+                     const std::function<bool(const geometry::Pose2&)>& fits, const task::Region* region) {
+  TrialPlan plan;
+  plan.task = task;
+  plan.index = index;
+  plan.duration_s = config.trials.point_seconds;
+  plan.reference = config.reference;
+  common::RandomStream random(trial_seed(config, plan), "start and target");
+  constexpr int kMaxDraws = 100000;
+  int draws = 0;
+  do {
+    if (++draws > kMaxDraws)
+      throw common::ConfigError("trials.start_radius_m = " + std::to_string(config.trials.start_radius_m) +
+                                ": no start inside the dish was found; use a smaller radius");
+    const geometry::Vector2 start_m = task::draw_in_disc(config.trials.start_radius_m, random);
+    plan.start = {start_m.x(), start_m.y(), random.uniform(-kPi, kPi)};
+  } while (!fits(plan.start) || (region != nullptr && !region->contains(plan.start.position_m())));
+  const auto draw = [&] { return task::draw_in_disc(config.trials.goal_radius_m, random); };
+  const geometry::Vector2 drawn_m = region != nullptr ? region->draw(draw) : draw();
+  if (task == "point" || task == "pose")
+    plan.target_m = target_m.value_or(drawn_m);
+  else if (task == "square")
+    plan.path = geometry::Path::square(config.trials.square_side_m);
+  else if (task == "circle")
+    plan.path = geometry::Path::circle(config.trials.circle_radius_m);
+  else if (task == "path")
+    plan.path = path;
+  else
+    LODESTONE_CHECK(task == "centre", "a task: centre, point, pose, square, circle or path, not " + task);
+  if (task == "pose") plan.target_heading_rad = random.uniform(-kPi, kPi);
+  return plan;
+}
+
+ControllerSource policy_source(const DeploymentConfig& config, const nets::Policy& policy,
+                               const std::string& what) {
+  check_scale(config, policy.action.scale, what);
+  ControllerSource source;
+  source.name = "policy";
+  source.action = policy.action;
+  source.make = [policy, config] {
+    return decorated(std::make_unique<control::PolicyController>(policy), config, policy.action.scale);
+  };
+  return source;
+}
+
+ControllerSource planner_source(const DeploymentConfig& config, const nets::DynamicsModel& model,
+                                const std::string& what) {
+  check_scale(config, model.info.action_scale, what);
+  ControllerSource source;
+  source.name = "planner";
+  source.action.scale = model.info.action_scale;
+  source.action.one_axis_at_a_time = model.info.one_axis_at_a_time;
+  const auto shared = std::make_shared<const control::PlannerModel>(model);
+  source.make = [shared, config, scale_A = source.action.scale] {
+    return decorated(
+        std::make_unique<control::Planner>(shared, config.planner, static_cast<std::uint64_t>(config.seed)),
+        config, scale_A);
+  };
+  return source;
+}
+
+ControllerSource baseline_source(const DeploymentConfig& config) {
+  ControllerSource source;
+  source.name = "baseline";
+  source.action.scale = config.rig.max_current_A;
+  source.make = [config] {
+    return decorated(
+        std::make_unique<control::DipolePullController>(config.baseline, config.rig.max_current_A), config,
+        config.rig.max_current_A);
+  };
+  return source;
+}
+
+TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& config, const TrialPlan& plan,
+                           const ControllerSource& source, const std::function<geometry::Pose2()>& truth,
+                           const ControlLoop::Observer& watch) {
+  control::ControlLoop loop(config.loop, source.action, bench.coils(), bench.sensor(), bench.clock());
+  const std::unique_ptr<control::Controller> controller = source.make();
+  const auto pose = truth ? truth : std::function<geometry::Pose2()>([&plan] { return plan.start; });
+  TrialResult result = run_trial(plan, loop, *controller, pose, config.score, watch);
+  if (!truth) {
+    result.truth = result.sensed;
+    geometry::Pose2 seen = plan.start;
+    for (TrialSample& sample : result.samples) {
+      if (sample.step.estimate.valid) seen = sample.step.estimate.pose;
+      sample.true_pose = seen;
+    }
+  }
+  if (!result.samples.empty() && result.samples.front().step.estimate.valid)
+    result.plan.start = result.samples.front().step.estimate.pose;
+  result.rig = "real";
+  result.controller = source.name;
+  return result;
+}
+
+Deployment::Deployment(const DeploymentConfig& config, MakeDrive drive)
+    : config_(config),
+      drive_(std::move(drive)),
+      sensing_(config.sensor, config.rig),
+      explored_(sensing_.calibrated_bench(static_cast<std::uint64_t>(config.sensor_seed))),
+      sample_rig_(
+          std::make_unique<rig::VirtualRig>(config.rig, static_cast<std::uint64_t>(config.rig_seed))) {}
+
+std::vector<TrialResult> Deployment::run(const std::vector<TrialPlan>& plans, RigKind kind,
+                                         const ControllerSource& source, common::ThreadPool& pool,
+                                         bool realtime, const std::string& video_folder) const {
+  std::vector<TrialResult> results(plans.size());
+  pool.for_each(plans.size(), [&](std::size_t trial) {
+    results[trial] = run_one(plans[trial], kind, source, realtime, video_folder);
+  });
+  return results;
+}
+
+TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const ControllerSource& source,
+                                bool realtime, const std::string& video_folder) const {
+  const std::uint64_t seed = trial_seed(config_, plan);
+  const bool explored = kind == RigKind::kExplored;
+  const std::uint64_t rig_seed =
+      explored ? static_cast<std::uint64_t>(config_.rig_seed) : common::derive_seed(seed, "unseen rig");
+  common::RandomStream room(seed, "unseen temperature");
+  rig::VirtualRig rig(explored ? config_.rig : warmed(config_.rig, config_.trials.temperature_C.draw(room)),
+                      rig_seed, sample_rig_->field_table());
+  // The scatter from pulse to pulse belongs to the trial, or trials on the explored rig would all see the
+  // same.
+  common::Json state = rig.save();
+  LODESTONE_CHECK(state.contains("scatter"), "the rig's state to hold the stream of its scatter");
+  state["scatter"] = common::RandomStream(seed, "pulse scatter").save();
+  rig.restore(state);
+  rig.place(plan.start);
+  const session::SeenBench bench =
+      explored ? explored_ : sensing_.new_bench(common::derive_seed(seed, "unseen sensor"));
+  RigDrive drive{&rig.coils(), &rig.clock(), nullptr};
+  if (drive_) drive = drive_(rig);
+  const std::unique_ptr<session::RigSensor> sensor =
+      sensing_.make(rig, bench, common::RandomStream(seed, "sensor noise"), drive.clock);
+  std::optional<common::PacedClock> paced;
+  if (realtime) paced.emplace(*drive.clock);
+  common::Clock& clock = paced ? static_cast<common::Clock&>(*paced) : *drive.clock;
+  safety::Supervisor coils(*drive.coils, config_.safety, clock);
+  control::ControlLoop loop(config_.loop, source.action, coils, *sensor, clock);
+  const std::unique_ptr<control::Controller> controller = source.make();
+  std::optional<TrialVideo> video;
+  const bool filmed = config_.record.enabled && sensor->camera() != nullptr && !video_folder.empty() &&
+                      plan.index < config_.record.trials;
+  if (filmed)
+    video.emplace(video_folder + "/" + to_string(kind) + "-" + source.name + "-" + plan.task + "-" +
+                      std::to_string(plan.index),
+                  config_.record, config_.loop.period_s(), sensing_.bench(), source.action.scale, plan);
+  const auto watch = [&](const control::StepRecord& step) {
+    const session::CameraPoseSensor* camera = sensor->camera();
+    if (video && camera->calibration()) video->show(camera->frame(), camera->calibration()->camera, step);
+  };
+  TrialResult result = run_trial(
+      plan, loop, *controller, [&rig] { return rig.true_pose(); }, config_.score, watch);
+  if (video) video->finish();
+  result.rig = to_string(kind);
+  result.controller = source.name;
+  return result;
+}
+
+}  // namespace lodestone::experiments

@@ -1,0 +1,521 @@
+#include "lodestone/experiments/fault_injection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "lodestone/common/error.h"
+#include "lodestone/common/random.h"
+#include "lodestone/control/control_loop.h"
+#include "lodestone/emulation/emulated_bench.h"
+#include "lodestone/emulation/lockstep_port.h"
+#include "lodestone/rig/serial_coils.h"
+
+namespace lodestone::experiments {
+
+namespace {
+
+constexpr double kFlowing_A = 0.1;  // more than this in a coil is current
+constexpr double kDrive_A = 5.0;
+constexpr double kLineDown_s = 1.5;
+constexpr double kHeldPulse_s = 4.0;
+constexpr const char* kFirstBeyondDevice =
+    "camera stalls";  // from here on the list is about camera, needle and PC
+
+/// Looks at the needle as a good localiser would, or fails as a camera can.
+class KnownPoseSensor final : public control::PoseSensor {
+ public:
+  KnownPoseSensor(rig::VirtualRig& rig, const common::Clock& clock) : rig_(rig), clock_(clock) {}
+  control::PoseEstimate observe() override {
+    if (stalled) throw common::HardwareError("camera: no image within 0.5 s");
+    control::PoseEstimate estimate;
+    if (old_frame) return last_;
+    estimate.stamp_s = clock_.now_s() + stamp_error_s;
+    stamp_error_s = 0.0;
+    estimate.pose = rig_.true_pose();
+    estimate.valid = !needle_gone;
+    if (needle_gone) estimate.reason = "no needle in the image";
+    if (needle_outside) estimate.pose.x_m = 0.2;
+    last_ = estimate;
+    return estimate;
+  }
+  bool stalled = false;
+  bool old_frame = false;
+  bool needle_gone = false;
+  bool needle_outside = false;
+  /// Of the next image only: the PC's wall clock was set between its arrival and its use.
+  double stamp_error_s = 0.0;
+
+ private:
+  rig::VirtualRig& rig_;
+  const common::Clock& clock_;
+  control::PoseEstimate last_;
+};
+
+/// Any drive, as an explorer would.
+class RandomDrive final : public control::Controller {
+ public:
+  explicit RandomDrive(common::RandomStream random) : random_(random) {}
+  void reset() override {}
+  geometry::Vector2 act(const task::Observation&) override {
+    const geometry::Vector2 drive(random_.uniform(-1.0, 1.0), random_.uniform(-1.0, 1.0));
+    return drive.cwiseSign().cwiseProduct(drive.cwiseAbs() * 0.7 + geometry::Vector2(0.3, 0.3));
+  }
+
+ private:
+  common::RandomStream random_;
+};
+
+/// One line per step, flushed, as the program's own records.
+class Record {
+ public:
+  explicit Record(const std::string& file) : path_(file), file_(file, std::ios::trunc) {}
+  void write(const control::StepRecord& step) {
+    if (disk_full) {
+      std::ofstream full("/dev/full");
+      full << step.time_s << std::endl;
+      if (!full) throw common::IoError("cannot write " + path_ + ": check the space on the disk");
+    }
+    file_ << step.time_s << ',' << step.action.x() << ',' << step.action.y() << std::endl;
+    if (!file_) throw common::IoError("cannot write " + path_ + ": check the space on the disk");
+  }
+  std::int64_t lines() const {
+    std::ifstream in(path_);
+    return std::count(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>(), '\n');
+  }
+  bool disk_full = false;
+
+ private:
+  std::string path_;
+  std::ofstream file_;
+};
+
+/// The whole chain, and a watch over it that knows the truth.
+struct Chain {
+  Chain(std::uint64_t seed, const std::string& folder)
+      : rig(rig::VirtualRigConfig{}, seed),
+        bench(rig),
+        clock(bench.clock()),
+        sensor(rig, clock),
+        controller(common::RandomStream(seed, "drill/drive")),
+        record(folder + "/record.csv") {
+    serial.max_pulse_s = 0.5;
+    action.scale = kDrive_A;
+    bench.watch = [this](double now_s, const std::array<double, rig::kCoilCount>& current_A) {
+      watch(now_s, current_A);
+    };
+  }
+
+  void start_anew() {
+    safety::SafetyConfig safety;
+    supervisor.emplace(*coils, safety, clock);
+  }
+
+  void watch(double now_s, const std::array<double, rig::kCoilCount>& current_A) {
+    bool flowing = false;
+    for (std::size_t i = 0; i < current_A.size(); ++i) {
+      const double size_A = std::abs(current_A[i]);
+      largest_A = std::max(largest_A, size_A);
+      flowing = flowing || size_A > kFlowing_A;
+    }
+    if (flowing && on_since_s < 0.0) on_since_s = now_s;
+    if (!flowing) on_since_s = -1.0;
+    if (flowing) {
+      longest_on_s = std::max(longest_on_s, now_s - on_since_s);
+      // Only the stretch in which the fault was injected, and whatever comes after the run was stopped.
+      if (injected_s >= 0.0 && (on_since_s <= injected_s || run_over_s >= 0.0)) last_on_s = now_s;
+    }
+    if (inject && flowing && now_s >= inject_at_s && now_s - on_since_s > 0.04) {
+      injected_s = now_s;
+      last_on_s = now_s;
+      // The fault may call the bench, which must not be in the middle of a step.
+      pending = std::move(inject);
+      inject = nullptr;
+    }
+  }
+  void poll() {
+    if (!pending) return;
+    const auto now = std::move(pending);
+    pending = nullptr;
+    now(*this);
+  }
+
+  rig::VirtualRig rig;
+  emulation::EmulatedBench bench;
+  common::Clock& clock;
+  KnownPoseSensor sensor;
+  RandomDrive controller;
+  Record record;
+  rig::SerialConfig serial;
+  task::ActionConfig action;
+  control::ControlLoopConfig timing;
+  std::vector<std::uint8_t> last_request;  // bytes of the last frame that the PC sent, for replaying
+  bool host_dead = false;
+
+  double inject_at_s = 0.0;
+  std::function<void(Chain&)> inject;
+  std::function<void(Chain&)> pending;
+  double injected_s = -1.0;
+  double run_over_s = -1.0;
+  double last_on_s = 0.0;
+  double on_since_s = -1.0;
+  double longest_on_s = 0.0;
+  double largest_A = 0.0;
+
+  // Last, so that they can still stop the bench when they go.
+  std::unique_ptr<rig::SerialCoils> coils;
+  std::optional<safety::Supervisor> supervisor;
+};
+
+/// The host is gone: whoever calls into it gets nothing more.
+struct HostKilled {};
+
+/// The PC's end of the line, where faults are injected between two looks, and where a dead PC stays dead.
+class FaultyPort final : public rig::SerialPort {
+ public:
+  explicit FaultyPort(Chain& chain) : chain_(chain), port_(chain.bench) {}
+  std::size_t read(std::uint8_t* bytes, std::size_t most, double timeout_s) override {
+    chain_.poll();
+    if (chain_.host_dead) throw HostKilled();
+    return port_.read(bytes, most, timeout_s);
+  }
+  void write(const std::uint8_t* bytes, std::size_t count, double timeout_s) override {
+    if (chain_.host_dead) throw HostKilled();
+    chain_.last_request.assign(bytes, bytes + count);
+    port_.write(bytes, count, timeout_s);
+  }
+  void discard_input() override { port_.discard_input(); }
+
+ private:
+  Chain& chain_;
+  emulation::LockstepPort port_;
+};
+
+struct FaultKind {
+  std::string name;
+  bool stops;  ///< whether the run must end
+  std::function<void(Chain&)> inject;
+  std::function<void(Chain&)> clear;
+};
+
+std::vector<std::uint8_t> noise(std::size_t count, std::uint64_t seed) {
+  common::RandomStream random(seed, "drill/noise");
+  std::vector<std::uint8_t> bytes(count);
+  for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(256.0 * random.uniform());
+  return bytes;
+}
+
+/// Calls `each` for every byte of the next frames, with its place in the frame (0: the first delimiter).
+std::function<bool(std::uint8_t&)> per_byte(int frames, std::function<bool(int place, std::uint8_t&)> each) {
+  auto place = std::make_shared<int>(-1);
+  auto left = std::make_shared<int>(frames);
+  return [place, left, each](std::uint8_t& byte) {
+    if (*left <= 0) return true;
+    const bool delimiter = byte == 0;
+    *place = delimiter && *place > 0 ? -1 : *place + 1;
+    const bool ended = *place < 0;
+    const int at = ended ? 1000 : *place;
+    const bool keep = each(at, byte);
+    if (ended) --*left;
+    return keep;
+  };
+}
+
+std::vector<FaultKind> make_faults() {
+  const auto no_filters = [](Chain& chain) {
+    chain.bench.to_device_filter = nullptr;
+    chain.bench.to_host_filter = nullptr;
+  };
+  const auto nothing = [](Chain&) {};
+  return {
+      {"garbage bytes to the firmware", false, [](Chain& c) { c.bench.inject_to_device(noise(200, 1)); },
+       nothing},
+      {"garbage bytes to the PC", false, [](Chain& c) { c.bench.inject_to_host(noise(200, 2)); }, nothing},
+      {"truncated frame", false,
+       [](Chain& c) {
+         c.bench.to_device_filter = per_byte(1, [](int place, std::uint8_t&) { return place < 7; });
+       },
+       no_filters},
+      {"single bit flips", false,
+       [](Chain& c) {
+         c.bench.to_device_filter = per_byte(2, [](int place, std::uint8_t& byte) {
+           if (place == 5) byte ^= 0x10;
+           return true;
+         });
+       },
+       no_filters},
+      {"lost acknowledgement", false,
+       [](Chain& c) { c.bench.to_host_filter = per_byte(2, [](int, std::uint8_t&) { return false; }); },
+       no_filters},
+      {"duplicated acknowledgement", false,
+       [](Chain& c) {
+         auto seen = std::make_shared<std::vector<std::uint8_t>>();
+         auto* const bench = &c.bench;
+         c.bench.to_host_filter = per_byte(3, [seen, bench](int place, std::uint8_t& byte) {
+           seen->push_back(byte);
+           if (place == 1000) {
+             bench->inject_to_host(*seen);
+             seen->clear();
+           }
+           return true;
+         });
+       },
+       no_filters},
+      {"repeated pulse frame", false, [](Chain& c) { c.bench.inject_to_device(c.last_request); }, nothing},
+      {"reordered frames", false,
+       [](Chain& c) {
+         // An old frame comes once more after newer ones, as a buffer on the way might give it.
+         auto old = std::make_shared<std::vector<std::uint8_t>>(c.last_request);
+         auto* const bench = &c.bench;
+         c.bench.to_device_filter = per_byte(3, [old, bench](int place, std::uint8_t&) {
+           if (place == 1000) bench->inject_to_device(*old);
+           return true;
+         });
+       },
+       no_filters},
+      {"line dead", true,
+       [](Chain& c) {
+         c.bench.to_host_filter = [](std::uint8_t&) { return false; };
+         c.bench.to_device_filter = [](std::uint8_t&) { return false; };
+       },
+       no_filters},
+      {"port unplugged", true, [](Chain& c) { c.bench.set_plugged(false); },
+       [](Chain& c) { c.bench.set_plugged(true); }},
+      {"PC killed", true, [](Chain& c) { c.host_dead = true; }, [](Chain& c) { c.host_dead = false; }},
+      {"firmware hangs", true, [](Chain& c) { c.bench.arduino().hang(); }, nothing},
+      {"motor controller tx open", true, [](Chain& c) { c.bench.controller(0).tx_open = true; },
+       [](Chain& c) { c.bench.controller(0).tx_open = false; }},
+      {"motor controller rx open", true, [](Chain& c) { c.bench.controller(1).rx_open = true; },
+       [](Chain& c) { c.bench.controller(1).rx_open = false; }},
+      {"motor controller without power", true, [](Chain& c) { c.bench.controller(0).powered = false; },
+       [](Chain& c) { c.bench.controller(0).powered = true; }},
+      {"over-current", true,
+       [](Chain& c) {
+         for (int i = 0; i < rig::kCoilCount; ++i) c.bench.short_coil(i, 0.08);
+       },
+       [](Chain& c) {
+         for (int i = 0; i < rig::kCoilCount; ++i) c.bench.short_coil(i, 1.0);
+         for (int i = 0; i < 2; ++i) c.bench.controller(i).restart();
+       }},
+      {"coil too hot", true,
+       [](Chain& c) {
+         for (int i = 0; i < rig::kCoilCount; ++i) c.bench.heat_coil(i, 150.0);
+       },
+       [](Chain& c) {
+         for (int i = 0; i < rig::kCoilCount; ++i) c.bench.heat_coil(i, 22.0);
+       }},
+      {"motor controller too hot", true, [](Chain& c) { c.bench.controller(1).board_C = 95.0; },
+       [](Chain& c) { c.bench.controller(1).board_C = 30.0; }},
+      {"supply drops to 12 V", true, [](Chain& c) { c.bench.set_supply_V(12.0); },
+       [](Chain& c) { c.bench.set_supply_V(34.0); }},
+      {"emergency stop of a motor controller", true,
+       [](Chain& c) { c.bench.controller(1).emergency_stop = true; },
+       [](Chain& c) { c.bench.controller(1).emergency_stop = false; }},
+      {"emergency stop", true, [](Chain& c) { c.bench.arduino().set_emergency_stop(true); },
+       [](Chain& c) { c.bench.arduino().set_emergency_stop(false); }},
+      {"camera stalls", true, [](Chain& c) { c.sensor.stalled = true; },
+       [](Chain& c) { c.sensor.stalled = false; }},
+      {"camera shows an old frame", true, [](Chain& c) { c.sensor.old_frame = true; },
+       [](Chain& c) { c.sensor.old_frame = false; }},
+      {"needle leaves the view", true, [](Chain& c) { c.sensor.needle_gone = true; },
+       [](Chain& c) { c.sensor.needle_gone = false; }},
+      {"needle seen outside the fence", true, [](Chain& c) { c.sensor.needle_outside = true; },
+       [](Chain& c) { c.sensor.needle_outside = false; }},
+      {"disk full", true, [](Chain& c) { c.record.disk_full = true; },
+       [](Chain& c) { c.record.disk_full = false; }},
+      {"clock jumps forward", true, [](Chain& c) { c.sensor.stamp_error_s = -3600.0; }, nothing},
+      {"clock jumps back", true, [](Chain& c) { c.sensor.stamp_error_s = 3600.0; }, nothing},
+  };
+}
+
+const std::vector<FaultKind>& faults() {
+  static const std::vector<FaultKind> kinds = make_faults();
+  return kinds;
+}
+
+const FaultKind& kind_of(const std::string& fault) {
+  const auto kind = std::find_if(faults().begin(), faults().end(),
+                                 [&](const FaultKind& each) { return each.name == fault; });
+  LODESTONE_CHECK(kind != faults().end(), "a fault of the list, not '" + fault + "'");
+  return *kind;
+}
+
+/// Runs the loop for a while, with at most one fault in it.
+FaultResult run_with(Chain& chain, const FaultKind* kind, double duration_s) {
+  FaultResult result;
+  chain.injected_s = -1.0;
+  chain.run_over_s = -1.0;
+  chain.inject = kind != nullptr ? kind->inject : nullptr;
+  const std::int64_t repeats = chain.coils->repeats();
+  const std::int64_t lines = chain.record.lines();
+  const std::int64_t fired = chain.coils->state().pulses;
+  control::PointReference reference({0.0, 0.0}, duration_s);
+  control::ControlLoop loop(chain.timing, chain.action, *chain.supervisor, chain.sensor, chain.clock);
+  {
+    const control::LoopOutcome outcome =
+        loop.run(chain.controller, reference, [&](const control::StepRecord& step) {
+          chain.poll();
+          chain.record.write(step);
+          ++result.steps;
+          if (step.estimate.valid && !step.last) ++result.asked;
+        });
+    result.stopped = !outcome.completed;
+    result.reason = chain.host_dead ? "the PC was killed" : outcome.stop_reason;
+  }
+  chain.poll();
+  chain.run_over_s = chain.bench.now_s();
+  chain.bench.advance_to(chain.bench.now_s() + 2.0 * kLineDown_s);
+  result.recorded = chain.record.lines() - lines;
+  if (kind == nullptr) return result;
+  result.fault = kind->name;
+  result.injected_s = chain.injected_s;
+  result.on_after_s = chain.injected_s >= 0.0 ? chain.last_on_s - chain.injected_s : 0.0;
+  const auto broken = [&](const std::string& what) {
+    result.unsafe = true;
+    result.reason = what + (result.reason.empty() ? "" : " (" + result.reason + ")");
+  };
+  if (chain.injected_s < 0.0) broken("the fault was never injected");
+  if (result.on_after_s > kOffWithin_s) broken("current flowed for too long");
+  if (kind->stops != result.stopped) broken(kind->stops ? "the run went on" : "the run was stopped");
+  kind->clear(chain);
+  if (!result.stopped) {
+    result.pulses = (chain.coils->state().pulses - fired + 65536) % 65536;
+    if (result.pulses != result.asked) broken("pulses were lost or fired twice");
+    if (result.reason.empty())
+      result.reason = "tolerated, " + std::to_string(chain.coils->repeats() - repeats) + " requests repeated";
+  }
+  return result;
+}
+
+/// What an operator does after a stop: removes the fault, clears the latch, starts again.
+void start_again(Chain& chain) {
+  chain.bench.advance_to(chain.bench.now_s() + 1.0);
+  constexpr int kAttempts = 10;
+  for (int attempt = 1;; ++attempt) {
+    try {
+      chain.coils->clear_faults();
+      const rig::CoilControllerState state = chain.coils->state();
+      if (state.faults.empty() && state.ready) break;
+      if (attempt == kAttempts)
+        throw common::HardwareError("the bench does not recover: " +
+                                    (state.faults.empty() ? "not ready" : state.faults.front()));
+    } catch (const common::HardwareError&) {
+      if (attempt == kAttempts) throw;
+    }
+    chain.bench.advance_to(chain.bench.now_s() + 0.5);
+  }
+  chain.start_anew();
+}
+
+}  // namespace
+
+std::vector<std::string> fault_names() {
+  std::vector<std::string> names;
+  for (const FaultKind& kind : faults()) names.push_back(kind.name);
+  return names;
+}
+
+std::vector<std::string> device_fault_names() {
+  std::vector<std::string> names = fault_names();
+  names.erase(std::find(names.begin(), names.end(), kFirstBeyondDevice), names.end());
+  return names;
+}
+
+FaultResult inject_held_fault(const std::string& fault, std::uint64_t seed, const std::string& folder) {
+  const FaultKind& kind = kind_of(fault);
+  Chain chain(seed, folder);
+  chain.serial.max_pulse_s = kHeldPulse_s;
+  chain.coils = std::make_unique<rig::SerialCoils>(chain.serial,
+                                                   [&chain] { return std::make_unique<FaultyPort>(chain); });
+  chain.inject_at_s = chain.bench.now_s() + 1.0;
+  chain.inject = kind.inject;
+  FaultResult result;
+  result.fault = fault;
+  const double end_s = chain.bench.now_s() + kHeldPulse_s - 0.5;
+  try {
+    chain.coils->apply({{kDrive_A, 0.0, -kDrive_A, 0.0}, kHeldPulse_s});
+    while (chain.bench.now_s() < end_s) {
+      chain.poll();
+      chain.bench.advance_to(chain.bench.now_s() + 0.05);
+      const rig::CoilStatus status = chain.coils->status();
+      if (!status.faults.empty()) throw common::HardwareError(status.faults.front());
+    }
+    result.reason = "tolerated";
+  } catch (const common::HardwareError& error) {
+    result.stopped = true;
+    result.reason = error.what();
+    chain.coils->stop();
+  } catch (const HostKilled&) {
+    result.stopped = true;
+    result.reason = "the PC was killed";
+  }
+  if (!result.stopped) chain.coils->stop();
+  chain.run_over_s = chain.bench.now_s();
+  chain.bench.advance_to(chain.bench.now_s() + 2.0);
+  result.injected_s = chain.injected_s;
+  // Where the run must not end, the pulse goes on; it has ended with the stop.
+  if (result.stopped) result.on_after_s = chain.last_on_s - chain.injected_s;
+  const bool still_on = chain.on_since_s >= 0.0;
+  if (chain.injected_s < 0.0 || still_on || result.on_after_s > kOffWithin_s ||
+      kind.stops != result.stopped) {
+    result.unsafe = true;
+    result.reason += chain.injected_s < 0.0 ? " - the fault was never injected"
+                     : still_on             ? " - current still flows"
+                                            : " - too late, or not as it must be";
+  }
+  return result;
+}
+
+FaultResult inject_fault(const std::string& fault, std::uint64_t seed, const std::string& folder) {
+  const FaultKind& kind = kind_of(fault);
+  Chain chain(seed, folder);
+  chain.coils = std::make_unique<rig::SerialCoils>(chain.serial,
+                                                   [&chain] { return std::make_unique<FaultyPort>(chain); });
+  chain.start_anew();
+  chain.inject_at_s = chain.bench.now_s() + 2.0;
+  return run_with(chain, &kind, 6.0);
+}
+
+HourReport inject_for_an_hour(std::int64_t pulses, std::uint64_t seed, const std::string& folder) {
+  Chain chain(seed, folder);
+  chain.coils = std::make_unique<rig::SerialCoils>(chain.serial,
+                                                   [&chain] { return std::make_unique<FaultyPort>(chain); });
+  chain.start_anew();
+  common::RandomStream random(seed, "drill/hour");
+  HourReport report;
+  const double start_s = chain.bench.now_s();
+  constexpr double kMinute_s = 60.0;
+  // A bench that does not recover fires no more pulses; the faults then outnumber the minutes.
+  const std::int64_t most_faults = 2 * pulses / 100;
+  while (report.pulses < pulses && static_cast<std::int64_t>(report.faults.size()) < most_faults) {
+    const auto index = static_cast<std::size_t>(random.uniform() * static_cast<double>(faults().size()));
+    const FaultKind& kind = faults()[std::min(index, faults().size() - 1)];
+    const double minute_s = chain.bench.now_s();
+    chain.inject_at_s = minute_s + random.uniform(5.0, 50.0);
+    FaultResult result = run_with(chain, &kind, kMinute_s);
+    report.pulses += result.asked;
+    report.unsafe += result.unsafe ? 1 : 0;
+    report.faults.push_back(result);
+    if (result.stopped) start_again(chain);
+    const double left_s = minute_s + kMinute_s - chain.bench.now_s();
+    if (left_s < 1.0 || report.pulses >= pulses) continue;
+    result = run_with(chain, nullptr, left_s);
+    report.pulses += result.asked;
+    if (result.stopped) {
+      ++report.unsafe;
+      report.faults.push_back(result);
+      start_again(chain);
+    }
+  }
+  report.simulated_s = chain.bench.now_s() - start_s;
+  report.longest_on_s = chain.longest_on_s;
+  report.largest_current_A = chain.largest_A;
+  return report;
+}
+
+}  // namespace lodestone::experiments

@@ -1,0 +1,53 @@
+#include "lodestone/experiments/trial_video.h"
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "lodestone/common/files.h"
+
+namespace lodestone::experiments {
+
+TrialVideo::TrialVideo(const std::string& file, const RecordingConfig& config, double period_s,
+                       const imaging::BenchGeometry& bench, double max_current_A, const TrialPlan& plan)
+    : file_(file), config_(config), period_s_(period_s) {
+  annotation_.bench = bench;
+  annotation_.max_current_A = max_current_A;
+  annotation_.task = plan.task;
+  if (plan.path) annotation_.reference_m = plan.path->points_m();
+}
+
+TrialVideo::~TrialVideo() = default;
+
+void TrialVideo::show(const imaging::Frame& frame, const imaging::CameraModel& camera,
+                      const control::StepRecord& step) {
+  if (!writer_)
+    writer_ = std::make_unique<imaging::VideoWriter>(file_ + ".mp4", frame.image.size(),
+                                                     config_.speed / period_s_, config_.scale);
+  annotation_.pose.reset();
+  annotation_.error_m.reset();
+  annotation_.no_pose_reason = step.estimate.reason;
+  annotation_.target_m = step.target_m;
+  annotation_.time_s = step.time_s;
+  annotation_.coil_current_A = step.current_A;
+  if (step.estimate.valid) {
+    annotation_.pose = step.estimate.pose;
+    annotation_.travelled_m.push_back(step.estimate.pose.position_m());
+    annotation_.error_m = (step.estimate.pose.position_m() - step.target_m).norm();
+  }
+  cv::Mat image = frame.image.clone();
+  imaging::annotate(image, camera, annotation_);
+  writer_->write(image);
+  last_ = image;
+}
+
+void TrialVideo::finish() {
+  if (!writer_) return;
+  writer_->finish();
+  cv::Mat small;
+  cv::resize(last_, small, {}, config_.scale, config_.scale, cv::INTER_AREA);
+  std::vector<unsigned char> jpeg;
+  cv::imencode(".jpg", small, jpeg, {cv::IMWRITE_JPEG_QUALITY, 85});
+  common::write_file_atomically(file_ + ".jpg", std::string(jpeg.begin(), jpeg.end()));
+}
+
+}  // namespace lodestone::experiments

@@ -1,0 +1,42 @@
+#include "lodestone/safety/operator_stop.h"
+
+#include <poll.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include "lodestone/common/interrupt.h"
+
+namespace lodestone::safety {
+
+/// The terminal hands over every key at once while this lives.
+struct OperatorStop::Terminal {
+  Terminal() {
+    tcgetattr(STDIN_FILENO, &before);
+    termios raw = before;
+    raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+    tcsetattr(STDIN_FILENO, TCSANOW, &raw);
+  }
+  ~Terminal() { tcsetattr(STDIN_FILENO, TCSANOW, &before); }
+  bool key() const {
+    pollfd watched{STDIN_FILENO, POLLIN, 0};
+    char pressed = 0;
+    return poll(&watched, 1, 0) == 1 && (watched.revents & POLLIN) != 0 &&
+           read(STDIN_FILENO, &pressed, 1) == 1;
+  }
+  termios before{};
+};
+
+OperatorStop::OperatorStop(std::string file, bool keys) : file_(std::move(file)) {
+  if (keys && isatty(STDIN_FILENO) == 1) terminal_ = std::make_unique<Terminal>();
+}
+
+OperatorStop::~OperatorStop() = default;
+
+std::string OperatorStop::asked() {
+  if (common::interrupted()) return "stopped by the user (signal)";
+  if (terminal_ && terminal_->key()) return "stopped by the user (key)";
+  if (!file_.empty() && access(file_.c_str(), F_OK) == 0) return "stopped by the user (" + file_ + " exists)";
+  return "";
+}
+
+}  // namespace lodestone::safety

@@ -1,0 +1,174 @@
+#include "lodestone/emulation/emulated_bench.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "lodestone/common/error.h"
+#include "lodestone/emulation/lockstep_port.h"
+#include "lodestone/rig/coil_measurement.h"
+#include "lodestone/rig/serial_coils.h"
+#include "rig/coils_conformance.h"
+
+using namespace lodestone;
+using Catch::Matchers::Contains;
+
+namespace {
+
+struct Bench {
+  explicit Bench(const rig::VirtualRigConfig& config = {}) : rig(config, 1), bench(rig) {
+    serial.max_pulse_s = 2.0;
+    coils = std::make_unique<rig::SerialCoils>(
+        serial, [this] { return std::make_unique<emulation::LockstepPort>(bench); });
+  }
+  void wait(double time_s) { bench.advance_to(bench.now_s() + time_s); }
+
+  rig::VirtualRig rig;
+  emulation::EmulatedBench bench;
+  rig::SerialConfig serial;
+  std::unique_ptr<rig::SerialCoils> coils;
+};
+
+}  // namespace
+
+TEST_CASE("serial coils keep the contract of Coils, through the real firmware") {
+  Bench b;
+  CHECK(b.coils->info().firmware == "1.0.0");
+  tests::check_coils_conformance(*b.coils, b.bench.clock(), 15.0, 0.2);
+}
+
+TEST_CASE("the microcontroller ends the pulse by itself, after the time that was asked") {
+  Bench b;
+  double on_s = 0.0;
+  double off_s = 0.0;
+  b.bench.watch = [&](double now_s, const std::array<double, 4>& current_A) {
+    if (current_A[0] > 2.5 && on_s == 0.0) on_s = now_s;
+    if (current_A[0] > 2.5) off_s = now_s;
+  };
+  const double asked_s = b.bench.now_s();
+  b.coils->apply({{5.0, 0.0, 0.0, -2.0}, 0.1});
+  CHECK(b.bench.now_s() - asked_s < 5e-3);  // there and back at 115,200 baud
+  b.wait(0.3);
+  CHECK(off_s - on_s == Approx(0.1).margin(3e-3));
+  CHECK(b.coils->trace().coil == 0);
+  CHECK(b.coils->trace().samples.size() > 6);
+}
+
+TEST_CASE("five amperes asked are five amperes given, on a hot coil and with a weak supply, too") {
+  for (const double temperature_C : {22.0, 60.0, 85.0}) {
+    for (const double supply_V : {34.0, 24.0}) {
+      Bench b;
+      for (int coil = 0; coil < rig::kCoilCount; ++coil) b.bench.heat_coil(coil, temperature_C);
+      b.bench.set_supply_V(supply_V);
+      b.wait(0.5);
+      double given_A = 0.0;
+      for (int pulse = 0; pulse < 2; ++pulse) {  // the first one tells the resistance
+        b.coils->apply({{0.0, 0.0, 5.0, 0.0}, 0.1});
+        b.wait(0.099);
+        given_A = b.bench.current_A()[2];
+        b.wait(0.3);
+      }
+      CAPTURE(temperature_C, supply_V);
+      CHECK(given_A == Approx(5.0).epsilon(0.02));
+      CHECK(b.coils->status().temperature_C[2] == Approx(temperature_C).margin(4.0));
+    }
+  }
+}
+
+TEST_CASE("coils are measured through their pulses") {
+  for (const double inductance_H : {17.6e-3, 30e-3}) {
+    rig::VirtualRigConfig config;
+    config.circuit.resistance_20C_ohm = 2.3;
+    config.circuit.inductance_H = inductance_H;
+    config.circuit.ambient_C = 20.0;
+    Bench b(config);
+    const rig::CoilMeasurement found =
+        rig::measure_coil(*b.coils, *b.coils, 1, 4.0, 5, [&](double seconds) { b.wait(seconds); });
+    CHECK(found.resistance_ohm == Approx(2.3).epsilon(0.01));
+    CHECK(found.inductance_H() == Approx(inductance_H).epsilon(0.08));
+    CHECK(found.rms_A < 0.1);
+  }
+}
+
+TEST_CASE("a rise of current gives back what made it") {
+  rig::CurrentTrace trace;
+  const double tau_s = 0.0093;
+  const double ramp_s = 0.014;
+  for (double t_s = 0.004; t_s < 0.08; t_s += 0.004) {
+    // Integrated in small steps rather than by the formula of the fit.
+    double current_A = 0.0;
+    for (double at_s = 0.0; at_s < t_s - 0.002; at_s += 1e-6)
+      current_A += 1e-6 / tau_s * (5.0 * std::min(1.0, at_s / ramp_s) - current_A);
+    trace.samples.push_back({t_s, current_A});
+  }
+  CHECK(rig::fit_rise(trace, ramp_s).time_constant_s == Approx(tau_s).epsilon(0.02));
+  trace.samples.resize(3);
+  CHECK_THROWS_AS(rig::fit_rise(trace, ramp_s), common::DataError);
+}
+
+TEST_CASE("an unplugged port throws, and the next call after plugging in connects anew") {
+  Bench b;
+  b.coils->apply({{1.0, 0.0, 0.0, 0.0}, 0.1});
+  b.bench.set_plugged(false);
+  CHECK_THROWS_WITH(b.coils->status(), Contains("has gone"));
+  CHECK_THROWS_AS(b.coils->apply({{1.0, 0.0, 0.0, 0.0}, 0.1}), common::HardwareError);
+  b.coils->stop();  // never throws
+  b.bench.set_plugged(true);
+  CHECK_NOTHROW(b.coils->apply({{1.0, 0.0, 0.0, 0.0}, 0.1}));
+  CHECK(b.coils->connections() == 2);
+}
+
+TEST_CASE("a restarted firmware is noticed, says why, and stays off until cleared") {
+  Bench b;
+  b.bench.arduino().hang();
+  b.wait(1.0);
+  CHECK(b.bench.arduino().resets() == 1);
+  CHECK_THROWS_WITH(b.coils->apply({{1.0, 0.0, 0.0, 0.0}, 0.1}), Contains("restarted"));
+  CHECK_THROWS_WITH(b.coils->apply({{1.0, 0.0, 0.0, 0.0}, 0.1}), Contains("watchdog"));
+  CHECK(b.coils->info().reset_cause == 8);
+  b.coils->clear_faults();
+  b.wait(0.5);
+  CHECK_NOTHROW(b.coils->apply({{1.0, 0.0, 0.0, 0.0}, 0.1}));
+}
+
+TEST_CASE("a driver that does not switch off, and a coil that is not connected, are named") {
+  Bench b;
+  SECTION("a driver that sticks: all that is left is the supply") {
+    b.bench.stick_driver(2, 0.1);
+    b.wait(0.5);
+    CHECK_THROWS_WITH(b.coils->apply({{1.0, 0.0, 0.0, 0.0}, 0.1}), Contains("cut its supply"));
+  }
+  SECTION("a broken wire") {
+    b.bench.short_coil(1, 100.0);
+    b.coils->apply({{0.0, 3.0, 0.0, 0.0}, 0.2});
+    b.wait(0.3);
+    CHECK_THROWS_WITH(b.coils->apply({{0.0, 3.0, 0.0, 0.0}, 0.2}), Contains("is it connected"));
+  }
+}
+
+TEST_CASE("motor controllers without power are told apart from a missing coil controller") {
+  rig::VirtualRig rig(rig::VirtualRigConfig{}, 1);
+  emulation::EmulatedBench bench(rig);
+  bench.controller(1).powered = false;
+  rig::SerialConfig serial;
+  const auto open = [&bench] { return std::make_unique<emulation::LockstepPort>(bench); };
+  CHECK_THROWS_WITH(rig::SerialCoils(serial, open), Contains("motor controllers do not answer"));
+  bench.controller(1).powered = true;
+  CHECK_NOTHROW(rig::SerialCoils(serial, open));
+  bench.to_host_filter = [](std::uint8_t&) { return false; };
+  CHECK_THROWS_WITH(rig::SerialCoils(serial, open), Contains("does not answer"));
+}
+
+TEST_CASE("polarity turns the wires round, and bad settings are refused") {
+  Bench b;
+  b.serial.polarity = {-1, 1, 1, 1};
+  rig::SerialCoils turned(b.serial, [&b] { return std::make_unique<emulation::LockstepPort>(b.bench); });
+  turned.apply({{3.0, 0.0, 0.0, 0.0}, 0.1});
+  b.wait(0.09);
+  CHECK(b.bench.current_A()[0] == Approx(-3.0).epsilon(0.03));
+  CHECK(turned.status().current_A[0] == Approx(3.0).epsilon(0.05));
+  rig::SerialConfig bad = b.serial;
+  bad.polarity = {1, 1, 1};
+  CHECK_THROWS_AS(bad.validate(), common::ConfigError);
+  bad.polarity = {1, 0, 1, 1};
+  CHECK_THROWS_AS(bad.validate(), common::ConfigError);
+}

@@ -1,0 +1,121 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "control/fakes.h"
+#include "lodestone/common/error.h"
+#include "lodestone/control/goal_seeker.h"
+#include "lodestone/experiments/collection.h"
+
+using namespace lodestone;
+
+namespace {
+
+experiments::CollectionConfig simulated() {
+  experiments::CollectionConfig config;
+  config.sensor.kind = "simulated";
+  return config;
+}
+
+void check_same(const data::Episode& a, const data::Episode& b) {
+  CHECK(a.observations == b.observations);
+  CHECK(a.actions == b.actions);
+  CHECK(a.zero_current == b.zero_current);
+  CHECK(a.truncations == b.truncations);
+}
+
+}  // namespace
+
+TEST_CASE("episodes are whole, within bounds, and marked where no current flowed") {
+  experiments::CollectionConfig config = simulated();
+  config.explorer.zero_fraction = 0.3;
+  experiments::Collection collection(config);
+  int zero = 0;
+  for (int i = 0; i < 6; ++i) {
+    const data::Episode episode = collection.next_episode(12);
+    const auto length = static_cast<std::size_t>(episode.length());
+    REQUIRE(length >= 1);
+    CHECK(length <= 12);
+    CHECK(episode.observations.size() == 3 * (length + 1));
+    REQUIRE(episode.actions.size() == 2 * length);
+    CHECK(episode.truncations.back() == 1);
+    for (std::size_t row = 0; row < length; ++row) {
+      const bool none = episode.actions[2 * row] == 0.0 && episode.actions[2 * row + 1] == 0.0;
+      CHECK((episode.zero_current[row] == 1) == none);
+      CHECK(std::abs(episode.actions[2 * row]) <= config.rig.max_current_A);
+      zero += none;
+    }
+  }
+  CHECK(zero > 0);
+  CHECK(collection.next_episode(1).length() == 1);
+}
+
+TEST_CASE("collection goes on bitwise after a restart") {
+  experiments::CollectionConfig config = simulated();
+  experiments::Collection straight(config);
+  for (int i = 0; i < 3; ++i) straight.next_episode(10);
+  const common::Json state = common::Json::parse(straight.save().dump());
+  experiments::Collection resumed(config);
+  resumed.restore(state);
+  for (int i = 0; i < 3; ++i) check_same(straight.next_episode(10), resumed.next_episode(10));
+  CHECK_THROWS_AS(resumed.restore(common::Json::object()), common::DataError);
+}
+
+TEST_CASE("a missing pose ends an episode without a gap") {
+  experiments::CollectionConfig config = simulated();
+  config.sensor.simulated.dropout = 0.2;
+  experiments::Collection collection(config);
+  for (int i = 0; i < 5; ++i) {
+    const data::Episode episode = collection.next_episode(25);
+    CHECK(episode.observations.size() == 3 * (static_cast<std::size_t>(episode.length()) + 1));
+    CHECK(episode.truncations.back() == 1);
+  }
+}
+
+TEST_CASE("sessions explore the same rig in ways of their own, and the first is as a single one") {
+  const experiments::CollectionConfig config = simulated();
+  experiments::Collection alone(config);
+  experiments::Collection first(config, 0);
+  experiments::Collection second(config, 1);
+  const data::Episode one = alone.next_episode(20);
+  check_same(one, first.next_episode(20));
+  CHECK(second.next_episode(20).observations != one.observations);
+}
+
+TEST_CASE("the first steps of an episode are an episode") {
+  experiments::Collection collection(simulated());
+  data::Episode episode = collection.next_episode(25);
+  while (episode.length() < 4) episode = collection.next_episode(25);
+  const data::Episode part = data::first_steps(episode, 3);
+  CHECK(part.length() == 3);
+  CHECK(part.observations.size() == 12);
+  CHECK(part.actions.size() == 6);
+  CHECK(part.truncations.back() == 1);
+  CHECK(std::equal(part.observations.begin(), part.observations.end(), episode.observations.begin()));
+}
+
+TEST_CASE("a policy that explores goes on after a restore as if never stopped") {
+  const experiments::CollectionConfig config = simulated();
+  const auto make = [&] {
+    auto inner = std::make_unique<tests::FunctionController>([](const task::Observation& seen) {
+      const geometry::Vector2 way_m = seen.target_m - seen.pose.position_m();
+      return geometry::Vector2(0.5 * way_m / (way_m.norm() + 1e-9));
+    });
+    const auto seeker = std::make_shared<control::GoalSeeker>(std::move(inner), control::GoalSeekerConfig(),
+                                                              common::RandomStream(5, "targets"));
+    experiments::Teleoperator teleoperator;
+    teleoperator.controller = seeker.get();
+    teleoperator.episode_over = [seeker] { return false; };
+    teleoperator.save = [seeker] { return seeker->save(); };
+    teleoperator.restore = [seeker](const std::string& state) { seeker->restore(state); };
+    return experiments::Collection(config, experiments::make_exploration_session(config),
+                                   std::move(teleoperator));
+  };
+  experiments::Collection whole = make();
+  whole.next_episode(10);
+  const common::Json state = whole.save();
+  experiments::Collection resumed = make();
+  resumed.restore(state);
+  const data::Episode next = whole.next_episode(10);
+  CHECK(next.length() == 10);  // it does not stop where the explorer would
+  check_same(next, resumed.next_episode(10));
+}

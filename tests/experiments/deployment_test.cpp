@@ -1,0 +1,155 @@
+#include <catch2/catch.hpp>
+
+#include "lodestone/control/policy_controller.h"
+#include "lodestone/experiments/deployment.h"
+#include "lodestone/experiments/recorder.h"
+
+using namespace lodestone;
+
+namespace {
+
+experiments::DeploymentConfig quick_config() {
+  experiments::DeploymentConfig config;
+  config.sensor.kind = "simulated";
+  config.trials.point_seconds = 3.0;
+  config.reference.speed_m_s = 0.03;
+  config.reference.approach_limit_s = 1.0;
+  return config;
+}
+
+std::vector<experiments::TrialPlan> plans(const experiments::DeploymentConfig& config,
+                                          const experiments::Deployment& deployment, const std::string& task,
+                                          int count) {
+  std::vector<experiments::TrialPlan> out;
+  for (int i = 0; i < count; ++i)
+    out.push_back(
+        experiments::plan_trial(config, task, i, std::nullopt, std::nullopt,
+                                [&](const geometry::Pose2& pose) { return deployment.fits(pose); }));
+  return out;
+}
+
+std::string fingerprint(const std::vector<experiments::TrialResult>& results) {
+  std::string text;
+  for (const auto& result : results) text += experiments::trial_to_json(result).dump();
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("trials depend neither on threads nor on the trials beside them") {
+  const auto config = quick_config();
+  const experiments::Deployment deployment(config);
+  const auto source = experiments::baseline_source(config);
+  for (const auto kind : {experiments::RigKind::kExplored, experiments::RigKind::kUnseen}) {
+    const auto todo = plans(config, deployment, "point", 3);
+    std::vector<std::string> prints;
+    for (const std::size_t threads : {1, 2, 4}) {
+      common::ThreadPool pool(threads);
+      prints.push_back(fingerprint(deployment.run(todo, kind, source, pool)));
+    }
+    CHECK(prints[0] == prints[1]);
+    CHECK(prints[0] == prints[2]);
+    common::ThreadPool pool(1);
+    const auto alone = deployment.run({todo[2]}, kind, source, pool);
+    CHECK(prints[0].find(fingerprint(alone)) != std::string::npos);
+  }
+}
+
+TEST_CASE("one policy drives trials in several threads with the same results") {
+  const auto config = quick_config();
+  const experiments::Deployment deployment(config);
+  nets::Policy policy;
+  policy.encoder.memory = true;
+  torch::manual_seed(7);
+  policy.actor = nets::Actor(task::ObservationEncoder(policy.encoder).size(), policy.hidden);
+  experiments::ControllerSource source;
+  source.name = "policy";
+  source.make = [policy] { return std::make_unique<control::PolicyController>(policy); };
+  const auto todo = plans(config, deployment, "centre", 6);
+  std::vector<std::string> prints;
+  for (const std::size_t threads : {1, 2, 4}) {
+    common::ThreadPool pool(threads);
+    const auto results = deployment.run(todo, experiments::RigKind::kExplored, source, pool);
+    for (const auto& result : results) CHECK(result.stop_reason.empty());
+    prints.push_back(fingerprint(results));
+  }
+  CHECK(prints[0] == prints[1]);
+  CHECK(prints[0] == prints[2]);
+}
+
+TEST_CASE("plans repeat, lie inside the dish and keep a given target") {
+  const auto config = quick_config();
+  const experiments::Deployment deployment(config);
+  const auto first = plans(config, deployment, "point", 20);
+  const auto again = plans(config, deployment, "point", 20);
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    CHECK(deployment.fits(first[i].start));
+    CHECK(first[i].start.x_m == again[i].start.x_m);
+    CHECK(first[i].target_m == again[i].target_m);
+    CHECK(first[i].target_m.norm() <= config.trials.goal_radius_m);
+  }
+  CHECK(first[0].target_m != first[1].target_m);
+  const geometry::Vector2 target(0.004, -0.01);
+  const auto fixed =
+      experiments::plan_trial(config, "point", 0, target, std::nullopt,
+                              [&](const geometry::Pose2& pose) { return deployment.fits(pose); });
+  CHECK(fixed.target_m == target);
+  CHECK(fixed.start.x_m == first[0].start.x_m);
+}
+
+TEST_CASE("explored rigs fraction friction and calibration, unseen rigs do not fraction starts' outcomes") {
+  const auto config = quick_config();
+  const experiments::Deployment deployment(config);
+  const auto source = experiments::baseline_source(config);
+  common::ThreadPool pool(2);
+  const auto todo = plans(config, deployment, "square", 1);
+  const auto explored = deployment.run(todo, experiments::RigKind::kExplored, source, pool);
+  const auto unseen = deployment.run(todo, experiments::RigKind::kUnseen, source, pool);
+  REQUIRE(explored[0].completed);
+  REQUIRE(unseen[0].completed);
+  CHECK(explored[0].samples.front().true_pose.x_m == unseen[0].samples.front().true_pose.x_m);
+  CHECK(explored[0].samples.front().step.estimate.pose.x_m !=
+        unseen[0].samples.front().step.estimate.pose.x_m);
+  CHECK(explored[0].truth.cross_track_rms_m);
+  CHECK(explored[0].samples.back().step.last);
+}
+
+TEST_CASE("trials of a pose have a heading to reach, and those within a region keep to it") {
+  const experiments::DeploymentConfig config;
+  const auto anywhere = [](const geometry::Pose2&) { return true; };
+  const experiments::TrialPlan pose =
+      experiments::plan_trial(config, "pose", 3, std::nullopt, std::nullopt, anywhere);
+  REQUIRE(pose.target_heading_rad);
+  CHECK_FALSE(
+      experiments::plan_trial(config, "point", 3, std::nullopt, std::nullopt, anywhere).target_heading_rad);
+
+  std::vector<task::Move> moves;
+  for (int i = 0; i < 500; ++i) {
+    const double x_m = 0.02 * ((i * 37) % 100) / 100.0;
+    const double y_m = 0.02 * ((i * 61) % 100) / 100.0;
+    moves.push_back({{0.02 - x_m, 0.02 - y_m}, {x_m, y_m}});
+  }
+  const task::Region region(moves, {});
+  for (int i = 0; i < 20; ++i) {
+    const experiments::TrialPlan plan =
+        experiments::plan_trial(config, "point", i, std::nullopt, std::nullopt, anywhere, &region);
+    CHECK(region.contains(plan.start.position_m()));
+    CHECK(region.contains(plan.target_m));
+  }
+}
+
+TEST_CASE("an unseen rig is as warm as its trial says, an explored one as configured") {
+  experiments::DeploymentConfig config = quick_config();
+  config.trials.temperature_C = {20.0, 20.0};
+  experiments::DeploymentConfig warm = config;
+  warm.trials.temperature_C = {40.0, 40.0};
+  const experiments::Deployment cold_rigs(config);
+  const experiments::Deployment warm_rigs(warm);
+  const auto source = experiments::baseline_source(config);
+  common::ThreadPool pool(1);
+  const auto todo = plans(config, cold_rigs, "point", 1);
+  CHECK(fingerprint(cold_rigs.run(todo, experiments::RigKind::kUnseen, source, pool)) !=
+        fingerprint(warm_rigs.run(todo, experiments::RigKind::kUnseen, source, pool)));
+  CHECK(fingerprint(cold_rigs.run(todo, experiments::RigKind::kExplored, source, pool)) ==
+        fingerprint(warm_rigs.run(todo, experiments::RigKind::kExplored, source, pool)));
+}

@@ -1,0 +1,93 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "lodestone/control/reference.h"
+#include "lodestone/experiments/score.h"
+
+using namespace lodestone;
+using experiments::ScoredSample;
+using geometry::Vector2;
+
+TEST_CASE("a run to a point is scored by its end") {
+  const Vector2 target(0.0, 0.0);
+  const std::vector<ScoredSample> samples = {{0.0, {0.020, 0.0}, target, false},
+                                             {0.3, {0.002, 0.0}, target, false},
+                                             {0.6, {0.004, 0.0}, target, false},
+                                             {0.9, {0.001, 0.0}, target, false}};
+  const auto score = experiments::score_point(samples, {0.003, 5.0});
+  CHECK(score.final_error_m == Approx(0.001));
+  CHECK(score.success);
+  CHECK(*score.steps_to_reach == 1);
+  CHECK(*score.seconds_to_reach == Approx(0.3));
+  CHECK(*score.hold_error_m == Approx(0.007 / 3.0));
+  CHECK(*experiments::score_point(samples, {0.003, 0.3}).hold_error_m == Approx(0.0025));
+  CHECK_FALSE(score.cross_track_rms_m);
+  const auto missed = experiments::score_point({samples[0]}, {0.003, 5.0});
+  CHECK_FALSE(missed.success);
+  CHECK_FALSE(missed.hold_error_m);
+  CHECK_FALSE(missed.steps_to_reach);
+}
+
+TEST_CASE("a run along a path has a cross-track and a timed error") {
+  const geometry::Path path({{0.0, 0.0}, {0.1, 0.0}}, false);
+  const std::vector<ScoredSample> samples = {{0.0, {0.0, 0.050}, {0.0, 0.0}, true},
+                                             {0.3, {0.010, 0.003}, {0.014, 0.0}, false},
+                                             {0.6, {0.020, -0.001}, {0.020, 0.0}, false}};
+  const auto score = experiments::score_path(samples, path, {0.003, 5.0});
+  REQUIRE(score.errors_m.size() == 2);
+  CHECK(*score.cross_track_rms_m == Approx(std::sqrt((9e-6 + 1e-6) / 2.0)));
+  CHECK(*score.time_rms_m == Approx(std::sqrt((25e-6 + 1e-6) / 2.0)));
+  CHECK(score.success);
+  const auto never = experiments::score_path({samples[0]}, path, {0.1, 5.0});
+  CHECK_FALSE(never.success);
+  CHECK(never.errors_m.size() == 1);
+}
+
+TEST_CASE("summaries of known numbers") {
+  const auto summary = experiments::summarise({4.0, 1.0, 2.0, 3.0});
+  CHECK(summary.mean == Approx(2.5));
+  CHECK(summary.median == Approx(2.5));
+  CHECK(summary.std == Approx(std::sqrt(5.0 / 3.0)));
+  CHECK(summary.rms == Approx(std::sqrt(7.5)));
+  CHECK(experiments::summarise({3.0, 1.0, 2.0}).median == 2.0);
+  experiments::TrialScore good;
+  good.errors_m = {0.001};
+  good.success = true;
+  good.steps_to_reach = 4;
+  experiments::TrialScore bad;
+  bad.errors_m = {0.005};
+  const auto json = experiments::summarise_trials({&good, &bad});
+  CHECK(json.at("mean_error_mm").get<double>() == Approx(3.0));
+  CHECK(json.at("success_rate").get<double>() == Approx(0.5));
+  CHECK(json.at("n_trials").get<int>() == 2);
+  CHECK(json.at("steps_to_reach").get<double>() == Approx(4.0));
+  CHECK(json.at("hold_error_mm").is_null());
+}
+
+TEST_CASE("the reference waits at the start of a path and then moves at its speed") {
+  control::PathReferenceConfig config;
+  config.speed_m_s = 0.01;
+  config.approach_limit_s = 5.0;
+  control::PathReference reference(geometry::Path({{0.0, 0.0}, {0.1, 0.0}}, false), config);
+  CHECK(reference.target(0.0, {0.03, 0.0}).x() == 0.0);
+  CHECK(reference.approaching());
+  CHECK(reference.target(1.0, {0.002, 0.0}).x() == 0.0);
+  CHECK_FALSE(reference.approaching());
+  CHECK(reference.target(2.0, {0.03, 0.0}).x() == Approx(0.01));
+  CHECK_FALSE(reference.finished(10.9));
+  CHECK(reference.finished(11.0));
+  reference.reset();
+  CHECK(reference.target(4.9, {0.03, 0.0}).x() == 0.0);
+  CHECK(reference.target(5.0, {0.03, 0.0}).x() == 0.0);
+  CHECK(reference.target(6.0, {0.03, 0.0}).x() == Approx(0.01));
+  control::PathReference laps(geometry::Path::square(0.03), {0.002, 0.003, 20.0, 2});
+  CHECK(laps.duration_s() == Approx(120.0));
+}
+
+TEST_CASE("the summary holds the heading error of poses, in degrees") {
+  experiments::TrialScore score;
+  score.errors_m = {0.001};
+  score.heading_error_rad = 0.1;
+  const common::Json summary = experiments::summarise_trials({&score});
+  CHECK(summary["heading_error_deg"].get<double>() == Approx(5.7296).epsilon(1e-3));
+}
