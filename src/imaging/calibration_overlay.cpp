@@ -64,8 +64,8 @@ class Overlay {
 cv::Mat calibration_overlay(const cv::Mat& image, const CameraModel& camera, const BenchGeometry& bench) {
   LODESTONE_CHECK(image.type() == CV_8UC3 && image.cols == camera.width_px && image.rows == camera.height_px,
                   "an 8-bit BGR image of the camera's size");
-  cv::Mat image = image.clone();
-  Overlay overlay(image, camera);
+  cv::Mat drawn = image.clone();
+  Overlay overlay(drawn, camera);
   const double radius_m = bench.dish_radius_m;
   for (double at_m = -kGrid_m * std::floor(radius_m / kGrid_m); at_m <= radius_m; at_m += kGrid_m) {
     const double half_m = std::sqrt(radius_m * radius_m - at_m * at_m);
@@ -85,7 +85,7 @@ cv::Mat calibration_overlay(const cv::Mat& image, const CameraModel& camera, con
   overlay.line({0.0, 0.0}, {0.0, 0.02}, kAxisColour, 2);
   overlay.text({0.023, 0.0}, "+x", kAxisColour);
   overlay.text({0.0, 0.023}, "+y", kAxisColour);
-  return image;
+  return drawn;
 }
 
 }  // namespace lodestone::imaging

@@ -154,7 +154,7 @@ CharucoCorners detect_charuco(const cv::Mat& image, const CharucoConfig& board) 
 CharucoFit fit_charuco(const std::vector<cv::Mat>& images, const CharucoConfig& board) {
   CharucoFit fit;
   std::vector<std::vector<cv::Point3f>> objects;
-  std::vector<std::vector<cv::Point2f>> images;
+  std::vector<std::vector<cv::Point2f>> points;
   for (std::size_t i = 0; i < images.size(); ++i) {
     if (images[i].size() != images[0].size())
       throw common::DataError("images of the board differ in size; take all with one camera at one size");
@@ -162,7 +162,7 @@ CharucoFit fit_charuco(const std::vector<cv::Mat>& images, const CharucoConfig& 
     if (corners.ids.size() < kMinCorners) continue;
     fit.used.push_back(i);
     objects.push_back(object_points(corners));
-    images.push_back(image_points(corners));
+    points.push_back(image_points(corners));
   }
   if (fit.used.size() < kMinCharucoImages)
     throw common::DataError("the board was seen in " + std::to_string(fit.used.size()) + " of " +
@@ -175,7 +175,7 @@ CharucoFit fit_charuco(const std::vector<cv::Mat>& images, const CharucoConfig& 
   std::vector<cv::Mat> translations;
   // CALIB_FIX_ASPECT_RATIO keeps one focal length; the camera model has radial terms k1 and k2 alone.
   fit.rms_px =
-      cv::calibrateCamera(objects, images, images[0].size(), matrix, distortion, rotations, translations,
+      cv::calibrateCamera(objects, points, images[0].size(), matrix, distortion, rotations, translations,
                           cv::CALIB_FIX_ASPECT_RATIO | cv::CALIB_ZERO_TANGENT_DIST | cv::CALIB_FIX_K3,
                           cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-12));
   fit.camera.width_px = images[0].cols;
