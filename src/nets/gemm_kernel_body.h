@@ -56,17 +56,27 @@ struct Kernel {
       }
       return;
     }
-    Real row[Vectors * Lanes];
+    Real rows[Rows * Vectors * Lanes];
 #pragma GCC unroll 16
     for (int i = 0; i < Rows; ++i) {
 #pragma GCC unroll 2
-      for (int v = 0; v < Vectors; ++v) store(row + v * Lanes, sum[i][v]);
+      for (int v = 0; v < Vectors; ++v) store(rows + (i * Vectors + v) * Lanes, sum[i][v]);
+    }
+    finish_edge(rows, Rows, Vectors * Lanes, out, n, columns, epilogue);
+  }
+
+  /// The same for fewer columns than vectors hold. A function of its own: in every tile, its loops would cost
+  /// more to compile than all the rest.
+  [[gnu::noinline]] static void finish_edge(const Real* row, int rows, std::int64_t row_size, Real* out,
+                                            std::int64_t n, std::int64_t columns,
+                                            const Epilogue<Real>& epilogue) {
+    for (int i = 0; i < rows; ++i, row += row_size, out += n) {
       for (std::int64_t j = 0; j < columns; ++j) {
         Real x = row[j];
         if (epilogue.bias != nullptr) x += epilogue.bias[j];
         if (epilogue.relu) x = x < Real(0) ? Real(0) : x;
         if (epilogue.mask != nullptr) x = epilogue.mask[i * n + j] > Real(0) ? x : Real(0);
-        out[i * n + j] = x;
+        out[j] = x;
       }
     }
   }
