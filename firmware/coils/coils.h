@@ -1,5 +1,5 @@
-/* The coil controller's behaviour, without hardware: bytes and time in, bytes out. main.c connects it to the
- * ATmega2560; the same file runs in tests on a PC. */
+/* The coil controller's behaviour, without hardware: bytes and time in, bytes out. limits.c, link.c
+ * and session.c are its parts; main.c connects it to the ATmega2560; the same files run in tests on a PC. */
 #ifndef LODESTONE_COILS_COILS_H
 #define LODESTONE_COILS_COILS_H
 
@@ -11,7 +11,7 @@ extern "C" {
 using namespace lodestone::wire;
 #endif
 
-enum { kFirmwareMajor = 1, kFirmwareMinor = 0, kFirmwarePatch = 0, kControllers = 2 };
+enum { kFirmwareMajor = 1, kFirmwareMinor = 0, kFirmwarePatch = 0 };
 
 /* What no configuration may exceed. */
 enum { kHardMaxCurrent_mA = 20000, kHardMaxPulse_ms = 10000 };
@@ -84,8 +84,7 @@ struct Coils {
 
   uint8_t trace_coil;
   uint8_t trace_count;
-  uint16_t trace_time[kTraceSamples]; /* 0.1 ms since the pulse began */
-  int16_t trace_mA[kTraceSamples];
+  struct TraceSample trace[kTraceSamples];
 
   struct MotorController controllers[kControllers];
   struct BusTransaction bus;

@@ -22,7 +22,7 @@ static volatile uint16_t milliseconds_high;
 static struct Coils coils;
 static uint8_t reset_cause __attribute__((section(".noinit")));
 
-/* The watchdog stays on after a reset and would inject again before main(). */
+/* The watchdog stays on after a reset and would strike again before main(). */
 void keep_reset_cause(void) __attribute__((naked, used, section(".init3")));
 void keep_reset_cause(void) {
   reset_cause = MCUSR;

@@ -1,168 +1,120 @@
 #include "coils/protocol.h"
 
 #include <catch2/catch.hpp>
-#include <random>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <utility>
 #include <vector>
 
 using namespace lodestone;
 
 namespace {
 
-std::vector<std::uint8_t> frame_of(std::uint8_t type, std::uint16_t sequence,
-                                   const std::vector<std::uint8_t>& body) {
-  wire::Message message{};
-  message.type = type;
-  message.sequence = sequence;
-  message.length = static_cast<std::uint8_t>(body.size());
-  std::copy(body.begin(), body.end(), message.body);
-  std::vector<std::uint8_t> frame(wire::kMaxFrame);
-  frame.resize(wire::encode_frame(&message, frame.data()));
-  return frame;
+/// Type and number of values of each field, in the order of the wire.
+using Fields = std::vector<std::pair<std::string, int>>;
+#define ONE(type, name) {#type, 1},
+#define MANY(type, name, count) {#type, count},
+
+std::string documentation() {
+  std::ifstream file(std::string(LODESTONE_SOURCE_DIR) + "/docs/serial-protocol.md");
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
 }
 
-std::vector<wire::Message> decode(wire::FrameDecoder& decoder, const std::vector<std::uint8_t>& bytes) {
-  std::vector<wire::Message> found;
-  for (const std::uint8_t byte : bytes) {
-    wire::Message message{};
-    if (wire::decode_byte(&decoder, byte, &message)) found.push_back(message);
-  }
+/// The types that a piece of the page names: "u16", or "4 x i16".
+Fields types_in(const std::string& text) {
+  static const std::regex type(R"((?:(\d+) x )?\b([ui](?:8|16|32))\b)");
+  Fields found;
+  for (std::sregex_iterator at(text.begin(), text.end(), type), end; at != end; ++at)
+    found.emplace_back((*at)[2], (*at)[1].matched ? std::stoi((*at)[1]) : 1);
   return found;
 }
 
-std::vector<std::uint8_t> body_of(const wire::Message& message) {
-  return {message.body, message.body + message.length};
+/// Cells of the table row that begins with these words.
+std::vector<std::string> row(const std::string& page, const std::string& start) {
+  const std::size_t begin = page.find("\n| " + start);
+  REQUIRE(begin != std::string::npos);
+  std::istringstream line(page.substr(begin + 2, page.find('\n', begin + 1) - begin - 2));
+  std::vector<std::string> cells;
+  for (std::string cell; std::getline(line, cell, '|');) cells.push_back(cell);
+  return cells;
+}
+
+/// Each row of the table under a heading has the offset and the type of one field, and together they are the
+/// body.
+void check_table(const std::string& page, const std::string& heading, const Fields& fields, int size) {
+  CAPTURE(heading);
+  const std::size_t begin = page.find("### " + heading);
+  REQUIRE(begin != std::string::npos);
+  std::istringstream lines(page.substr(begin, page.find("\n#", begin + 1) - begin));
+  static const std::regex entry(R"(\| (\d+) \|.*\|.*\|)");
+  std::size_t index = 0;
+  int offset = 0;
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch match;
+    if (!std::regex_match(line, match, entry)) continue;
+    CAPTURE(line);
+    REQUIRE(index < fields.size());
+    CHECK(std::stoi(match[1]) == offset);
+    const Fields named = types_in(line);
+    REQUIRE(named.size() == 1);
+    CHECK(named[0] == fields[index]);
+    const auto& [type, count] = fields[index++];
+    offset += count * std::stoi(type.substr(1)) / 8;
+  }
+  CHECK(index == fields.size());
+  CHECK(offset == size);
 }
 
 }  // namespace
 
-TEST_CASE("the checksum is CRC-32 of IEEE 802.3") {
-  const char* text = "123456789";
-  CHECK(wire::message_crc(reinterpret_cast<const std::uint8_t*>(text), 9) == 0xcbf43926u);
+TEST_CASE("the page on the protocol names every field of every body, in order and type") {
+  const std::string page = documentation();
+  CHECK(types_in(row(page, "0x01 | HELLO")[2]) == Fields{HELLO_REQUEST_FIELDS(ONE, MANY)});
+  CHECK(types_in(row(page, "0x01 | HELLO")[3]) == Fields{HELLO_REPLY_FIELDS(ONE, MANY)});
+  CHECK(types_in(row(page, "0x03 | PULSE")[2]) == Fields{PULSE_REQUEST_FIELDS(ONE, MANY)});
+  CHECK(types_in(row(page, "0x03 | PULSE")[3]) == Fields{PULSE_REPLY_FIELDS(ONE, MANY)});
+  CHECK(types_in(row(page, "0x08 | TRACE")[3]) ==
+        Fields{TRACE_HEAD_FIELDS(ONE, MANY) TRACE_SAMPLE_FIELDS(ONE, MANY)});
+  const std::size_t refusals = page.find("## Refusals");
+  CHECK(types_in(page.substr(refusals, page.find("| reason", refusals) - refusals)) ==
+        Fields{REFUSAL_FIELDS(ONE, MANY)});
+  check_table(page, "Limits (CONFIGURE, " + std::to_string(wire::kCoilLimitsSize) + " bytes)",
+              {COIL_LIMITS_FIELDS(ONE, MANY)}, wire::kCoilLimitsSize);
+  check_table(page, "State (STATUS, " + std::to_string(wire::kCoilStateSize) + " bytes)",
+              {COIL_STATE_FIELDS(ONE, MANY)}, wire::kCoilStateSize);
 }
 
-TEST_CASE("a ping is the frame that docs/serial-protocol.md shows") {
-  const std::vector<std::uint8_t> frame = frame_of(wire::kPing, 0x0102, {});
-  const std::vector<std::uint8_t> documented = {0x00, 0x08, 0x07, 0x02, 0x01, 0x83, 0x9d, 0x3f, 0xbf, 0x00};
-  CHECK(frame == documented);
-}
-
-TEST_CASE("messages of every length come back as they were") {
-  std::mt19937 random(1);
-  wire::FrameDecoder decoder{};
-  for (int length = 0; length <= wire::kMaxBody; ++length) {
-    for (const int kind : {0, 1, 2}) {
-      std::vector<std::uint8_t> body(static_cast<std::size_t>(length));
-      for (std::uint8_t& byte : body)
-        byte = kind == 0 ? 0 : kind == 1 ? 0xff : static_cast<std::uint8_t>(random());
-      const auto found = decode(decoder, frame_of(0x35, static_cast<std::uint16_t>(random()), body));
-      REQUIRE(found.size() == 1);
-      CHECK(body_of(found.front()) == body);
-    }
-  }
-  CHECK(decoder.rejected == 0);
-}
-
-TEST_CASE("no single bit flip at any place goes unnoticed, and the next frame is read") {
-  const std::vector<std::uint8_t> frame =
-      frame_of(wire::kPulse, 77, {0x88, 0x13, 0, 0, 0, 0, 0x30, 0xf8, 100, 0});
-  const std::vector<std::uint8_t> next = frame_of(wire::kPing, 78, {});
-  for (std::size_t bit = 0; bit < 8 * frame.size(); ++bit) {
-    std::vector<std::uint8_t> bytes = frame;
-    bytes[bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
-    bytes.insert(bytes.end(), next.begin(), next.end());
-    wire::FrameDecoder decoder{};
-    const auto found = decode(decoder, bytes);
-    CAPTURE(bit);
-    // A flip in a delimiter may leave the frame whole: the other frame's delimiter stands for it, or noise
-    // that is no frame stands before it. What is read is then exactly what was sent.
-    REQUIRE(found.size() <= 2);
-    REQUIRE(!found.empty());
-    CHECK(found.back().type == wire::kPing);
-    CHECK(found.back().sequence == 78);
-    if (found.size() == 2) CHECK((bit / 8 == 0 || bit / 8 == frame.size() - 1));
-  }
-}
-
-TEST_CASE("frames that are cut anywhere are dropped, and the next one is read") {
-  const std::vector<std::uint8_t> frame = frame_of(wire::kPulse, 77, {1, 0, 2, 0, 3, 0, 4, 0, 100, 0});
-  for (std::size_t kept = 0; kept + 1 < frame.size(); ++kept) {
-    std::vector<std::uint8_t> bytes(frame.begin(), frame.begin() + static_cast<std::ptrdiff_t>(kept));
-    const std::vector<std::uint8_t> next = frame_of(wire::kPing, 78, {});
-    bytes.insert(bytes.end(), next.begin(), next.end());
-    wire::FrameDecoder decoder{};
-    const auto found = decode(decoder, bytes);
-    CAPTURE(kept);
-    REQUIRE(!found.empty());
-    CHECK(found.back().sequence == 78);
-    // All but the last delimiter: the next frame's first one ends it.
-    CHECK(found.size() == (kept + 1 == frame.size() ? 2 : 1));
-  }
+TEST_CASE("a body is written byte by byte as documented, and read back") {
+  const wire::PulseRequest pulse{{-2, 0x0102, 0, 15000}, 0x0304};
+  std::uint8_t bytes[wire::kPulseRequestSize];
+  CHECK(wire::put_pulse_request(bytes, &pulse) == bytes + wire::kPulseRequestSize);
+  const std::vector<std::uint8_t> expected = {0xfe, 0xff, 0x02, 0x01, 0, 0, 0x98, 0x3a, 0x04, 0x03};
+  CHECK(std::vector<std::uint8_t>(bytes, bytes + sizeof bytes) == expected);
+  wire::PulseRequest back{};
+  CHECK(wire::get_pulse_request(bytes, &back) == bytes + wire::kPulseRequestSize);
+  CHECK(back.current_mA[0] == -2);
+  CHECK(back.length_ms == 0x0304);
 }
 
 TEST_CASE("limits and states survive the wire") {
-  wire::CoilLimits limits{15000, 500, 600, 10000, 200, 800, {1900, 1901, 1902, 1903}, 1351};
-  std::uint8_t body[wire::kConfigureBody];
-  wire::put_limits(body, &limits);
-  wire::CoilLimits back{};
-  wire::get_limits(body, &back);
-  CHECK(back.max_current_mA == 15000);
-  CHECK(back.resistance_mohm[3] == 1903);
-  CHECK(back.max_resistance_permille == 1351);
-
+  // Every byte another: writing what was read gives the bytes again.
+  std::uint8_t sent[wire::kMaxBody];
+  for (int i = 0; i < wire::kMaxBody; ++i) sent[i] = static_cast<std::uint8_t>(0x80 + 37 * i);
+  std::uint8_t again[wire::kMaxBody] = {};
+  wire::CoilLimits limits{};
+  wire::get_coil_limits(sent, &limits);
+  wire::put_coil_limits(again, &limits);
+  CHECK(std::equal(sent, sent + wire::kCoilLimitsSize, again));
+  CHECK(limits.resistance_mohm[3] == (sent[18] | sent[19] << 8));
   wire::CoilState state{};
-  state.state = 5;
-  state.faults = 0x0801;
-  state.uptime_ms = 0x12345678;
-  state.current_mA[1] = -4321;
-  state.board_dC[1] = -55;
-  state.supply_dV[1] = 340;
-  state.resets = 8;
-  std::uint8_t bytes[wire::kStatusReplyBody];
-  wire::put_state(bytes, &state);
-  wire::CoilState read{};
-  wire::get_state(bytes, &read);
-  CHECK(read.faults == 0x0801);
-  CHECK(read.uptime_ms == 0x12345678);
-  CHECK(read.current_mA[1] == -4321);
-  CHECK(read.board_dC[1] == -55);
-  CHECK(read.supply_dV[1] == 340);
-  CHECK(read.resets == 8);
-}
-
-// Ten million inputs: chunks of noise, of frames, and of frames with noise in them.
-TEST_CASE("the decoder of the host takes ten million inputs of any kind") {
-  std::mt19937 random(2);
-  wire::FrameDecoder decoder{};
-  std::uint64_t accepted = 0;
-  std::uint64_t invented = 0;
-  for (int input = 0; input < 10000000; ++input) {
-    std::uint8_t bytes[40];
-    std::size_t count = random() % sizeof bytes;
-    const bool framed = input % 4 == 0;
-    wire::Message message{};
-    if (framed) {
-      message.type = static_cast<std::uint8_t>(random());
-      message.sequence = static_cast<std::uint16_t>(random());
-      message.length = static_cast<std::uint8_t>(random() % 24);
-      for (int i = 0; i < message.length; ++i)
-        message.body[i] = static_cast<std::uint8_t>(random() & random());
-      std::uint8_t frame[wire::kMaxFrame];
-      count = wire::encode_frame(&message, frame);
-      std::copy(frame, frame + count, bytes);
-      if (input % 8 == 0) bytes[random() % count] = static_cast<std::uint8_t>(random());
-    } else {
-      for (std::size_t i = 0; i < count; ++i) bytes[i] = static_cast<std::uint8_t>(random() & random());
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-      wire::Message found{};
-      if (!wire::decode_byte(&decoder, bytes[i], &found)) continue;
-      ++accepted;
-      const bool sent = framed && found.type == message.type && found.sequence == message.sequence &&
-                        found.length == message.length &&
-                        std::equal(found.body, found.body + found.length, message.body);
-      invented += sent ? 0 : 1;
-    }
-  }
-  CHECK(accepted > 1000000);
-  CHECK(invented == 0);  // by chance once in 2^32 damaged frames
+  wire::get_coil_state(sent, &state);
+  wire::put_coil_state(again, &state);
+  CHECK(std::equal(sent, sent + wire::kCoilStateSize, again));
+  CHECK(state.uptime_ms ==
+        (sent[3] | sent[4] << 8 | sent[5] << 16 | static_cast<std::uint32_t>(sent[6]) << 24));
+  CHECK(state.board_dC[1] == static_cast<std::int16_t>(sent[29] | sent[30] << 8));
 }

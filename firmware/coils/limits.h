@@ -1,0 +1,20 @@
+/* What the coils are asked for and what switches them off: pulses, limits, latched faults. */
+#ifndef LODESTONE_COILS_LIMITS_H
+#define LODESTONE_COILS_LIMITS_H
+
+#include "coils.h"
+
+uint16_t coils_magnitude(int16_t value);
+void coils_all_off(struct Coils* coils);
+/* Keeps the faults and switches off. */
+void coils_latch(struct Coils* coils, uint16_t faults);
+/* A length of 0 switches off. The currents are within the limits. */
+void coils_start_pulse(struct Coils* coils, const int16_t* current_mA, uint16_t length_ms);
+/* A measured current: limits and trace. */
+void coils_take_current(struct Coils* coils, uint8_t coil, int16_t measured_mA);
+/* A fresh reading of the supply: what it and the last steady current tell of the resistance. */
+void coils_take_resistance(struct Coils* coils, uint8_t coil);
+/* A millisecond has passed: counts the time switched on. */
+void coils_take_millisecond(struct Coils* coils);
+
+#endif

@@ -1,0 +1,250 @@
+#include "link.h"
+
+#include "limits.h"
+
+enum {
+  kReplyTimeout_us = 15000, /* the controllers drop a packet after a gap of 10 ms */
+  kMaxTries = 3,
+  kControllerTimeout_100ms = 2, /* the controllers stop by themselves after this */
+  kPulseReading_us = 3000,      /* of the driven controllers, during a pulse */
+  kIdleReading_us = 20000,
+};
+
+enum SetupStep {
+  kSetupTimeout,
+  kSetupCheckTimeout,
+  kSetupRampM1,
+  kSetupRampM2,
+  kSetupMaxM1,
+  kSetupMaxM2,
+  kSetupSteps,
+};
+
+static const uint8_t kReadings[] = {kReadCurrents, kReadMainBattery, kReadCurrents, kReadStatus,
+                                    kReadCurrents, kReadTemperature};
+enum { kReadingsInTurn = 6, kAllSeen = 0x0f };
+
+bool coils_ready(const struct Coils* coils) {
+  for (uint8_t c = 0; c < kControllers; ++c) {
+    const struct MotorController* controller = &coils->controllers[c];
+    if (controller->setup_step != kSetupSteps || controller->seen != kAllSeen) return false;
+  }
+  return coils->configured;
+}
+
+static void send_request(struct Coils* coils, uint8_t controller, uint8_t command, const uint8_t* data,
+                         uint8_t count, uint8_t reply_bytes) {
+  struct BusTransaction* bus = &coils->bus;
+  bus->both = false;
+  uint8_t packet[kRoboClawMaxRequest];
+  uint8_t length = 0;
+  packet[length++] = (uint8_t)(kRoboClawAddress + controller);
+  packet[length++] = command;
+  for (uint8_t i = 0; i < count; ++i) packet[length++] = data[i];
+  uint16_t crc = 0;
+  for (uint8_t i = 0; i < length; ++i) crc = roboclaw_crc(crc, packet[i]);
+  bus->busy = true;
+  bus->controller = controller;
+  bus->command = command;
+  bus->got = 0;
+  bus->crc = crc;
+  bus->sent_us = coils->now_us;
+  bus->wanted = reply_bytes;
+  if (reply_bytes == 1) { /* commands carry a checksum and are acknowledged; readings carry none */
+    packet[length++] = (uint8_t)(crc >> 8);
+    packet[length++] = (uint8_t)crc;
+  }
+  coils->output.to_controllers(coils->output.context, packet, length);
+}
+
+static void send_u32(struct Coils* coils, uint8_t controller, uint8_t command, uint32_t value, uint8_t words) {
+  uint8_t data[8] = {(uint8_t)(value >> 24), (uint8_t)(value >> 16), (uint8_t)(value >> 8), (uint8_t)value};
+  send_request(coils, controller, command, data, (uint8_t)(4 * words), 1);
+}
+
+static void send_setup(struct Coils* coils, uint8_t controller) {
+  const uint32_t max_10mA = (uint32_t)coils->limits.max_current_mA * 5 / 40 + 50;
+  const uint8_t timeout = kControllerTimeout_100ms;
+  switch (coils->controllers[controller].setup_step) {
+    case kSetupTimeout: send_request(coils, controller, kSetSerialTimeout, &timeout, 1, 1); break;
+    case kSetupCheckTimeout: send_request(coils, controller, kReadSerialTimeout, &timeout, 0, 3); break;
+    case kSetupRampM1: send_u32(coils, controller, kSetDutyRampM1, ROBOCLAW_FASTEST_RAMP, 1); break;
+    case kSetupRampM2: send_u32(coils, controller, kSetDutyRampM2, ROBOCLAW_FASTEST_RAMP, 1); break;
+    case kSetupMaxM1: send_u32(coils, controller, kSetMaxCurrentM1, max_10mA, 2); break;
+    default: send_u32(coils, controller, kSetMaxCurrentM2, max_10mA, 2); break;
+  }
+}
+
+static void send_duty(struct Coils* coils, uint8_t controller) {
+  uint8_t data[4];
+  for (uint8_t i = 0; i < 2; ++i) {
+    const int16_t duty = coils->duty[2 * controller + i];
+    coils->bus.duty[2 * controller + i] = duty;
+    data[2 * i] = (uint8_t)((uint16_t)duty >> 8);
+    data[2 * i + 1] = (uint8_t)duty;
+  }
+  send_request(coils, controller, kDriveDuty, data, 4, 1);
+}
+
+/* Both axes of a field must begin and end together: the second command follows the first without waiting, and the
+ * acknowledgements come one after the other. */
+static void send_both_duties(struct Coils* coils) {
+  for (uint8_t c = 0; c < kControllers; ++c) send_duty(coils, c);
+  coils->bus.both = true;
+  coils->bus.wanted = kControllers;
+}
+
+static bool duty_differs(const struct Coils* coils, uint8_t controller) {
+  const struct MotorController* c = &coils->controllers[controller];
+  return !c->duty_known || c->duty[0] != coils->duty[2 * controller] || c->duty[1] != coils->duty[2 * controller + 1];
+}
+
+static bool driven(const struct Coils* coils, uint8_t controller) {
+  return coils->duty[2 * controller] != 0 || coils->duty[2 * controller + 1] != 0;
+}
+
+/* Duties that differ from what a controller has acknowledged. False: nothing to send. */
+static bool send_changed_duties(struct Coils* coils) {
+  bool all_well = true; /* a controller that has fallen silent is spoken to alone, so that the other is not held up */
+  bool all_differ = true;
+  for (uint8_t c = 0; c < kControllers; ++c) {
+    all_well = all_well && coils->controllers[c].duty_known && coils->controllers[c].unanswered == 0;
+    all_differ = all_differ && duty_differs(coils, c);
+  }
+  if (all_well && all_differ) {
+    send_both_duties(coils);
+    return true;
+  }
+  const uint8_t last = coils->bus.controller;
+  for (uint8_t i = 1; i <= kControllers; ++i) { /* the other one first, so that a dead one does not block it */
+    const uint8_t c = (uint8_t)((last + i) % kControllers);
+    if (duty_differs(coils, c) && !driven(coils, c)) {
+      send_duty(coils, c);
+      return true;
+    }
+  }
+  for (uint8_t c = 0; c < kControllers; ++c)
+    if (duty_differs(coils, c)) {
+      send_duty(coils, c);
+      return true;
+    }
+  return false;
+}
+
+static void send_reading(struct Coils* coils, uint8_t c) {
+  struct MotorController* controller = &coils->controllers[c];
+  controller->read_us = coils->now_us;
+  /* During a pulse the currents matter most, and the supply once they are steady; the rest in turn. */
+  const bool busy = coils->pulsing && driven(coils, c) && (coils->uptime_ms & 0x3f) > 8;
+  const bool estimating = coils->pending_estimate_mA[2 * c] != 0 || coils->pending_estimate_mA[2 * c + 1] != 0;
+  const uint8_t reading = busy ? (estimating ? 1 : 0) : controller->next_reading;
+  if (!busy) controller->next_reading = (uint8_t)((reading + 1) % kReadingsInTurn);
+  const uint8_t command = kReadings[reading];
+  send_request(coils, c, command, 0, 0, (uint8_t)(command == kReadCurrents || command == kReadStatus ? 6 : 4));
+}
+
+/* What is most urgent: switching off, switching on, setting up, looking. */
+static void next_transaction(struct Coils* coils) {
+  if (send_changed_duties(coils)) return;
+  const uint8_t last = coils->bus.controller;
+  for (uint8_t i = 1; i <= kControllers; ++i) {
+    const uint8_t c = (uint8_t)((last + i) % kControllers);
+    if (coils->configured && coils->controllers[c].setup_step != kSetupSteps) {
+      send_setup(coils, c);
+      return;
+    }
+    const uint32_t every_us = coils->pulsing && driven(coils, c) ? kPulseReading_us : kIdleReading_us;
+    if (coils->now_us - coils->controllers[c].read_us < every_us) continue;
+    send_reading(coils, c);
+    return;
+  }
+}
+
+static void take_reply(struct Coils* coils) {
+  struct BusTransaction* bus = &coils->bus;
+  struct MotorController* controller = &coils->controllers[bus->controller];
+  if (bus->both) {
+    bus->busy = false;
+    for (uint8_t i = 0; i < 2 * kControllers; ++i) coils->controllers[i / 2].duty[i % 2] = bus->duty[i];
+    return;
+  }
+  const uint16_t first = (uint16_t)((uint16_t)bus->reply[0] << 8 | bus->reply[1]);
+  const uint16_t second = (uint16_t)((uint16_t)bus->reply[2] << 8 | bus->reply[3]);
+  bus->busy = false;
+  controller->unanswered = 0;
+  switch (bus->command) {
+    case kDriveDuty:
+      controller->duty[0] = bus->duty[2 * bus->controller];
+      controller->duty[1] = bus->duty[2 * bus->controller + 1];
+      controller->duty_known = true;
+      break;
+    case kReadSerialTimeout: /* one that forgets its timeout would go on without us */
+      controller->setup_step = bus->reply[0] == kControllerTimeout_100ms ? kSetupRampM1 : kSetupTimeout;
+      break;
+    case kReadCurrents:
+      controller->seen |= 1;
+      for (uint8_t i = 0; i < 2; ++i) {
+        const int16_t raw_10mA = (int16_t)(i == 0 ? first : second);
+        const int16_t clipped = raw_10mA > 3276 ? 3276 : raw_10mA < -3276 ? -3276 : raw_10mA;
+        coils_take_current(coils, (uint8_t)(2 * bus->controller + i), (int16_t)(clipped * 10));
+      }
+      break;
+    case kReadMainBattery:
+      controller->seen |= 2;
+      controller->supply_dV = first;
+      if (coils->configured && first < coils->limits.min_supply_dV) coils_latch(coils, kFaultSupplyLow);
+      for (uint8_t i = 0; i < 2; ++i) coils_take_resistance(coils, (uint8_t)(2 * bus->controller + i));
+      break;
+    case kReadStatus:
+      controller->seen |= 4;
+      if (((uint32_t)first << 16 | second) & ROBOCLAW_STATUS_FAULTS) coils_latch(coils, kFaultController);
+      break;
+    case kReadTemperature:
+      controller->seen |= 8;
+      controller->board_dC = (int16_t)first;
+      if (coils->configured && (int16_t)first > (int16_t)coils->limits.max_board_dC) coils_latch(coils, kFaultBoardHot);
+      break;
+    default: ++controller->setup_step; break;
+  }
+}
+
+void coils_controller_byte(struct Coils* coils, uint8_t byte) {
+  struct BusTransaction* bus = &coils->bus;
+  if (!bus->busy || bus->got >= bus->wanted) return;
+  bus->reply[bus->got++] = byte;
+  if (bus->got < bus->wanted) return;
+  if (bus->wanted == 1 || bus->both) {
+    bool acknowledged = true;
+    for (uint8_t i = 0; i < bus->wanted; ++i) acknowledged = acknowledged && bus->reply[i] == kRoboClawAcknowledged;
+    if (acknowledged) take_reply(coils);
+    return; /* anything else: the timeout repeats the request */
+  }
+  uint16_t crc = bus->crc;
+  for (uint8_t i = 0; i + 2 < bus->wanted; ++i) crc = roboclaw_crc(crc, bus->reply[i]);
+  const uint16_t sent = (uint16_t)((uint16_t)bus->reply[bus->wanted - 2] << 8 | bus->reply[bus->wanted - 1]);
+  if (crc == sent) take_reply(coils);
+}
+
+void coils_poll_link(struct Coils* coils) {
+  struct BusTransaction* bus = &coils->bus;
+  if (bus->busy) {
+    if (coils->now_us - bus->sent_us < kReplyTimeout_us) return;
+    struct MotorController* controller = &coils->controllers[bus->controller];
+    bus->busy = false;
+    if (bus->command == kDriveDuty) controller->duty_known = false; /* it may have heard us all the same */
+    if (bus->both) { /* who it was shows when they are spoken to alone */
+      for (uint8_t c = 0; c < kControllers; ++c) coils->controllers[c].duty_known = false;
+      next_transaction(coils);
+      return;
+    }
+    if (++controller->unanswered >= kMaxTries) {
+      const bool was_ready = coils_ready(coils);
+      controller->setup_step = 0; /* it may have lost its power and with it what we set */
+      controller->duty_known = false;
+      controller->seen = 0;
+      controller->unanswered = 0;
+      if (was_ready || coils->pulsing) coils_latch(coils, kFaultControllerSilent);
+    }
+  }
+  next_transaction(coils);
+}

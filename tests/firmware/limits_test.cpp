@@ -1,0 +1,55 @@
+#include "coils/coils.h"
+
+#include <catch2/catch.hpp>
+
+#include "device.h"
+
+using namespace lodestone;
+using tests::Device;
+using tests::refusal;
+
+TEST_CASE("limits are refused, faults latch and stay until cleared") {
+  Device device;
+  device.start();
+  CHECK(refusal(device.ask(wire::kPulse, 12, Device::pulse(15001, 50))) == wire::kRefusedLimit);
+  CHECK(refusal(device.ask(wire::kPulse, 13, Device::pulse(1000, 2001))) == wire::kRefusedLimit);
+  CHECK(refusal(device.ask(wire::kPulse, 14, {1, 2, 3})) == wire::kRefusedBody);
+  CHECK(refusal(device.ask(0x44, 15)) == wire::kRefusedBody);
+  std::uint16_t sequence = 16;
+  int fault = 0;
+  SECTION("the PC falls silent") {
+    device.ask(wire::kPulse, sequence++, Device::pulse(3000, 2000));
+    device.run(490);
+    CHECK(device.on());
+    device.run(30);
+    fault = wire::kFaultHostSilent;
+  }
+  SECTION("the emergency stop opens") {
+    device.ask(wire::kPulse, sequence++, Device::pulse(3000, 400));
+    device.open_switch = true;
+    device.run(5);
+    device.open_switch = false;
+    fault = wire::kFaultEmergencyStop;
+  }
+  SECTION("the supply sags") {
+    device.supply_dV = 120;
+    device.run(300);
+    device.supply_dV = 340;
+    device.run(300);
+    fault = wire::kFaultSupplyLow;
+  }
+  SECTION("a motor controller gets hot") {
+    device.board_dC = 900;
+    device.run(400);
+    device.board_dC = 300;
+    device.run(400);
+    fault = wire::kFaultBoardHot;
+  }
+  CHECK_FALSE(device.on());
+  CHECK((device.state(sequence++).faults & fault) != 0);
+  CHECK(refusal(device.ask(wire::kPulse, sequence++, Device::pulse(1000, 50))) == wire::kRefusedFault);
+  device.ask(wire::kClear, sequence++);
+  device.run(400);
+  CHECK(device.state(sequence++).faults == 0);
+  CHECK(device.ask(wire::kPulse, sequence++, Device::pulse(1000, 50)).type == (wire::kPulse | wire::kReply));
+}
