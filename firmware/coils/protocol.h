@@ -17,6 +17,7 @@ enum {
   kCoils = 4,       /* +x, -x, +y, -y */
   kControllers = 2, /* motor controllers, of two coils each */
   kTraceSamples = 24,
+  kVersionNumbers = 3,  /* of the firmware: major, minor, patch */
   kHostSilenceMs = 500, /* a pulse is cut when the host has said nothing valid for so long */
 };
 
@@ -75,13 +76,13 @@ enum StateBit {
   ONE(u8, version)                      \
   ONE(u32, session) /* random; a new one starts a new session */
 
-#define HELLO_REPLY_FIELDS(ONE, MANY)             \
-  ONE(u8, version)                                \
-  MANY(u8, firmware, 3) /* major, minor, patch */ \
-  ONE(u8, reset_cause)                            \
-  ONE(u16, faults)                                \
-  ONE(u16, max_current_mA)                        \
-  ONE(u16, max_pulse_ms)                          \
+#define HELLO_REPLY_FIELDS(ONE, MANY)                           \
+  ONE(u8, version)                                              \
+  MANY(u8, firmware, kVersionNumbers) /* major, minor, patch */ \
+  ONE(u8, reset_cause)                                          \
+  ONE(u16, faults)                                              \
+  ONE(u16, max_current_mA)                                      \
+  ONE(u16, max_pulse_ms)                                        \
   ONE(u8, controllers)
 
 /* CONFIGURE: what the firmware watches. */

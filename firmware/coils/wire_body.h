@@ -1,5 +1,6 @@
-/* Makes the body of a message from its list of fields: WIRE_BODY(Name, name, FIELDS), where FIELDS(ONE, MANY) holds
- * ONE(type, name) and MANY(type, name, how many) in the order of the wire, of the types u8, u16, i16 and u32. */
+/* Makes the body of a message from its list of fields: WIRE_BODY(Name, name, FIELDS), where FIELDS(ONE, MANY)
+ * holds ONE(type, name) and MANY(type, name, how many) in the order of the wire, of the types u8, u16, i16
+ * and u32. */
 #ifndef LODESTONE_COILS_WIRE_BODY_H
 #define LODESTONE_COILS_WIRE_BODY_H
 

@@ -94,6 +94,4 @@ SignalSafeStop::~SignalSafeStop() {
   g_slots[static_cast<std::size_t>(slot_)].taken = false;
 }
 
-void SignalSafeStop::say() const noexcept { common::say(g_slots[static_cast<std::size_t>(slot_)]); }
-
 }  // namespace lodestone::common

@@ -2,7 +2,7 @@
 file(READ ${IN} hex HEX)
 string(REGEX REPLACE "(..)" "0x\\1," bytes "${hex}")
 file(WRITE ${OUT} "#include \"firmware_image.h\"
-namespace lodestone::hil {
+namespace lodestone::emulation {
 namespace {
 const std::uint8_t image[] = {${bytes}};
 }

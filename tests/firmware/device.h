@@ -12,6 +12,7 @@ namespace lodestone::tests {
 /// The controller's behaviour with both ends in the test's hands. Motor controllers answer at once, as asked.
 struct Device {
   ::Coils coils{};
+  std::vector<std::uint8_t> sent;  ///< to the PC, byte by byte
   std::vector<wire::Message> replies;
   wire::FrameDecoder decoder{};
   std::vector<std::vector<std::uint8_t>> packets;
@@ -26,6 +27,7 @@ struct Device {
   Device() { coils_init(&coils, {this, to_host, to_controllers}, 1, false); }
   static void to_host(void* self, const std::uint8_t* bytes, std::uint8_t count) {
     auto& device = *static_cast<Device*>(self);
+    device.sent.insert(device.sent.end(), bytes, bytes + count);
     for (int i = 0; i < count; ++i) {
       wire::Message message{};
       if (wire::decode_byte(&device.decoder, bytes[i], &message)) device.replies.push_back(message);

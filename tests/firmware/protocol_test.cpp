@@ -15,7 +15,7 @@ namespace {
 /// Type and number of values of each field, in the order of the wire.
 using Fields = std::vector<std::pair<std::string, int>>;
 #define ONE(type, name) {#type, 1},
-#define MANY(type, name, count) {#type, count},
+#define MANY(type, name, count) {#type, wire::count},
 
 std::string documentation() {
   std::ifstream file(std::string(LODESTONE_SOURCE_DIR) + "/docs/serial-protocol.md");

@@ -20,8 +20,6 @@ class SignalSafeStop {
   ~SignalSafeStop();
   SignalSafeStop(const SignalSafeStop&) = delete;
   SignalSafeStop& operator=(const SignalSafeStop&) = delete;
-  /// Writes them now.
-  void say() const noexcept;
 
  private:
   int slot_;

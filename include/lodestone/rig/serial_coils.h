@@ -4,13 +4,11 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "lodestone/common/config.h"
-#include "lodestone/common/interrupt.h"
 #include "lodestone/rig/coils.h"
 #include "lodestone/rig/serial_port.h"
 
@@ -93,11 +91,15 @@ struct CurrentTrace {
   std::vector<std::pair<double, double>> samples;  ///< s, A
 };
 
+class SerialSession;
+
 /// The four coils behind the coil controller (firmware/coils; docs/serial-protocol.md). One request at a
 /// time, repeated until answered; repetitions never fire a pulse twice. Whatever call finds the port gone or
 /// the controller silent throws, and the next one connects anew. While it exists, a program that dies of a
 /// signal still sends a stop; one that is killed outright is caught by the firmware, which cuts a pulse after
-/// 500 ms of silence. Temperatures are those that the coils' resistance tells.
+/// 500 ms of silence. Temperatures are those that the coils' resistance tells. Safe to use from any thread:
+/// stop() goes ahead of every request that waits, and a pulse that another thread has on its way throws
+/// there.
 class SerialCoils final : public Coils {
  public:
   using OpenPort = std::function<std::unique_ptr<SerialPort>()>;
@@ -114,12 +116,12 @@ class SerialCoils final : public Coils {
   void stop() noexcept override;
   CoilStatus status() override;
 
-  const CoilControllerInfo& info() const { return info_; }
+  CoilControllerInfo info() const;
   CoilControllerState state();
   CurrentTrace trace();
   /// How often a request had to be repeated, and how often the connection was made.
-  std::int64_t repeats() const { return repeats_; }
-  std::int64_t connections() const { return connections_; }
+  std::int64_t repeats() const;
+  std::int64_t connections() const;
   /// Nothing but an answer: for measuring the way there and back.
   void ping();
   /// Forgets the latched faults; those that persist come back at once. An operator's decision, never a
@@ -127,26 +129,8 @@ class SerialCoils final : public Coils {
   void clear_faults();
 
  private:
-  std::vector<std::uint8_t> request(std::uint8_t type, const std::vector<std::uint8_t>& body);
-  std::vector<std::uint8_t> exchange(std::uint8_t type, const std::vector<std::uint8_t>& body);
-  void connect();
-  void ensure_connected();
-  void disconnect() noexcept;
-  void configure();
-  void wait_until_ready();
-  CoilControllerState decode_state(const std::vector<std::uint8_t>& body) const;
-
   SerialConfig config_;
-  OpenPort open_;
-  std::unique_ptr<SerialPort> port_;
-  std::unique_ptr<common::SignalSafeStop> signal_safe_stop_;
-  struct Decoder;
-  std::unique_ptr<Decoder> decoder_;
-  std::uint16_t sequence_ = 0;
-  std::int64_t repeats_ = 0;
-  std::int64_t connections_ = 0;
-  CoilControllerInfo info_;
-  std::mutex mutex_;
+  std::unique_ptr<SerialSession> session_;
 };
 
 }  // namespace lodestone::rig

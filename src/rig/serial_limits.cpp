@@ -1,0 +1,83 @@
+#include "serial_limits.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lodestone/common/error.h"
+
+namespace lodestone::rig {
+
+namespace {
+
+constexpr const char* kCoilNames[kCoilCount] = {"+x", "-x", "+y", "-y"};
+
+const char* const kFaults[wire::kFaultCount] = {
+    "the PC fell silent during a pulse",
+    "a motor controller does not answer: check its power and its serial wires",
+    "over-current",
+    "current in a coil that is switched off: a motor controller has failed, cut its supply",
+    "no current in a driven coil: is it connected?",
+    "a motor controller is too hot",
+    "a coil is too hot",
+    "the supply is too low",
+    "the emergency stop is open",
+    "a coil was on for too large a fraction of the time",
+    "the coil controller's watchdog has restarted it",
+    "a motor controller reports a fault (emergency stop, temperature or over-current)",
+};
+
+}  // namespace
+
+std::vector<std::string> fault_texts(unsigned bits) {
+  std::vector<std::string> texts;
+  for (int i = 0; i < wire::kFaultCount; ++i)
+    if ((bits >> i & 1u) != 0) texts.push_back(kFaults[i]);
+  return texts;
+}
+
+wire::CoilLimits wire_limits(const SerialConfig& config) {
+  const auto scaled = [](double value, double scale) {
+    return static_cast<std::uint16_t>(std::clamp(std::lround(value * scale), 0L, 65535L));
+  };
+  wire::CoilLimits limits{};
+  limits.max_current_mA = scaled(config.max_current_A, 1e3);
+  limits.max_pulse_ms = scaled(config.max_pulse_s, 1e3);
+  limits.max_duty_permille = scaled(config.max_duty, 1e3);
+  limits.duty_window_ms = scaled(config.duty_window_s, 1e3);
+  limits.min_supply_dV = scaled(config.min_supply_V, 10.0);
+  limits.max_board_dC = scaled(config.max_board_C, 10.0);
+  for (std::size_t i = 0; i < kCoilCount; ++i)
+    limits.resistance_mohm[i] = scaled(config.resistance_ohm[i], 1e3);
+  limits.max_resistance_permille =
+      scaled(1.0 + config.temperature_coefficient_per_K * (config.max_coil_C - config.resistance_at_C), 1e3);
+  return limits;
+}
+
+wire::PulseRequest wire_pulse(const SerialConfig& config, const CoilPulse& pulse) {
+  wire::PulseRequest request{};
+  for (std::size_t i = 0; i < kCoilCount; ++i) {
+    if (!(std::abs(pulse.current_A[i]) <= config.max_current_A))
+      throw common::HardwareError(std::string("serial coils: current of coil ") + kCoilNames[i] + " = " +
+                                  std::to_string(pulse.current_A[i]) + " A is refused; it must be within +-" +
+                                  std::to_string(config.max_current_A) + " A");
+    const double wired_A = pulse.current_A[i] * static_cast<double>(config.polarity[i]);
+    request.current_mA[i] = static_cast<std::int16_t>(std::lround(1e3 * wired_A));
+  }
+  if (!(pulse.duration_s >= 0.0 && pulse.duration_s <= config.max_pulse_s))
+    throw common::HardwareError("serial coils: duration = " + std::to_string(pulse.duration_s) +
+                                " s is refused; it must be within 0 and " +
+                                std::to_string(config.max_pulse_s) + " s");
+  request.length_ms = static_cast<std::uint16_t>(std::lround(1e3 * pulse.duration_s));
+  return request;
+}
+
+wire::CoilState coil_state(const std::vector<std::uint8_t>& body) {
+  if (body.size() != wire::kCoilStateSize)
+    throw common::HardwareError(
+        "the coil controller's status has the wrong size; flash the firmware of this version");
+  wire::CoilState state{};
+  wire::get_coil_state(body.data(), &state);
+  return state;
+}
+
+}  // namespace lodestone::rig

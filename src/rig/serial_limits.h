@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "coils/protocol.h"
+#include "lodestone/rig/serial_coils.h"
+
+namespace lodestone::rig {
+
+/// What the coil controller has to watch, in its units.
+wire::CoilLimits wire_limits(const SerialConfig& config);
+
+/// A pulse in the controller's units and as the coils are wired. Throws HardwareError, naming coil and bound,
+/// when it is beyond a limit.
+wire::PulseRequest wire_pulse(const SerialConfig& config, const CoilPulse& pulse);
+
+/// A STATUS reply. Throws HardwareError when it has the wrong size.
+wire::CoilState coil_state(const std::vector<std::uint8_t>& body);
+
+/// What the bits of the controller's latched faults mean.
+std::vector<std::string> fault_texts(unsigned bits);
+
+}  // namespace lodestone::rig
