@@ -89,8 +89,8 @@ data::Episode Collection::next_episode(std::int64_t max_steps) {
     control::ControlLoop loop(loop_config(config_), action, bench_->coils(), bench_->sensor(),
                               bench_->clock());
     control::Controller& controller = teleoperator_ ? *teleoperator_->controller : explorer_;
-    const control::LoopOutcome outcome =
-        loop.run(controller, reference, teleoperator_ ? teleoperator_->watch : ControlLoop::Observer());
+    const control::LoopOutcome outcome = loop.run(
+        controller, reference, teleoperator_ ? teleoperator_->watch : control::ControlLoop::Observer());
     if (common::interrupted()) throw common::Interrupted("collection stopped by the user");
     const bool latched = bench_->coils().latched();
     const bool lost = !latched && !outcome.steps.empty() && !outcome.steps.back().estimate.valid;

@@ -125,7 +125,7 @@ ControllerSource baseline_source(const DeploymentConfig& config) {
 
 TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& config, const TrialPlan& plan,
                            const ControllerSource& source, const std::function<geometry::Pose2()>& truth,
-                           const ControlLoop::Observer& watch) {
+                           const control::ControlLoop::Observer& watch) {
   control::ControlLoop loop(config.loop, source.action, bench.coils(), bench.sensor(), bench.clock());
   const std::unique_ptr<control::Controller> controller = source.make();
   const auto pose = truth ? truth : std::function<geometry::Pose2()>([&plan] { return plan.start; });

@@ -15,6 +15,7 @@
 #include "lodestone/emulation/emulated_bench.h"
 #include "lodestone/emulation/lockstep_port.h"
 #include "lodestone/rig/serial_coils.h"
+#include "lodestone/safety/supervisor.h"
 
 namespace lodestone::experiments {
 

@@ -41,7 +41,7 @@ void note_heading(const TrialResult& result, double target_rad, bool truth, cons
 
 TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control::Controller& controller,
                       const std::function<geometry::Pose2()>& true_pose, const ScoreConfig& score,
-                      const ControlLoop::Observer& watch) {
+                      const control::ControlLoop::Observer& watch) {
   TrialResult result;
   result.plan = plan;
   control::PointReference point(plan.target_m, plan.duration_s, plan.target_heading_rad);

@@ -63,7 +63,7 @@ class SerialSession final : public RigSession {
     sensor_.emplace(*camera_, segmenter, rig::bench_of(rig, sensing.scene.bench), sensing.scene.lens,
                     sensing.camera, calibration);
     device_ = std::make_unique<rig::SerialCoils>(rig.serial);
-    coils_.emplace(*device_, safety, clock_, Supervisor::Poses::kRequired, true);
+    coils_.emplace(*device_, safety, clock_, safety::Supervisor::Poses::kRequired, true);
   }
   safety::Supervisor& coils() override { return *coils_; }
   control::PoseSensor& sensor() override { return *sensor_; }

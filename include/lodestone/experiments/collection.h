@@ -55,9 +55,9 @@ data::DatasetInfo dataset_info(const CollectionConfig& config);
 /// Somebody or something at the controls instead of the explorer.
 struct Teleoperator {
   control::Controller* controller = nullptr;
-  std::function<bool()> episode_over;  ///< asked at every step
-  ControlLoop::Observer watch;         ///< sees every observation, before its pulse
-  std::function<std::string()> save;   ///< its state between two episodes; empty functions: it has none
+  std::function<bool()> episode_over;    ///< asked at every step
+  control::ControlLoop::Observer watch;  ///< sees every observation, before its pulse
+  std::function<std::string()> save;     ///< its state between two episodes; empty functions: it has none
   std::function<void(const std::string&)> restore;
 };
 

@@ -143,7 +143,7 @@ using MakeDrive = std::function<RigDrive(rig::VirtualRig& rig)>;
 /// the sensed pose stands for it elsewhere. `watch` sees every observation before its pulse.
 TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& config, const TrialPlan& plan,
                            const ControllerSource& source, const std::function<geometry::Pose2()>& truth = {},
-                           const ControlLoop::Observer& watch = {});
+                           const control::ControlLoop::Observer& watch = {});
 
 /// Runs trials, each on a virtual rig of its own with its own random streams, so that results depend neither
 /// on threads nor on which other trials are run.

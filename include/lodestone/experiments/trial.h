@@ -46,6 +46,6 @@ struct TrialResult {
 /// before its pulse.
 TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control::Controller& controller,
                       const std::function<geometry::Pose2()>& true_pose, const ScoreConfig& score,
-                      const ControlLoop::Observer& watch = {});
+                      const control::ControlLoop::Observer& watch = {});
 
 }  // namespace lodestone::experiments
