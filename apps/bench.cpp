@@ -201,13 +201,13 @@ void add_bench(CLI::App& program, ConfigCatalogue& catalogue) {
   add_common_options(*speed, *options);
   speed->callback([options] {
     std::string command = "lodestone bench speed";
-    for (const std::string& assignment : options->overrides) command += " --set " + assignment;
+    for (const Override& value : options->overrides) command += " --set " + value.assignment;
     if (options->threads) command += " --threads " + std::to_string(*options->threads);
     bench_speed(*options, command);
   });
   add_bench_hil(*verb, catalogue);
   add_bench_paper(*verb, catalogue);
-  catalogue["bench"] = [] { return common::describe_config<SpeedConfig>(); };
+  catalogue["bench speed"] = [options] { return describe_resolved<SpeedConfig>(*options); };
 }
 
 }  // namespace lodestone::apps

@@ -15,6 +15,8 @@
 #include "lodestone/imaging/frame_guard.h"
 #include "lodestone/imaging/scene_renderer.h"
 #include "lodestone/rig/camera_source.h"
+#include "lodestone/rig/rendered_camera.h"
+#include "lodestone/rig/rig_config.h"
 #include "rig_check.h"
 #include "verb.h"
 
@@ -25,7 +27,7 @@ struct CalibrateConfig {
   std::int64_t seed = 1;
   std::int64_t threads = 0;
   std::int64_t images = 4;
-  rig::CameraSourceConfig camera;
+  rig::RigConfig rig;
   imaging::CharucoConfig board;
   imaging::CalibrationConfig fit;
   imaging::SceneConfig scene;
@@ -35,12 +37,16 @@ struct CalibrateConfig {
     v.field("seed", seed, "", "seed of rendered benches", {0, 9e15});
     v.field("threads", threads, "", "threads of --trials; 0 means one per processor", {0, 1024});
     v.field("images", images, "", "images to average; the camera must stand still", {1, 1000});
-    v.group("camera", camera, "the camera");
+    v.group("rig", rig, "the rig, with its camera");
+    v.retired("camera", "rig.camera");
     v.group("board", board, "the printed ChArUco board");
     v.group("fit", fit, "how the camera is fitted");
-    v.group("scene", scene, "lens and sizes of the bench; and the ranges of rendered benches");
+    v.group("scene", scene, "lens, and the ranges of rendered benches");
   }
-  void validate() const { board.validate(); }
+  void validate() const {
+    rig.validate();
+    board.validate();
+  }
 };
 
 struct CalibrateOptions {
@@ -55,12 +61,12 @@ struct CalibrateOptions {
 constexpr double kGetImage_s = 5.0;
 
 std::vector<cv::Mat> grab(const CalibrateConfig& config) {
-  if (config.camera.source.empty() && config.camera.kind != "genicam")
+  if (config.rig.camera.source.empty() && config.rig.camera.kind != "genicam")
     throw common::ConfigError(
-        "calibrate: which camera? --camera PATH (image, folder or video), --set camera.kind=uvc with "
+        "calibrate: which camera? --camera PATH (image, folder or video), --set rig.camera.kind=uvc with "
         "--camera 0, "
-        "--set camera.kind=genicam, or --rendered to try it without one");
-  const std::unique_ptr<rig::Camera> camera = rig::open_camera(config.camera);
+        "--set rig.camera.kind=genicam, or --rendered to try it without one");
+  const std::unique_ptr<rig::Camera> camera = rig::open_camera(config.rig.camera);
   std::vector<cv::Mat> images;
   for (std::int64_t i = 0; i < config.images; ++i) {
     // A folder may hold fewer.
@@ -167,7 +173,8 @@ imaging::DishFit fit(const CalibrateConfig& config, const CalibrateOptions& opti
 }
 
 void calibrate(const CalibrateOptions& options) {
-  const auto config = resolve_config<CalibrateConfig>(options.common);
+  auto config = resolve_config<CalibrateConfig>(options.common);
+  config.scene.bench = rig::bench_of(config.rig);
   if (!options.print_board.empty()) {
     imaging::write_charuco(options.print_board, config.board);
     common::log_info("wrote " + options.print_board +
@@ -212,20 +219,14 @@ void calibrate(const CalibrateOptions& options) {
 }  // namespace
 
 void add_calibrate(CLI::App& program, ConfigCatalogue& catalogue) {
-  catalogue["calibrate"] = [] {
-    CalibrateConfig defaults;
-    return common::describe_config(std::move(defaults));
-  };
   CLI::App* verb = program.add_subcommand(
       "calibrate", "find where the camera stands over the dish, from its image; or measure the coils");
   auto options = std::make_shared<CalibrateOptions>();
+  catalogue["calibrate"] = [options] { return describe_resolved<CalibrateConfig>(options->common); };
   add_common_options(*verb, options->common);
-  verb->add_option_function<std::string>(
-      "--camera",
-      [options](const std::string& source) {
-        options->common.overrides.push_back("camera.source=" + common::Json(source).dump());
-      },
-      "image, folder, video; number of a USB camera; name of a GenICam camera (see camera.kind)");
+  add_shorthand(
+      *verb, options->common, "--camera", "rig.camera.source", Shorthand::kText,
+      "image, folder, video; number of a USB camera; name of a GenICam camera (see rig.camera.kind)");
   verb->add_flag("--rendered", options->rendered, "try it on a rendered bench, where the truth is known");
   verb->add_option("--trials", options->trials,
                    "calibrate so many rendered benches and print the errors as JSON")
@@ -238,7 +239,7 @@ void add_calibrate(CLI::App& program, ConfigCatalogue& catalogue) {
           "gives the place")
       ->type_name("FILE...");
   verb->add_option("--print-board", options->print_board, "write the board to print")->type_name("PNG");
-  add_calibrate_coils(*verb);
+  add_calibrate_coils(*verb, catalogue);
   verb->callback([verb, options] {
     if (verb->get_subcommands().empty()) calibrate(*options);
   });

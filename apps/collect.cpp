@@ -73,12 +73,14 @@ experiments::Teleoperator policy_teleoperator(const CollectConfig& config, std::
   if (policy.goal != "point")
     throw common::ConfigError(config.policy + " was trained for goal \"" + policy.goal +
                               "\"; exploring needs a policy for points");
-  if (policy.action.scale != config.collection.rig.max_current_A)
-    throw common::ConfigError(
-        config.policy + ": its largest drive is " + std::to_string(policy.action.scale) + ", the rig's is " +
-        std::to_string(config.collection.rig.max_current_A) + " A; the policy was trained for another rig");
+  if (policy.action.scale != config.collection.rig.coils.max_current_A)
+    throw common::ConfigError(config.policy + ": its largest drive is " +
+                              std::to_string(policy.action.scale) + ", the rig's is " +
+                              std::to_string(config.collection.rig.coils.max_current_A) +
+                              " A; the policy was trained for another rig");
   const auto seeker = std::make_shared<control::GoalSeeker>(
       control::decorate(std::make_unique<control::PolicyController>(policy), config.decorators), config.seek,
+      config.collection.rig.dish.radius_m,
       common::RandomStream(static_cast<std::uint64_t>(config.collection.seed), "collect/targets",
                            static_cast<std::uint64_t>(session)));
   experiments::Teleoperator teleoperator;
@@ -95,7 +97,7 @@ std::unique_ptr<experiments::Collection> make_live_session(const CollectConfig& 
                                                            std::unique_ptr<TeleoperationWindow>& window) {
   const experiments::CollectionConfig& collection = config.collection;
   if (config.by_hand())
-    window = std::make_unique<TeleoperationWindow>(config.by, collection.rig.max_current_A,
+    window = std::make_unique<TeleoperationWindow>(config.by, collection.rig.coils.max_current_A,
                                                    collection.rig.dish.radius_m);
   std::unique_ptr<session::RigSession> bench =
       collection.rig.real() ? open_bench(collection.rig, collection.sensor, collection.safety, out)
@@ -248,26 +250,15 @@ void collect(const CommonOptions& options) {
 }  // namespace
 
 void add_collect(CLI::App& program, ConfigCatalogue& catalogue) {
-  catalogue["collect"] = [] { return common::describe_config<CollectConfig>(); };
   CLI::App* verb = program.add_subcommand("collect", "explore a rig and record its transitions (phase 1)");
   auto options = std::make_shared<CommonOptions>();
+  catalogue["collect"] = [options] { return describe_resolved<CollectConfig>(*options); };
   add_common_options(*verb, *options, true);
-  verb->add_option_function<std::string>(
-      "--sensor",
-      [options](const std::string& kind) {
-        options->overrides.push_back("sensor.kind=" + common::Json(kind).dump());
-      },
-      "camera or simulated");
-  verb->add_option_function<std::string>(
-      "--by",
-      [options](const std::string& who) { options->overrides.push_back("by=" + common::Json(who).dump()); },
-      "explorer, policy, keyboard or gamepad");
-  verb->add_option_function<std::string>(
-      "--policy",
-      [options](const std::string& folder) {
-        options->overrides.push_back("policy=" + common::Json(folder).dump());
-      },
-      "folder of the policy checkpoint for --by policy");
+  add_virtual_rig_options(*verb, *options);
+  add_shorthand(*verb, *options, "--sensor", "sensor.kind", Shorthand::kText, "camera or simulated");
+  add_shorthand(*verb, *options, "--by", "by", Shorthand::kText, "explorer, policy, keyboard or gamepad");
+  add_shorthand(*verb, *options, "--policy", "policy", Shorthand::kText,
+                "folder of the policy checkpoint for --by policy");
   verb->callback([options] { collect(*options); });
 }
 

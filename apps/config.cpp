@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cstdio>
-#include <memory>
 
 #include "verb.h"
 
@@ -14,34 +13,66 @@ void print_rows(const std::vector<common::ConfigRow>& rows) {
     return static_cast<int>(widest);
   };
   const int key = width("key", &common::ConfigRow::key);
-  const int value = width("default", &common::ConfigRow::value);
+  const int value = width("value", &common::ConfigRow::value);
   const int unit = width("unit", &common::ConfigRow::unit);
   const int bounds = width("bounds", &common::ConfigRow::bounds);
-  const auto line = [&](const char* a, const char* b, const char* c, const char* d, const char* e) {
-    std::printf("%-*s  %-*s  %-*s  %-*s  %s\n", key, a, value, b, unit, c, bounds, d, e);
+  const int source = width("default", &common::ConfigRow::source);
+  const auto line = [&](const char* a, const char* b, const char* c, const char* d, const char* e,
+                        const char* f) {
+    std::printf("%-*s  %-*s  %-*s  %-*s  %-*s  %s\n", key, a, value, b, source, c, unit, d, bounds, e, f);
   };
-  line("key", "default", "unit", "bounds", "meaning");
+  line("key", "value", "from", "unit", "bounds", "meaning");
   for (const common::ConfigRow& row : rows)
-    line(row.key.c_str(), row.value.c_str(), row.unit.c_str(), row.bounds.c_str(), row.meaning.c_str());
+    line(row.key.c_str(), row.value.c_str(), row.source.empty() ? "default" : row.source.c_str(),
+         row.unit.c_str(), row.bounds.c_str(), row.meaning.c_str());
+}
+
+/// Parses a verb's arguments as the verb would, without running it.
+void parse_only(CLI::App& program, const std::vector<std::string>& words, std::size_t words_of_verb) {
+  CLI::App* verb = &program;
+  for (std::size_t i = 0; i < words_of_verb; ++i) {
+    verb = verb->get_subcommand(words[i]);
+    verb->callback([] {});
+    verb->require_subcommand(0);
+    for (CLI::Option* option : verb->get_options()) option->required(false);
+  }
+  program.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // it takes them from the back
+}
+
+void print_config(const std::vector<std::string>& words) {
+  CLI::App program;
+  ConfigCatalogue catalogue;
+  add_verbs(program, catalogue);
+  // The verb may be of two words.
+  std::size_t used = std::min<std::size_t>(2, words.size());
+  std::string name;
+  for (; used > 0; --used) {
+    name = words[0] + (used > 1 ? " " + words[1] : "");
+    if (catalogue.count(name) != 0) break;
+  }
+  if (used == 0) {
+    std::string known;
+    for (const auto& entry : catalogue) known += (known.empty() ? "" : ", ") + entry.first;
+    throw common::ConfigError("config --print " + (words.empty() ? "" : words[0]) +
+                              ": verbs with a configuration are " + known);
+  }
+  try {
+    parse_only(program, words, used);
+  } catch (const CLI::ParseError& error) {
+    throw common::ConfigError("config --print " + name + ": " + error.what());
+  }
+  print_rows(catalogue.at(name)());
 }
 
 }  // namespace
 
-void add_config(CLI::App& program, ConfigCatalogue& catalogue) {
-  CLI::App* verb = program.add_subcommand("config", "show every configuration key of a verb");
-  auto name = std::make_shared<std::string>();
-  verb->add_option("--print", *name, "the verb whose keys, defaults, units and meanings to print")
-      ->type_name("VERB")
-      ->required();
-  verb->callback([name, &catalogue] {
-    const auto found = catalogue.find(*name);
-    if (found == catalogue.end()) {
-      std::string known;
-      for (const auto& entry : catalogue) known += (known.empty() ? "" : ", ") + entry.first;
-      throw common::ConfigError("config --print " + *name + ": verbs with a configuration are " + known);
-    }
-    print_rows(found->second());
-  });
+void add_config(CLI::App& program, ConfigCatalogue&) {
+  CLI::App* verb = program.add_subcommand(
+      "config",
+      "show every configuration key of a verb: its value, where that comes from, its bounds and meaning");
+  verb->add_flag("--print", "followed by the verb and the arguments that it would be given");
+  verb->prefix_command();
+  verb->callback([verb] { print_config(verb->remaining()); });
 }
 
 }  // namespace lodestone::apps

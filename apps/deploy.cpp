@@ -339,8 +339,7 @@ class BenchRun {
     const experiments::RecordingConfig& record = config_.deployment.record;
     if (record.enabled && index < record.trials)
       video.emplace(out_ + "/videos/real-" + source.name + "-" + task + "-" + std::to_string(index), record,
-                    config_.deployment.loop.period_s(),
-                    rig::bench_of(config_.deployment.rig, config_.deployment.sensor.scene.bench),
+                    config_.deployment.loop.period_s(), rig::bench_of(config_.deployment.rig),
                     source.action.scale, plan);
     experiments::TrialResult result = experiments::run_on_session(
         *bench_, config_.deployment, plan, source, {}, [&](const control::StepRecord& step) {
@@ -434,47 +433,45 @@ void deploy(const CommonOptions& options) {
 }  // namespace
 
 void add_deploy(CLI::App& program, ConfigCatalogue& catalogue) {
-  catalogue["deploy"] = [] {
-    DeployConfig defaults;
-    return common::describe_config(std::move(defaults));
-  };
   CLI::App* verb =
       program.add_subcommand("deploy", "drive a rig with a trained policy and a baseline (phase 3)");
   auto options = std::make_shared<CommonOptions>();
+  catalogue["deploy"] = [options] { return describe_resolved<DeployConfig>(*options); };
   add_common_options(*verb, *options);
-  // These are short names of configuration keys.
-  const auto shorthand = [&](const char* flag, const char* key, bool text, const char* meaning) {
-    verb->add_option_function<std::string>(
-        flag,
-        [options, key, text](const std::string& value) {
-          options->overrides.push_back(std::string(key) + "=" + (text ? common::Json(value).dump() : value));
-        },
-        meaning);
-  };
+  add_virtual_rig_options(*verb, *options);
   verb->add_option_function<std::string>(
       "--models",
       [options](const std::string& folder) {
-        options->overrides.push_back("policy=" + common::Json(folder).dump());
-        if (options->config_file.empty()) options->config_file = folder + "/deploy.json";
+        options->overrides.push_back({"policy=" + common::Json(folder).dump(), "--models"});
+        options->config_files.insert(options->config_files.begin(), folder + "/deploy.json");
       },
-      "folder of a released model: its policy, with its deploy.json as the configuration where none is "
-      "named");
-  shorthand("--policy", "policy", true, "folder of the policy checkpoint");
-  shorthand("--task", "task", true,
-            "centre, point, pose, square, circle, all, or FILE.csv with columns x_m,y_m");
-  shorthand("--trials", "trials.count", false, "trials per task");
-  shorthand("--rig", "on_rig", true, "explored, unseen or both");
-  shorthand("--sensor", "sensor.kind", true, "camera or simulated");
-  shorthand("--controller", "controller", true, "policy, baseline, both or planner");
+      "folder of a released model: its policy, with its deploy.json before any --config");
+  const auto text = [&](const char* flag, const char* key, const char* meaning) {
+    add_shorthand(*verb, *options, flag, key, Shorthand::kText, meaning);
+  };
+  text("--policy", "policy", "folder of the policy checkpoint");
+  text("--task", "task", "centre, point, pose, square, circle, all, or FILE.csv with columns x_m,y_m");
+  add_shorthand(*verb, *options, "--trials", "trials.count", Shorthand::kValue, "trials per task");
+  text("--on", "on_rig", "the rig that was explored, rigs never seen, or both: explored, unseen, both");
+  text("--sensor", "sensor.kind", "camera or simulated");
+  text("--controller", "controller", "policy, baseline, both or planner");
   verb->add_option_function<std::string>(
       "--target-mm",
-      [options](const std::string& value) { options->overrides.push_back("target_mm=[" + value + "]"); },
+      [options](const std::string& value) {
+        options->overrides.push_back({"target_mm=[" + value + "]", "--target-mm"});
+      },
       "X,Y of the target of `point` in mm");
   verb->add_flag_callback(
-      "--record", [options] { options->overrides.push_back("record.enabled=true"); },
+      "--record",
+      [options] {
+        options->overrides.push_back({"record.enabled=true", "--record"});
+      },
       "film the first trial of every task, rig and controller");
   verb->add_flag_callback(
-      "--realtime", [options] { options->overrides.push_back("realtime=true"); },
+      "--realtime",
+      [options] {
+        options->overrides.push_back({"realtime=true", "--realtime"});
+      },
       "wait as long as a real rig would (one trial at a time)");
   verb->callback([options] { deploy(*options); });
 }

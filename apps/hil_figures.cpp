@@ -156,7 +156,7 @@ common::Json time_round_trips(const HilConfig& config, Figures& figures) {
   emulation::LiveBench bench(config.deployment.rig, static_cast<std::uint64_t>(config.deployment.seed));
   rig::SerialConfig serial = config.deployment.rig.serial;
   serial.port = bench.port();
-  rig::SerialCoils coils(serial);
+  rig::SerialCoils coils(serial, config.deployment.rig.coils);
   const common::SteadyClock clock;
   std::vector<double> ping_ms;
   std::vector<double> status_ms;
@@ -182,7 +182,9 @@ common::Json time_round_trips(const HilConfig& config, Figures& figures) {
 /// The coils behind the whole chain, in simulated time.
 struct LockstepDrive {
   LockstepDrive(rig::VirtualRig& rig, const rig::SerialConfig& serial)
-      : bench(rig), coils(serial, [this] { return std::make_unique<emulation::LockstepPort>(bench); }) {}
+      : bench(rig), coils(serial, rig.config().coils, [this] {
+          return std::make_unique<emulation::LockstepPort>(bench);
+        }) {}
   emulation::EmulatedBench bench;
   rig::SerialCoils coils;
 };
@@ -240,11 +242,11 @@ common::Json compare_squares(const HilConfig& config, Figures& figures) {
 common::Json run_live(const HilConfig& config, const std::string& out, Figures& figures) {
   experiments::DeploymentConfig deployment = config.deployment;
   imaging::SceneConfig scene = deployment.sensor.scene;
-  scene.bench = rig::bench_of(deployment.rig, scene.bench);
+  scene.bench = rig::bench_of(deployment.rig);
   const auto renderer = std::make_shared<const imaging::SceneRenderer>(
       imaging::draw_scene(scene, static_cast<std::uint64_t>(deployment.sensor_seed)));
   emulation::LiveBench live(deployment.rig, static_cast<std::uint64_t>(deployment.rig_seed), renderer);
-  deployment.rig.coils = "serial";
+  deployment.rig.backend = "serial";
   deployment.rig.serial.port = live.port();
   rig::CameraSourceConfig& camera = deployment.rig.camera;
   camera.kind = "genicam";
@@ -332,18 +334,12 @@ void add_bench_hil(CLI::App& bench, ConfigCatalogue& catalogue) {
       "hil",
       "the real firmware on an emulated bench: faults, timing, errors; exit code 1 when a bound is broken");
   auto options = std::make_shared<CommonOptions>();
+  catalogue["bench hil"] = [options] { return describe_resolved<HilConfig>(*options); };
   add_common_options(*verb, *options);
-  verb->add_option_function<std::string>(
-      "--policy",
-      [options](const std::string& folder) {
-        options->overrides.push_back("policy=" + common::Json(folder).dump());
-      },
-      "folder of the policy checkpoint; without it the proportional baseline drives");
+  add_virtual_rig_options(*verb, *options);
+  add_shorthand(*verb, *options, "--policy", "policy", Shorthand::kText,
+                "folder of the policy checkpoint; without it the proportional baseline drives");
   verb->callback([options] { bench_hil(*options); });
-  catalogue["bench hil"] = [] {
-    HilConfig defaults;
-    return common::describe_config(std::move(defaults));
-  };
 }
 
 }  // namespace lodestone::apps

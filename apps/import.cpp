@@ -8,10 +8,24 @@
 #include "lodestone/common/log.h"
 #include "lodestone/data/csv_import.h"
 #include "lodestone/data/dataset_file.h"
+#include "lodestone/rig/rig_config.h"
 #include "verb.h"
 
 namespace lodestone::apps {
 namespace {
+
+/// How a recording is read, and the rig it is of.
+struct ImportConfig {
+  data::CsvImportConfig import;
+  rig::RigConfig rig;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    import.visit(v);
+    v.group("rig", rig, "the rig that was recorded");
+  }
+  void validate() const { rig.validate(); }
+};
 
 struct ImportOptions : CommonOptions {
   std::string file;
@@ -59,8 +73,11 @@ void run_import(const ImportOptions& options) {
   if (std::filesystem::exists(options.out) && !options.force)
     throw common::ConfigError("--out " + options.out + " exists already: name a new file, or give --force");
   CommonOptions resolved = options;
-  if (!options.on_error.empty()) resolved.overrides.push_back("on_error=" + options.on_error);
-  const auto config = resolve_config<data::CsvImportConfig>(resolved);
+  if (!options.on_error.empty()) resolved.overrides.push_back({"on_error=" + options.on_error, "--on-error"});
+  auto [config, rig] = resolve_config<ImportConfig>(resolved);
+  config.max_current_A = rig.coils.max_current_A;
+  config.dish_radius_m = rig.dish.radius_m;
+  config.rig = common::config_to_json<physics::RigDescription>(rig);
   const data::CsvImportResult result = data::import_csv(options.file, config);
   for (const std::string& problem : result.problems) common::log_warning("skipped " + problem);
   const std::int64_t unreported = result.skipped - static_cast<std::int64_t>(result.problems.size());
@@ -75,10 +92,10 @@ void run_import(const ImportOptions& options) {
 }  // namespace
 
 void add_import(CLI::App& program, ConfigCatalogue& catalogue) {
-  catalogue["import"] = [] { return common::describe_config<data::CsvImportConfig>(); };
   CLI::App* verb =
       program.add_subcommand("import", "turn a CSV recording into a dataset of transitions (.h5)");
   auto options = std::make_shared<ImportOptions>();
+  catalogue["import"] = [options] { return describe_resolved<ImportConfig>(*options); };
   verb->add_option(
           "file", options->file,
           "CSV with the columns coil, drive_percent, x_before_mm, y_before_mm, x_after_mm, y_after_mm, "

@@ -40,18 +40,7 @@ int run(int argc, char** argv) {
   program.add_flag(kNoReexec,
                    "keep the matrix kernels OpenBLAS chose, even when they are not for this processor");
   lodestone::apps::ConfigCatalogue catalogue;
-  lodestone::apps::add_collect(program, catalogue);
-  lodestone::apps::add_import(program, catalogue);
-  lodestone::apps::add_train_segmenter(program, catalogue);
-  lodestone::apps::add_train_dynamics(program, catalogue);
-  lodestone::apps::add_train_policy(program, catalogue);
-  lodestone::apps::add_deploy(program, catalogue);
-  lodestone::apps::add_evaluate(program, catalogue);
-  lodestone::apps::add_calibrate(program, catalogue);
-  lodestone::apps::add_rig(program, catalogue);
-  lodestone::apps::add_bench(program, catalogue);
-  lodestone::apps::add_report(program, catalogue);
-  lodestone::apps::add_config(program, catalogue);
+  lodestone::apps::add_verbs(program, catalogue);
   check_verb(program, argc, argv);
   try {
     program.parse(argc, argv);

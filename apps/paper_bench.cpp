@@ -323,10 +323,13 @@ void bench_paper(CommonOptions options, const PaperOptions& paper) {
   if (paper.scale != "smoke" && paper.scale != "quick" && paper.scale != "full")
     throw common::ConfigError("bench paper: --scale " + paper.scale + " must be smoke, quick or full");
   if (options.out.empty()) options.out = "runs/paper-" + paper.scale;
-  if (options.config_file.empty())
-    options.config_file = shipped_folder("configs") + "/bench/paper_" + paper.scale + ".json";
+  if (options.config_files.empty())
+    options.config_files = {shipped_folder("configs") + "/bench/paper_" + paper.scale + ".json"};
+  const std::string rig_file = std::exchange(options.rig_file, "");  // the cells' own
   const auto scale = resolve_config<PaperScale>(options);
-  const std::vector<Cell> cells = paper_cells(scale);
+  std::vector<Cell> cells = paper_cells(scale);
+  if (!rig_file.empty())
+    for (Cell& cell : cells) cell.arguments.insert(cell.arguments.end(), {"--rig", rig_file});
   const std::int64_t threads =
       scale.threads > 0 ? scale.threads : std::max<std::int64_t>(1, std::thread::hardware_concurrency());
   CellRunner runner(cells, options.out, threads);
@@ -354,6 +357,7 @@ void add_bench_paper(CLI::App& bench, ConfigCatalogue& catalogue) {
       "paper", "the experiments of section V beside the paper's tables and figures; resumes when run again");
   auto options = std::make_shared<CommonOptions>();
   auto paper = std::make_shared<PaperOptions>();
+  catalogue["bench paper"] = [options] { return describe_resolved<PaperScale>(*options); };
   add_common_options(*verb, *options);
   verb->add_option("--scale", paper->scale,
                    "smoke (about 2 min on 2 cores), quick (20 to 40) or full (overnight)");
@@ -361,7 +365,6 @@ void add_bench_paper(CLI::App& bench, ConfigCatalogue& catalogue) {
   verb->add_flag("--report", paper->report, "run nothing; write the report of what is done so far");
   verb->add_option("--only", paper->only, "run this cell, and what it needs")->type_name("ID");
   verb->callback([options, paper] { bench_paper(*options, *paper); });
-  catalogue["bench paper"] = [] { return common::describe_config<PaperScale>(); };
 }
 
 }  // namespace lodestone::apps

@@ -4,16 +4,16 @@
 #include "lodestone/common/files.h"
 #include "lodestone/common/log.h"
 #include "lodestone/rig/field_map.h"
-#include "lodestone/rig/virtual_rig.h"
+#include "lodestone/rig/rig_config.h"
 #include "rig_check.h"
 #include "verb.h"
 
 namespace lodestone::apps {
 namespace {
 
-/// Configuration of the rig verbs.
-struct RigConfig {
-  rig::VirtualRigConfig rig;
+/// Configuration of `rig field`.
+struct FieldConfig {
+  rig::RigConfig rig;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -30,12 +30,13 @@ struct FieldOptions {
 };
 
 void field(const FieldOptions& options) {
-  const RigConfig config = resolve_config<RigConfig>(options.common);
+  const auto config = resolve_config<FieldConfig>(options.common);
   const int coil = rig::coil_index(options.coil);
   const std::vector<geometry::Vector2> points = rig::read_points_csv(options.points);
-  const std::string csv = rig::field_csv(points, rig::field_per_ampere(config.rig.coil, coil, points));
+  const std::string csv =
+      rig::field_csv(points, rig::field_per_ampere(config.rig.coils.geometry, coil, points));
   if (!options.plot.empty()) {
-    rig::write_field_plot(options.plot, config.rig.coil, coil, config.rig.dish.radius_m, points);
+    rig::write_field_plot(options.plot, config.rig.coils.geometry, coil, config.rig.dish.radius_m, points);
     common::log_info("rig field: wrote " + options.plot);
   }
   if (options.common.out.empty()) {
@@ -49,17 +50,19 @@ void field(const FieldOptions& options) {
 }  // namespace
 
 void add_rig(CLI::App& program, ConfigCatalogue& catalogue) {
-  catalogue["rig"] = [] { return common::describe_config<RigConfig>(); };
-  catalogue["rig check"] = [] { return describe_bench_config(); };
   CLI::App* verb =
       program.add_subcommand("rig", "look at the rig itself: its field, its wiring, or an emulated one");
   verb->require_subcommand(1);
-  add_rig_check(*verb);
-  add_rig_emulate(*verb);
+  add_rig_check(*verb, catalogue);
+  add_rig_emulate(*verb, catalogue);
 
-  CLI::App* map = verb->add_subcommand(
-      "field", "exact field per ampere of one coil in the dish plane, to compare with a gaussmeter");
+  CLI::App* map = verb->add_subcommand("field",
+                                       "exact field per ampere of one coil in the dish plane (CSV to --out "
+                                       "or standard output), to compare with a "
+                                       "gaussmeter");
   auto options = std::make_shared<FieldOptions>();
+  catalogue["rig field"] = [options] { return describe_resolved<FieldConfig>(options->common); };
+  add_common_options(*map, options->common);
   map->add_option("--coil", options->coil, "which coil: +x, -x, +y or -y")->type_name("NAME")->required();
   map->add_option("--points", options->points,
                   "CSV with the columns x_m,y_m: points of the dish plane in metres from its centre")
@@ -67,16 +70,6 @@ void add_rig(CLI::App& program, ConfigCatalogue& catalogue) {
       ->required();
   map->add_option("--plot", options->plot, "also draw the field over the dish (mT/A) into this image")
       ->type_name("PNG");
-  map->add_option("--out", options->common.out,
-                  "CSV to write, x_m,y_m,Bx_T_per_A,By_T_per_A; standard output when absent")
-      ->type_name("FILE");
-  map->add_option("--config", options->common.config_file, "JSON configuration of the rig")
-      ->type_name("FILE");
-  map->add_option("--set", options->common.overrides,
-                  "override one key, for example --set rig.coil.turns=648")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   map->callback([options] { field(*options); });
 }
 

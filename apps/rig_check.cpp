@@ -64,7 +64,7 @@ std::string number(double value, const char* unit, int digits = 1) {
 
 BenchConfig resolve(const CommonOptions& options) {
   auto config = resolve_config<BenchConfig>(options);
-  config.safety.max_current_A = std::min(config.safety.max_current_A, config.rig.serial.max_current_A);
+  config.safety.max_current_A = std::min(config.safety.max_current_A, config.rig.coils.max_current_A);
   return config;
 }
 
@@ -89,9 +89,8 @@ class PoseProbe {
     choose_segmenter(sensor);
     std::optional<imaging::Calibration> calibration;
     if (!sensor.calibration.empty()) calibration = imaging::read_calibration(sensor.calibration);
-    sensor_.emplace(*camera_, vision::Segmenter::load(sensor.segmenter),
-                    rig::bench_of(config.rig, sensor.scene.bench), sensor.scene.lens, sensor.camera,
-                    calibration);
+    sensor_.emplace(*camera_, vision::Segmenter::load(sensor.segmenter), rig::bench_of(config.rig),
+                    sensor.scene.lens, sensor.camera, calibration);
     const control::PoseEstimate seen = sensor_->observe();
     print_line("needle", seen.valid ? "seen at x " + number(1e3 * seen.pose.x_m, "mm") + ", y " +
                                           number(1e3 * seen.pose.y_m, "mm") + ", heading " +
@@ -171,7 +170,7 @@ bool check_coil(const BenchConfig& config, rig::SerialCoils& coils, safety::Supe
     if (along(*after) > 0.5)
       line += ", the needle's head points to it";
     else if (along(*after) < along(*before) - 0.3) {
-      line += ", the needle's head points AWAY: set rig.serial.polarity of this coil to -1";
+      line += ", the needle's head points AWAY: set rig.coils.polarity of this coil to -1";
       good = false;
     } else {
       line += ", the needle did not turn far enough to tell its polarity";
@@ -179,7 +178,7 @@ bool check_coil(const BenchConfig& config, rig::SerialCoils& coils, safety::Supe
   } else if (has_operator() && !yes &&
              !confirm("did the needle's taped end turn towards coil " + std::string(kCoilNames[coil]) + "?",
                       false)) {
-    line += ", reversed or swapped: set rig.serial.polarity of this coil to -1, or swap the leads";
+    line += ", reversed or swapped: set rig.coils.polarity of this coil to -1, or swap the leads";
     good = false;
   }
   print_line(name.c_str(), line);
@@ -197,7 +196,7 @@ void check(const CheckOptions& options) {
   std::printf("serial ports:\n");
   for (const rig::SerialPortInfo& port : rig::list_serial_ports())
     std::printf("  %-20s %s\n", port.name.c_str(), port.description.c_str());
-  rig::SerialCoils coils(config.rig.serial);
+  rig::SerialCoils coils(config.rig.serial, config.rig.coils);
   print_line("coil controller", "firmware " + coils.info().firmware + ", protocol " +
                                     std::to_string(coils.info().protocol) + ", started by " +
                                     reset_text(coils.info().reset_cause));
@@ -217,7 +216,7 @@ void check(const CheckOptions& options) {
   check_emergency_stop(coils, options.yes);
   PoseProbe probe(config, !options.no_camera);
   const common::SteadyClock clock;
-  safety::Supervisor guarded(coils, config.safety, clock, safety::Supervisor::Poses::kNone);
+  safety::Supervisor guarded(coils, config.safety, config.rig, clock, safety::Supervisor::Poses::kNone);
   bool good = true;
   // Each field lies across the one before, so that the needle has to turn.
   for (const int coil : {0, 2, 1, 3})
@@ -231,9 +230,9 @@ void calibrate_coils(const CheckOptions& options) {
   const BenchConfig config = resolve(options.common);
   if (options.common.out.empty())
     throw common::ConfigError("calibrate coils: --out FILE.json is missing; name the file to write");
-  rig::SerialCoils coils(config.rig.serial);
+  rig::SerialCoils coils(config.rig.serial, config.rig.coils);
   const common::SteadyClock clock;
-  safety::Supervisor guarded(coils, config.safety, clock, safety::Supervisor::Poses::kNone);
+  safety::Supervisor guarded(coils, config.safety, config.rig, clock, safety::Supervisor::Poses::kNone);
   common::Json resistance = common::Json::array();
   common::Json inductance = common::Json::array();
   std::printf("%-8s %10s %10s %10s %12s\n", "coil", "R ohm", "L mH", "L/R ms", "residual A");
@@ -246,19 +245,20 @@ void calibrate_coils(const CheckOptions& options) {
         rig::measure_coil(coils, guarded, coil, config.test_current_A, static_cast<int>(config.pulses), rest);
     std::printf("%-8s %10.3f %10.2f %10.2f %12.3f\n", kCoilNames[coil], found.resistance_ohm,
                 1e3 * found.inductance_H(), 1e3 * found.time_constant_s, found.rms_A);
-    resistance.push_back(found.resistance_ohm);
+    const double warmer_K = config.rig.ambient_C - 20.0;
+    resistance.push_back(found.resistance_ohm /
+                         (1.0 + config.rig.coils.temperature_coefficient_per_K * warmer_K));
     inductance.push_back(found.inductance_H());
   }
   coils.stop();
-  common::Json serial = {{"resistance_ohm", resistance},
-                         {"inductance_H", inductance},
-                         {"resistance_at_C", config.safety.thermal.ambient_C}};
-  common::write_file_atomically(options.common.out,
-                                common::Json({{"rig", {{"serial", serial}}}}).dump(1) + "\n");
+  common::Json rig = common::config_to_json(config.rig);
+  rig["coils"]["resistance_20C_ohm"] = resistance;
+  rig["coils"]["inductance_H"] = inductance;
+  common::write_file_atomically(options.common.out, rig.dump(1) + "\n");
   std::printf(
-      "wrote %s: copy rig.serial into the bench's configuration. The coils counted as %.0f C warm "
-      "(safety.thermal.ambient_C).\n",
-      options.common.out.c_str(), config.safety.thermal.ambient_C);
+      "wrote %s: the rig with its coils as measured, for --rig. They counted as %.0f C warm "
+      "(rig.ambient_C).\n",
+      options.common.out.c_str(), config.rig.ambient_C);
 }
 
 void emulate(const CheckOptions& options) {
@@ -266,23 +266,27 @@ void emulate(const CheckOptions& options) {
   std::shared_ptr<const imaging::SceneRenderer> renderer;
   if (!options.no_camera) {
     imaging::SceneConfig scene = config.sensor.scene;
-    scene.bench = rig::bench_of(config.rig, scene.bench);
+    scene.bench = rig::bench_of(config.rig);
     renderer = std::make_shared<const imaging::SceneRenderer>(
         imaging::draw_scene(scene, static_cast<std::uint64_t>(config.seed)));
   }
   emulation::LiveBench bench(config.rig, static_cast<std::uint64_t>(config.seed), renderer);
-  common::Json rig = {{"coils", "serial"}, {"serial", {{"port", bench.port()}}}};
-  if (renderer)
-    rig["camera"] = {{"kind", "genicam"},
-                     {"source", bench.camera()},
-                     {"pixel_format", "RGB8"},
-                     {"width_px", renderer->scene().camera.width_px},
-                     {"height_px", renderer->scene().camera.height_px},
-                     {"frame_rate_hz", 20.0}};
-  const std::string json = common::Json({{"rig", rig}}).dump(1);
+  rig::RigConfig rig = config.rig;
+  rig.backend = "serial";
+  rig.serial.port = bench.port();
+  if (renderer) {
+    rig.camera.kind = "genicam";
+    rig.camera.source = bench.camera();
+    rig.camera.pixel_format = "RGB8";
+    rig.camera.width_px = renderer->scene().camera.width_px;
+    rig.camera.height_px = renderer->scene().camera.height_px;
+    rig.camera.frame_rate_hz = 20.0;
+  }
+  const std::string json = common::config_to_json(rig).dump(1);
   std::printf(
-      "emulated bench: give this configuration to deploy, collect, rig check or calibrate coils\n%s\n",
-      json.c_str());
+      "emulated rig on %s: give this rig.json to deploy, collect, rig check or calibrate coils by "
+      "--rig\n%s\n",
+      bench.port().c_str(), json.c_str());
   std::fflush(stdout);
   if (!options.common.out.empty()) common::write_file_atomically(options.common.out, json + "\n");
   common::log_info("it runs until Ctrl-C");
@@ -293,47 +297,42 @@ void emulate(const CheckOptions& options) {
 
 void add_bench_options(CLI::App& verb, CheckOptions& options, bool asks) {
   add_common_options(verb, options.common);
-  verb.add_option_function<std::string>(
-      "--port",
-      [&options](const std::string& port) {
-        options.common.overrides.push_back("rig.serial.port=" + common::Json(port).dump());
-      },
-      "serial port of the coil controller, such as /dev/ttyACM0");
+  add_shorthand(verb, options.common, "--port", "rig.serial.port", Shorthand::kText,
+                "serial port of the coil controller, such as /dev/ttyACM0");
   if (asks) verb.add_flag("--yes", options.yes, "answer every question with yes: coils will be energised");
 }
 
 }  // namespace
 
-void add_rig_check(CLI::App& rig) {
+void add_rig_check(CLI::App& rig, ConfigCatalogue& catalogue) {
   CLI::App* verb = rig.add_subcommand(
       "check", "walk through the wiring: port, firmware, supply, emergency stop, camera, each coil");
   auto options = std::make_shared<CheckOptions>();
+  catalogue["rig check"] = [options] { return describe_resolved<BenchConfig>(options->common); };
   add_bench_options(*verb, *options, true);
   verb->add_flag("--clear", options->clear, "forget the faults that the coil controller has latched");
   verb->add_flag("--no-camera", options->no_camera, "leave the camera out");
   verb->callback([options] { check(*options); });
 }
 
-void add_rig_emulate(CLI::App& rig) {
+void add_rig_emulate(CLI::App& rig, ConfigCatalogue& catalogue) {
   CLI::App* verb = rig.add_subcommand(
       "emulate", "run a bench without hardware: the real firmware, its serial port, a GigE Vision camera");
   auto options = std::make_shared<CheckOptions>();
+  catalogue["rig emulate"] = [options] { return describe_resolved<BenchConfig>(options->common); };
   add_bench_options(*verb, *options, false);
+  add_virtual_rig_options(*verb, options->common, "seed");
   verb->add_flag("--no-camera", options->no_camera, "without a camera");
   verb->callback([options] { emulate(*options); });
 }
 
-void add_calibrate_coils(CLI::App& calibrate) {
+void add_calibrate_coils(CLI::App& calibrate, ConfigCatalogue& catalogue) {
   CLI::App* verb =
       calibrate.add_subcommand("coils", "measure resistance and inductance of the coils of a real bench");
   auto options = std::make_shared<CheckOptions>();
+  catalogue["calibrate coils"] = [options] { return describe_resolved<BenchConfig>(options->common); };
   add_bench_options(*verb, *options, true);
   verb->callback([options] { calibrate_coils(*options); });
-}
-
-std::vector<common::ConfigRow> describe_bench_config() {
-  BenchConfig defaults;
-  return common::describe_config(std::move(defaults));
 }
 
 }  // namespace lodestone::apps

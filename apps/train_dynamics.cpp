@@ -56,9 +56,9 @@ void add_train_dynamics(CLI::App& program, ConfigCatalogue& catalogue) {
   CLI::App* verb =
       program.add_subcommand("train-dynamics", "learn the model-based simulator (MBS) from transitions");
   auto options = std::make_shared<CommonOptions>();
+  catalogue["train-dynamics"] = [options] { return describe_resolved<TrainDynamicsConfig>(*options); };
   add_common_options(*verb, *options, /*with_resume=*/true);
   verb->callback([options] { train_dynamics(*options); });
-  catalogue["train-dynamics"] = [] { return common::describe_config<TrainDynamicsConfig>(); };
 }
 
 }  // namespace lodestone::apps

@@ -59,9 +59,9 @@ void train_policy(const CommonOptions& options) {
 void add_train_policy(CLI::App& program, ConfigCatalogue& catalogue) {
   CLI::App* verb = program.add_subcommand("train-policy", "train a TD3 policy in the learned simulator");
   auto options = std::make_shared<CommonOptions>();
+  catalogue["train-policy"] = [options] { return describe_resolved<TrainPolicyConfig>(*options); };
   add_common_options(*verb, *options, /*with_resume=*/true);
   verb->callback([options] { train_policy(*options); });
-  catalogue["train-policy"] = [] { return common::describe_config<TrainPolicyConfig>(); };
 }
 
 }  // namespace lodestone::apps

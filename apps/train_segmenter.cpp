@@ -5,6 +5,8 @@
 #include "lodestone/common/log.h"
 #include "lodestone/common/run_folder.h"
 #include "lodestone/nets/blas.h"
+#include "lodestone/rig/rendered_camera.h"
+#include "lodestone/rig/rig_config.h"
 #include "lodestone/vision/segmenter_evaluation.h"
 #include "lodestone/vision/segmenter_training.h"
 #include "verb.h"
@@ -17,12 +19,31 @@ using vision::TrainSegmenterConfig;
 /// Images by which the checkpoint's own figures are measured.
 constexpr std::int64_t kEvaluationFrames = 200;
 
+/// What is trained, and for which rig.
+struct SegmenterRunConfig {
+  rig::RigConfig rig;
+  TrainSegmenterConfig training;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    training.visit(v);
+    v.group("rig", rig, "the rig whose images are rendered");
+  }
+  void validate() const {
+    rig.validate();
+    training.validate();
+  }
+};
+
 void train_segmenter(const CommonOptions& options) {
-  const auto config = resolve_config<TrainSegmenterConfig>(options);
+  const auto run = resolve_config<SegmenterRunConfig>(options);
+  TrainSegmenterConfig config = run.training;
+  config.scenes.bench = rig::bench_of(run.rig);
   if (options.out.empty()) throw common::ConfigError("train-segmenter needs --out, the folder of the run");
   nets::use_one_blas_thread();
   const common::Json json = common::config_to_json(config);
-  common::start_run_folder(options.out, "train-segmenter", json, config.seed, options.resume);
+  common::start_run_folder(options.out, "train-segmenter", common::config_to_json(run), config.seed,
+                           options.resume);
   vision::SegmenterTrainingResult result = vision::train_segmenter(config, options.out, options.resume);
 
   common::ThreadPool pool(static_cast<std::size_t>(config.threads));
@@ -54,9 +75,9 @@ void train_segmenter(const CommonOptions& options) {
 void add_train_segmenter(CLI::App& program, ConfigCatalogue& catalogue) {
   CLI::App* verb = program.add_subcommand("train-segmenter", "learn to see the needle, from rendered images");
   auto options = std::make_shared<CommonOptions>();
+  catalogue["train-segmenter"] = [options] { return describe_resolved<SegmenterRunConfig>(*options); };
   add_common_options(*verb, *options, /*with_resume=*/true);
   verb->callback([options] { train_segmenter(*options); });
-  catalogue["train-segmenter"] = [] { return common::describe_config<TrainSegmenterConfig>(); };
 }
 
 }  // namespace lodestone::apps

@@ -48,11 +48,26 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-ConfigReader::ConfigReader(const Json& object, std::string source, std::string prefix)
-    : object_(object), source_(std::move(source)), prefix_(std::move(prefix)) {
+std::string ConfigSources::given(const std::string& path) const {
+  if (!by_path_) return "";
+  const auto found = by_path_->find(path);
+  return found == by_path_->end() ? "" : found->second;
+}
+
+std::string ConfigSources::of(const std::string& path) const {
+  if (!by_path_) return name_;
+  const std::string below = path + ".";
+  for (const auto& [key, source] : *by_path_)
+    if (key == path || key.compare(0, below.size(), below) == 0) return source;
+  return name_;
+}
+
+ConfigReader::ConfigReader(const Json& object, ConfigSources sources, std::string prefix)
+    : object_(object), sources_(std::move(sources)), prefix_(std::move(prefix)) {
   if (!object_.is_object()) {
     const std::string name = prefix_.empty() ? "the configuration" : prefix_.substr(0, prefix_.size() - 1);
-    throw ConfigError(source_ + ": " + name + " = " + object_.dump() + " must be a JSON object {...}");
+    throw ConfigError(sources_.of(prefix_.empty() ? prefix_ : name) + ": " + name + " = " + object_.dump() +
+                      " must be a JSON object {...}");
   }
 }
 
@@ -63,7 +78,8 @@ const Json* ConfigReader::find(const char* key) {
 }
 
 void ConfigReader::fail(const std::string& key, const Json& value, const std::string& expectation) const {
-  throw ConfigError(source_ + ": " + prefix_ + key + " = " + value.dump() + " must be " + expectation);
+  throw ConfigError(sources_.of(prefix_ + key) + ": " + prefix_ + key + " = " + value.dump() + " must be " +
+                    expectation);
 }
 
 void ConfigReader::check(const char* key, const Json& value, double number, const Bounds& bounds) const {
@@ -150,8 +166,8 @@ void ConfigReader::field(const char* key, Range& value, const char*, const char*
 void ConfigReader::retired(const char* key, const char* successor) const {
   const auto found = object_.find(key);
   if (found == object_.end()) return;
-  throw ConfigError(source_ + ": " + prefix_ + key + " = " + found->dump() + " is no longer a key: use " +
-                    successor);
+  throw ConfigError(sources_.of(prefix_ + key) + ": " + prefix_ + key + " = " + found->dump() +
+                    " is no longer a key: use " + successor);
 }
 
 void ConfigReader::finish() const {
@@ -169,13 +185,15 @@ void ConfigReader::finish() const {
     const std::string hint = nearest.empty()
                                  ? "known keys are " + joined({known_.begin(), known_.end()}, ", ")
                                  : "did you mean " + prefix_ + nearest + "?";
-    throw ConfigError(source_ + ": unknown key " + prefix_ + key + " = " + value.dump() + "; " + hint);
+    throw ConfigError(sources_.of(prefix_ + key) + ": unknown key " + prefix_ + key + " = " + value.dump() +
+                      "; " + hint);
   }
 }
 
 void ConfigDescriber::add(const char* key, const Json& value, const char* unit, const char* meaning,
                           std::string bounds) {
-  rows_.push_back({prefix_ + key, value.dump(), unit, std::move(bounds), meaning});
+  rows_.push_back(
+      {prefix_ + key, value.dump(), unit, std::move(bounds), meaning, sources_.given(prefix_ + key)});
 }
 
 void ConfigDescriber::field(const char* key, double& value, const char* unit, const char* meaning,

@@ -4,8 +4,8 @@
 
 namespace lodestone::control {
 
-DipolePull::DipolePull(const DipolePullConfig& config)
-    : moment_A_m2_(config.needle_moment_A_m2), field_(config.coil) {}
+DipolePull::DipolePull(const physics::RigDescription& rig)
+    : moment_A_m2_(rig.needle.moment_A_m2), field_(rig.coils.geometry) {}
 
 geometry::Vector2 DipolePull::pull_N(const geometry::Vector2& axis_drive_A,
                                      const geometry::Vector2& position_m) const {
@@ -31,7 +31,7 @@ geometry::Vector2 DipolePullController::act(const task::Observation& observation
   const geometry::Vector2 error_m = observation.target_m - observation.pose.position_m();
   const double distance_m = error_m.norm();
   if (distance_m == 0.0) return geometry::Vector2::Zero();
-  const double force_N = std::min(config_.friction_N + config_.gain_N_m * distance_m, config_.max_force_N);
+  const double force_N = std::min(friction_N_ + config_.gain_N_m * distance_m, config_.max_force_N);
   const geometry::Vector2 action =
       pull_.drive_A(error_m * (force_N / distance_m), observation.pose.position_m()) / scale_A_;
   return action / std::max(1.0, action.cwiseAbs().maxCoeff());

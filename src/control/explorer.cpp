@@ -13,9 +13,9 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 }
 
-Explorer::Explorer(const ExplorerConfig& config, common::RandomStream random)
-    : config_(config), random_(std::move(random)) {
-  side_ = static_cast<std::int64_t>(std::ceil(2.0 * config_.dish_radius_m / config_.cell_m));
+Explorer::Explorer(const ExplorerConfig& config, double dish_radius_m, common::RandomStream random)
+    : config_(config), dish_radius_m_(dish_radius_m), random_(std::move(random)) {
+  side_ = static_cast<std::int64_t>(std::ceil(2.0 * dish_radius_m_ / config_.cell_m));
   levels_ = 2 * config_.level_bins + 1;
   const auto cells = static_cast<std::size_t>(side_ * side_);
   const auto headings = static_cast<std::size_t>(config_.heading_bins);
@@ -41,7 +41,7 @@ double Explorer::mean_visits() const {
 
 std::int64_t Explorer::cell_of(const geometry::Vector2& position_m) const {
   const auto index = [&](double value_m) {
-    const double cell = std::floor((value_m + config_.dish_radius_m) / config_.cell_m);
+    const double cell = std::floor((value_m + dish_radius_m_) / config_.cell_m);
     return std::clamp(static_cast<std::int64_t>(cell), std::int64_t{0}, side_ - 1);
   };
   return index(position_m.y()) * side_ + index(position_m.x());
@@ -130,7 +130,7 @@ geometry::Pose2 Explorer::next_start(const std::function<bool(const geometry::Po
   geometry::Pose2 best;
   std::int64_t lowest = std::numeric_limits<std::int64_t>::max();
   for (std::int64_t i = 0; i < config_.candidates; ++i) {
-    const double radius_m = config_.start_radius_m * std::sqrt(random_.uniform());
+    const double radius_m = config_.start_radius * dish_radius_m_ * std::sqrt(random_.uniform());
     const double angle = random_.uniform(-kPi, kPi);
     const geometry::Pose2 pose{radius_m * std::cos(angle), radius_m * std::sin(angle),
                                random_.uniform(-kPi, kPi)};

@@ -5,11 +5,11 @@
 namespace lodestone::control {
 
 GoalSeeker::GoalSeeker(std::unique_ptr<Controller> inner, const GoalSeekerConfig& config,
-                       common::RandomStream random)
-    : inner_(std::move(inner)), config_(config), random_(random) {}
+                       double dish_radius_m, common::RandomStream random)
+    : inner_(std::move(inner)), config_(config), dish_radius_m_(dish_radius_m), random_(random) {}
 
 void GoalSeeker::draw_target() {
-  target_m_ = task::draw_in_disc(config_.goal_radius_m, random_);
+  target_m_ = task::draw_in_disc(config_.goal_radius * dish_radius_m_, random_);
   steps_ = 0;
 }
 

@@ -165,7 +165,7 @@ class LogReader {
     if (value < 0.0 || value > kCurrentMargin * config_.max_current_A)
       table_.fail(columns_[which], "a current between 0 and " +
                                        std::to_string(kCurrentMargin * config_.max_current_A) +
-                                       " A (see max_current_A)");
+                                       " A (see rig.coils.max_current_A)");
     return value;
   }
 
@@ -208,6 +208,7 @@ void read_log(CsvTable& table, const CsvImportConfig& config, CsvImportResult& r
   info.action_unit = "A";
   info.action_scale = config.max_current_A;
   info.workspace_radius_m = config.dish_radius_m;
+  info.rig = config.rig;
   info.one_axis_at_a_time = std::none_of(episodes.begin(), episodes.end(), [](const Episode& e) {
     for (std::size_t t = 0; t < e.actions.size(); t += 2)
       if (e.actions[t] != 0.0 && e.actions[t + 1] != 0.0) return true;

@@ -23,7 +23,7 @@ std::vector<geometry::Pose2> starts_within(const nets::DynamicsModel& model, dou
       starts.push_back(pose);
   }
   if (starts.empty()) {
-    throw common::ConfigError("task.start_radius_m = " + std::to_string(radius_m) +
+    throw common::ConfigError("task.start_radius: " + std::to_string(radius_m) + " m" +
                               " m holds no state of the training data; choose a larger one");
   }
   return starts;
@@ -46,7 +46,7 @@ MbsEnv::MbsEnv(const nets::DynamicsModel& model, const EpisodeSettings& settings
       disagreement_(config.disagreement_penalty > 0.0 || config.disagreement_stop_m > 0.0),
       members_(fold(model)),
       state_size_(static_cast<std::size_t>(data::state_size(model.info.layout))),
-      starts_(starts_within(model, settings.task.start_radius_m, settings.region.get())),
+      starts_(starts_within(model, settings.task.start_radius_m(), settings.region.get())),
       episodes_(settings, {config.pose_noise_m, config.heading_noise_rad}, "mbs"),
       member_(static_cast<std::size_t>(settings.count), 0),
       drive_factor_(static_cast<std::size_t>(settings.count), 1.0),

@@ -20,10 +20,13 @@ geometry::Pose2 beyond_wall_when_touching(geometry::Pose2 pose, double dish_radi
 
 }  // namespace
 
-PhysicsEnv::PhysicsEnv(const EpisodeSettings& settings, const PhysicsEnvConfig& config, std::int64_t threads)
-    : config_(config),
+PhysicsEnv::PhysicsEnv(const EpisodeSettings& settings, const physics::RigDescription& rig,
+                       const PhysicsEnvConfig& config, std::int64_t threads)
+    : rig_(rig),
+      config_(config),
       drawn_(static_cast<std::size_t>(settings.count)),
-      simulators_(config.randomise.enabled ? drawn_.size() : 1, physics::PlainSimulator(config.simulator)),
+      simulators_(config.randomise.enabled ? drawn_.size() : 1,
+                  physics::PlainSimulator(rig, config.simulator)),
       episodes_(settings, {config.pose_noise_m, config.heading_noise_rad}, "physics"),
       pool_(static_cast<std::size_t>(threads)) {
   reset();
@@ -34,7 +37,7 @@ std::size_t PhysicsEnv::shards() const {
 }
 
 void PhysicsEnv::begin(std::size_t i) {
-  const double radius_m = episodes_.settings().task.start_radius_m;
+  const double radius_m = episodes_.settings().task.start_radius_m();
   const task::Region* region = episodes_.settings().region.get();
   episodes_.begin(i, [radius_m, region](common::RandomStream& random) {
     const auto draw = [&] { return task::draw_in_disc(radius_m, random); };
@@ -44,17 +47,17 @@ void PhysicsEnv::begin(std::size_t i) {
   if (!config_.randomise.enabled) return;
   common::RandomStream& random = episodes_.random(i);
   const RandomisationConfig& ranges = config_.randomise;
-  drawn_[i] = {ranges.moment_A_m2.draw(random), ranges.viscosity_Pa_s.draw(random),
-               ranges.friction_coefficient.draw(random)};
+  drawn_[i] = {ranges.moment.draw(random), ranges.viscosity.draw(random), ranges.friction.draw(random)};
   simulators_[i] = simulator_with(drawn_[i]);
 }
 
 physics::PlainSimulator PhysicsEnv::simulator_with(const Drawn& drawn) const {
-  physics::PlainSimulatorConfig config = config_.simulator;
-  config.moment_A_m2 = drawn[0];
-  config.viscosity_Pa_s = drawn[1];
-  config.friction_coefficient = drawn[2];
-  return physics::PlainSimulator(config);
+  physics::RigDescription rig = rig_;
+  rig.needle.moment_A_m2 *= drawn[0];
+  rig.fluid.viscosity_Pa_s *= drawn[1];
+  rig.friction.static_coefficient *= drawn[2];
+  rig.friction.kinetic_coefficient *= drawn[2];
+  return physics::PlainSimulator(rig, config_.simulator);
 }
 
 void PhysicsEnv::exchange_state(EnvState& state, bool load) {
@@ -85,7 +88,7 @@ void PhysicsEnv::step_one(std::size_t i, const float* action) {
   if (!drive_A.isZero(0.0)) {
     next = simulators_[simulators_.size() > 1 ? i : 0].step(next, task::coil_currents(drive_A),
                                                             config_.pulse_s, config_.rest_s);
-    next = beyond_wall_when_touching(next, config_.simulator.dish_radius_m);
+    next = beyond_wall_when_touching(next, rig_.dish.radius_m);
   }
   if (episodes_.finish(i, next)) begin(i);
 }

@@ -25,7 +25,7 @@ class UntilOver final : public control::Reference {
 
 task::ActionConfig action_config(const CollectionConfig& config) {
   task::ActionConfig action;
-  action.scale = config.rig.max_current_A;
+  action.scale = config.rig.coils.max_current_A;
   return action;
 }
 
@@ -42,12 +42,12 @@ data::DatasetInfo dataset_info(const CollectionConfig& config) {
   data::DatasetInfo info;
   info.layout = data::StateLayout::kPose;
   info.action_unit = "A";
-  info.action_scale = config.rig.max_current_A;
-  info.workspace_radius_m = config.explorer.dish_radius_m;
+  info.action_scale = config.rig.coils.max_current_A;
+  info.workspace_radius_m = config.rig.dish.radius_m;
   info.control_period_s = config.loop.period_s();
   info.seed = config.seed;
   info.source = config.rig.real() ? "bench" : "virtual rig";
-  info.rig = common::config_to_json(config);
+  info.rig = common::config_to_json<physics::RigDescription>(config.rig);
   return info;
 }
 
@@ -72,7 +72,7 @@ Collection::Collection(const CollectionConfig& config, std::unique_ptr<session::
     : config_(config),
       bench_(std::move(bench)),
       teleoperator_(std::move(teleoperator)),
-      explorer_(config.explorer,
+      explorer_(config.explorer, config.rig.dish.radius_m,
                 common::RandomStream(static_cast<std::uint64_t>(config.seed), "collect/explorer",
                                      static_cast<std::uint64_t>(session))) {}
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/log.h"
 #include "lodestone/control/policy_controller.h"
 #include "lodestone/physics/viscosity.h"
 #include "lodestone/task/task.h"
@@ -19,11 +20,36 @@ std::uint64_t trial_seed(const DeploymentConfig& config, const TrialPlan& plan) 
                              static_cast<std::uint64_t>(plan.index));
 }
 
-void check_scale(const DeploymentConfig& config, double scale_A, const std::string& what) {
-  if (scale_A > config.rig.max_current_A)
-    throw common::ConfigError(what + ": its largest drive is " + std::to_string(scale_A) +
-                              ", the rig takes " + std::to_string(config.rig.max_current_A) +
-                              " A at most; it was trained for another rig");
+/// The actions of a policy or a simulator in the rig's ampere.
+task::ActionConfig in_ampere(const DeploymentConfig& config, task::ActionConfig action,
+                             const std::string& what) {
+  const physics::RigDescription& rig = config.rig;
+  if (action.unit == "percent") {
+    if (rig.full_drive_A <= 0.0)
+      throw common::ConfigError(what +
+                                ": its actions are per cent of drive; say in rig.json what 100 per cent "
+                                "are in ampere (rig.full_drive_A)");
+    action.scale *= rig.full_drive_A / 100.0;
+    action.unit = "A";
+  }
+  if (action.scale > rig.coils.max_current_A)
+    throw common::ConfigError(what + ": its largest drive is " + std::to_string(action.scale) +
+                              ", the rig takes " + std::to_string(rig.coils.max_current_A) +
+                              " A at most (rig.coils.max_current_A); it was trained for another rig");
+  return action;
+}
+
+/// What of the rig a policy or a simulator depends on and that differs from what it was trained for.
+void warn_of_another_rig(const DeploymentConfig& config, const common::Json& trained_for,
+                         const std::string& what) {
+  if (!trained_for.is_object()) return;
+  const common::Json here = common::config_to_json<physics::RigDescription>(config.rig);
+  std::string differs;
+  for (const char* part : {"coils", "needle", "dish", "fluid", "friction", "supply_V"})
+    if (trained_for.contains(part) && trained_for[part] != here[part])
+      differs += (differs.empty() ? "" : ", ") + std::string(part);
+  if (!differs.empty())
+    common::log_warning(what + " was trained for a rig with other figures of: " + differs);
 }
 
 /// What the configuration puts around every controller.
@@ -31,7 +57,8 @@ std::unique_ptr<control::Controller> decorated(std::unique_ptr<control::Controll
                                                const DeploymentConfig& config, double scale_A) {
   controller = control::decorate(std::move(controller), config.decorators);
   if (config.turn.current_A > 0.0)
-    controller = std::make_unique<control::TurnInPlace>(std::move(controller), config.turn, scale_A);
+    controller = std::make_unique<control::TurnInPlace>(std::move(controller), config.turn,
+                                                        config.rig.coils.geometry, scale_A);
   return controller;
 }
 
@@ -40,7 +67,7 @@ rig::RigConfig warmed(rig::RigConfig config, double temperature_C) {
   const double change = physics::water_glycerol_viscosity_Pa_s(temperature_C) /
                         physics::water_glycerol_viscosity_Pa_s(physics::kNominalFluid_C);
   config.fluid.viscosity_Pa_s *= change;
-  config.circuit.ambient_C = temperature_C;
+  config.ambient_C = temperature_C;
   return config;
 }
 
@@ -62,12 +89,15 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
   int draws = 0;
   do {
     if (++draws > kMaxDraws)
-      throw common::ConfigError("trials.start_radius_m = " + std::to_string(config.trials.start_radius_m) +
+      throw common::ConfigError("trials.start_radius = " + std::to_string(config.trials.start_radius) +
                                 ": no start inside the dish was found; use a smaller radius");
-    const geometry::Vector2 start_m = task::draw_in_disc(config.trials.start_radius_m, random);
+    const geometry::Vector2 start_m =
+        task::draw_in_disc(config.trials.start_radius * config.rig.dish.radius_m, random);
     plan.start = {start_m.x(), start_m.y(), random.uniform(-kPi, kPi)};
   } while (!fits(plan.start) || (region != nullptr && !region->contains(plan.start.position_m())));
-  const auto draw = [&] { return task::draw_in_disc(config.trials.goal_radius_m, random); };
+  const auto draw = [&] {
+    return task::draw_in_disc(config.trials.goal_radius * config.rig.dish.radius_m, random);
+  };
   const geometry::Vector2 drawn_m = region != nullptr ? region->draw(draw) : draw();
   if (task == "point" || task == "pose")
     plan.target_m = target_m.value_or(drawn_m);
@@ -85,23 +115,25 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
 
 ControllerSource policy_source(const DeploymentConfig& config, const nets::Policy& policy,
                                const std::string& what) {
-  check_scale(config, policy.action.scale, what);
+  warn_of_another_rig(config, policy.rig, what);
   ControllerSource source;
   source.name = "policy";
-  source.action = policy.action;
-  source.make = [policy, config] {
-    return decorated(std::make_unique<control::PolicyController>(policy), config, policy.action.scale);
+  source.action = in_ampere(config, policy.action, what);
+  source.make = [policy, config, scale_A = source.action.scale] {
+    return decorated(std::make_unique<control::PolicyController>(policy), config, scale_A);
   };
   return source;
 }
 
 ControllerSource planner_source(const DeploymentConfig& config, const nets::DynamicsModel& model,
                                 const std::string& what) {
-  check_scale(config, model.info.action_scale, what);
+  warn_of_another_rig(config, model.info.rig, what);
   ControllerSource source;
   source.name = "planner";
   source.action.scale = model.info.action_scale;
+  source.action.unit = model.info.action_unit;
   source.action.one_axis_at_a_time = model.info.one_axis_at_a_time;
+  source.action = in_ampere(config, source.action, what);
   const auto shared = std::make_shared<const control::PlannerModel>(model);
   source.make = [shared, config, scale_A = source.action.scale] {
     return decorated(
@@ -114,11 +146,10 @@ ControllerSource planner_source(const DeploymentConfig& config, const nets::Dyna
 ControllerSource baseline_source(const DeploymentConfig& config) {
   ControllerSource source;
   source.name = "baseline";
-  source.action.scale = config.rig.max_current_A;
+  source.action.scale = config.rig.coils.max_current_A;
   source.make = [config] {
-    return decorated(
-        std::make_unique<control::DipolePullController>(config.baseline, config.rig.max_current_A), config,
-        config.rig.max_current_A);
+    return decorated(std::make_unique<control::DipolePullController>(config.rig, config.baseline), config,
+                     config.rig.coils.max_current_A);
   };
   return source;
 }
@@ -188,7 +219,7 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   std::optional<common::PacedClock> paced;
   if (realtime) paced.emplace(*drive.clock);
   common::Clock& clock = paced ? static_cast<common::Clock&>(*paced) : *drive.clock;
-  safety::Supervisor coils(*drive.coils, config_.safety, clock);
+  safety::Supervisor coils(*drive.coils, config_.safety, config_.rig, clock);
   control::ControlLoop loop(config_.loop, source.action, coils, *sensor, clock);
   const std::unique_ptr<control::Controller> controller = source.make();
   std::optional<TrialVideo> video;

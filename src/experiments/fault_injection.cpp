@@ -114,7 +114,7 @@ struct Chain {
 
   void start_anew() {
     safety::SafetyConfig safety;
-    supervisor.emplace(*coils, safety, clock);
+    supervisor.emplace(*coils, safety, rig.config(), clock);
   }
 
   void watch(double now_s, const std::array<double, rig::kCoilCount>& current_A) {
@@ -431,7 +431,7 @@ FaultResult inject_held_fault(const std::string& fault, std::uint64_t seed, cons
   const FaultKind& kind = kind_of(fault);
   Chain chain(seed, folder);
   chain.serial.max_pulse_s = kHeldPulse_s;
-  chain.coils = std::make_unique<rig::SerialCoils>(chain.serial,
+  chain.coils = std::make_unique<rig::SerialCoils>(chain.serial, chain.rig.config().coils,
                                                    [&chain] { return std::make_unique<FaultyPort>(chain); });
   chain.inject_at_s = chain.bench.now_s() + 1.0;
   chain.inject = kind.inject;
@@ -475,7 +475,7 @@ FaultResult inject_held_fault(const std::string& fault, std::uint64_t seed, cons
 FaultResult inject_fault(const std::string& fault, std::uint64_t seed, const std::string& folder) {
   const FaultKind& kind = kind_of(fault);
   Chain chain(seed, folder);
-  chain.coils = std::make_unique<rig::SerialCoils>(chain.serial,
+  chain.coils = std::make_unique<rig::SerialCoils>(chain.serial, chain.rig.config().coils,
                                                    [&chain] { return std::make_unique<FaultyPort>(chain); });
   chain.start_anew();
   chain.inject_at_s = chain.bench.now_s() + 2.0;
@@ -484,7 +484,7 @@ FaultResult inject_fault(const std::string& fault, std::uint64_t seed, const std
 
 HourReport inject_for_an_hour(std::int64_t pulses, std::uint64_t seed, const std::string& folder) {
   Chain chain(seed, folder);
-  chain.coils = std::make_unique<rig::SerialCoils>(chain.serial,
+  chain.coils = std::make_unique<rig::SerialCoils>(chain.serial, chain.rig.config().coils,
                                                    [&chain] { return std::make_unique<FaultyPort>(chain); });
   chain.start_anew();
   common::RandomStream random(seed, "drill/hour");

@@ -1,5 +1,7 @@
 #include "lodestone/imaging/scene.h"
 
+#include "lodestone/common/error.h"
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -40,13 +42,14 @@ SceneConfig widened(SceneConfig config, double fraction) {
       range = {std::max(range.low - extra, bounds.min), std::min(range.high + extra, bounds.max)};
     }
     void group(const char*, LensConfig&, const char*) {}
-    void group(const char*, BenchGeometry&, const char*) {}
+    void retired(const char*, const char*) {}
   } widener{fraction};
   config.visit(widener);
   return config;
 }
 
 Scene draw_scene(const SceneConfig& config, std::uint64_t seed) {
+  LODESTONE_CHECK(config.bench.dish_radius_m > 0.0, "a scene needs the sizes of a rig");
   common::RandomStream random(seed, "scene");
   Scene scene;
   scene.seed = seed;

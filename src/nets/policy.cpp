@@ -88,9 +88,10 @@ void save_policy(const std::string& folder, const Policy& policy, const Json& ru
   checkpoint.kind = kKind;
   checkpoint.config = run_config;
   checkpoint.facts["hidden"] = policy.hidden;
-  checkpoint.facts["encoder"] = common::config_to_json(policy.encoder);
-  checkpoint.facts["action"] = common::config_to_json(policy.action);
+  checkpoint.facts["encoder"] = task::encoder_to_json(policy.encoder);
+  checkpoint.facts["action"] = task::action_to_json(policy.action);
   checkpoint.facts["goal"] = policy.goal;
+  checkpoint.facts["rig"] = policy.rig;
   if (policy.region) checkpoint.facts["region"] = policy.region->json();
   checkpoint.facts["metrics"] = metrics;
   checkpoint.facts["provenance"] = policy.provenance;
@@ -113,9 +114,10 @@ Policy load_policy(const std::string& folder) {
   Policy policy;
   try {
     policy.hidden = checkpoint.facts.at("hidden").get<std::vector<std::int64_t>>();
-    policy.encoder = common::config_from_json<task::EncoderConfig>(checkpoint.facts.at("encoder"), what);
-    policy.action = common::config_from_json<task::ActionConfig>(checkpoint.facts.at("action"), what);
+    policy.encoder = task::encoder_from_json(checkpoint.facts.at("encoder"), what);
+    policy.action = task::action_from_json(checkpoint.facts.at("action"), what);
     policy.goal = checkpoint.facts.at("goal").get<std::string>();
+    policy.rig = checkpoint.facts.value("rig", Json());
     if (checkpoint.facts.contains("region"))
       policy.region = task::Region::from_json(checkpoint.facts["region"]);
     policy.provenance = checkpoint.facts.value("provenance", Json::object());

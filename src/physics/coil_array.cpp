@@ -1,5 +1,6 @@
 #include "lodestone/physics/coil_array.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -31,8 +32,19 @@ geometry::Vector2 from_coil_frame(int coil, const geometry::Vector2& vector) {
 
 geometry::Vector2 coil_direction(int coil) { return from_coil_frame(coil, {1.0, 0.0}); }
 
-CoilArray::CoilArray(std::shared_ptr<const FieldTable> table) : table_(std::move(table)) {
+CoilArray::CoilArray(std::shared_ptr<const FieldTable> table, std::vector<CoilPlacement> placements)
+    : table_(std::move(table)), placements_(std::move(placements)) {
   LODESTONE_CHECK(table_ != nullptr, "a field table is needed");
+  LODESTONE_CHECK(placements_.empty() || placements_.size() == kCoils, "a placement for each coil");
+}
+
+geometry::Vector2 CoilArray::displaced_per_ampere(int coil, const geometry::Vector2& point_m) const {
+  const CoilPlacement& placement = placements_[static_cast<std::size_t>(coil)];
+  const geometry::Vector2 middle_m(table_->geometry().centre_distance_m, 0.0);
+  const Eigen::Rotation2Dd tilt(placement.tilt_rad);
+  const geometry::Vector2 local_m = to_coil_frame(coil, point_m - placement.offset_m);
+  const geometry::Vector2 untilted_m = middle_m + tilt.inverse() * (local_m - middle_m);
+  return placement.gain * from_coil_frame(coil, tilt * table_->per_ampere(untilted_m));
 }
 
 geometry::Vector2 CoilArray::field_T(const Currents& current_A, const geometry::Vector2& point_m) const {
@@ -42,7 +54,9 @@ geometry::Vector2 CoilArray::field_T(const Currents& current_A, const geometry::
   for (int coil = 0; coil < kCoils; ++coil) {
     const double current = current_A[static_cast<std::size_t>(coil)];
     if (std::abs(current) < kNegligibleA) continue;
-    sum += current * from_coil_frame(coil, table_->per_ampere(to_coil_frame(coil, point_m)));
+    sum += current * (placements_.empty()
+                          ? from_coil_frame(coil, table_->per_ampere(to_coil_frame(coil, point_m)))
+                          : displaced_per_ampere(coil, point_m));
   }
   return sum;
 }

@@ -27,6 +27,18 @@ void to_spline(double* line, int count, int stride, std::vector<double>& scratch
   for (int i = count - 2; i >= 1; --i) value(i) -= scratch[i] * value(i + 1);
 }
 
+/// The point, or, in or close to the winding, where the field is none of a coil seen from outside, the first
+/// one towards the dish centre that is not.
+geometry::Vector2 outside_winding(geometry::Vector2 point_m, const CoilGeometry& geometry) {
+  constexpr double kClear_m = 1e-3;
+  const double face_m = geometry.centre_distance_m - geometry.length_m / 2.0;
+  const auto inside = [&] {
+    return point_m.x() > face_m - kClear_m && std::abs(point_m.y()) > geometry.inner_radius_m - kClear_m;
+  };
+  while (inside()) point_m *= 0.98;
+  return point_m;
+}
+
 struct SplineWeights {
   double w[4];
 };
@@ -47,9 +59,10 @@ FieldTable::FieldTable(const CoilGeometry& geometry, double reach_m, double spac
   geometry.validate();
   const int half = static_cast<int>(std::ceil(reach_m / spacing_m - 1e-9)) + kPadding;
   const double face_m = geometry.centre_distance_m - geometry.length_m / 2.0;
-  if (half * spacing_m >= face_m) {
-    throw common::ConfigError("coil: its face at " + std::to_string(face_m) +
-                              " m from the dish centre must lie beyond " + std::to_string(half * spacing_m) +
+  const double winding_m = std::hypot(face_m, geometry.inner_radius_m);
+  if (winding_m <= reach_m) {
+    throw common::ConfigError("coil: its winding begins " + std::to_string(winding_m) +
+                              " m from the dish centre, which must be beyond " + std::to_string(reach_m) +
                               " m, the reach of the field table");
   }
   const int side = 2 * half + 1;
@@ -58,7 +71,8 @@ FieldTable::FieldTable(const CoilGeometry& geometry, double reach_m, double spac
   const auto at = [&](int i, int j) { return &full[(static_cast<std::size_t>(i) * side + j) * 2]; };
   for (int i = 0; i < side; ++i) {
     for (int j = half; j < side; ++j) {
-      const geometry::Vector2 field = coil.in_dish_plane({(i - half) * spacing_m, (j - half) * spacing_m});
+      const geometry::Vector2 field =
+          coil.in_dish_plane(outside_winding({(i - half) * spacing_m, (j - half) * spacing_m}, geometry));
       at(i, j)[0] = at(i, side - 1 - j)[0] = field.x();
       at(i, side - 1 - j)[1] = -field.y();
       at(i, j)[1] = field.y();
@@ -102,8 +116,9 @@ geometry::Vector2 FieldTable::per_ampere(const geometry::Vector2& point_m) const
   return {bx, point_m.y() < 0.0 ? -by : by};
 }
 
-std::shared_ptr<const FieldTable> make_field_table(const CoilGeometry& geometry, double dish_radius_m) {
-  return std::make_shared<const FieldTable>(geometry, dish_radius_m + 0.5e-3);
+std::shared_ptr<const FieldTable> make_field_table(const CoilGeometry& geometry, double dish_radius_m,
+                                                   double margin_m) {
+  return std::make_shared<const FieldTable>(geometry, dish_radius_m + 0.5e-3 + margin_m);
 }
 
 }  // namespace lodestone::physics

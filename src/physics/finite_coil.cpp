@@ -57,7 +57,7 @@ void CoilGeometry::validate() const {
 
 CoilGeometry published_coil_geometry() {
   CoilGeometry geometry;
-  geometry.inner_radius_m = 0.0425;
+  geometry.inner_radius_m = 0.5 * 0.085;
   geometry.outer_radius_m = 0.049;
   geometry.length_m = 0.060;
   geometry.turns = 648;

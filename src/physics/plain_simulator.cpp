@@ -7,15 +7,21 @@
 
 namespace lodestone::physics {
 
-PlainSimulator::PlainSimulator(const PlainSimulatorConfig& config) : config_(config) {
-  for (int coil = 0; coil < 4; ++coil) coils_.emplace_back(config.coil, coil);
+PlainSimulator::PlainSimulator(const RigDescription& rig, const PlainSimulatorConfig& config)
+    : needle_(rig.needle),
+      dish_radius_m_(rig.dish.radius_m),
+      friction_N_(0.5 * (rig.friction.static_coefficient + rig.friction.kinetic_coefficient) *
+                  rig.needle.net_weight_N),
+      step_s_(config.step_s) {
+  for (int coil = 0; coil < 4; ++coil) coils_.emplace_back(rig.coils.geometry, coil);
   constexpr double kPi = 3.14159265358979323846;
-  const double log_p = std::log(config.length_m / config.diameter_m);
+  const double viscosity_Pa_s = rig.fluid.viscosity_Pa_s;
+  const double log_p = std::log(needle_.length_m / needle_.diameter_m);
   LODESTONE_CHECK(log_p > 1.0, "the needle must be slender");
   // Stokes drag of a slender rod far from walls; the mean of along (2 pi) and across (4 pi) serves every
   // direction.
-  drag_N_s_m_ = 3.0 * kPi * config.viscosity_Pa_s * config.length_m / log_p;
-  spin_drag_N_m_s_ = kPi * config.viscosity_Pa_s * std::pow(config.length_m, 3) / (3.0 * log_p);
+  drag_N_s_m_ = 3.0 * kPi * viscosity_Pa_s * needle_.length_m / log_p;
+  spin_drag_N_m_s_ = kPi * viscosity_Pa_s * std::pow(needle_.length_m, 3) / (3.0 * log_p);
 }
 
 PlainSimulator::Load PlainSimulator::load(const geometry::Pose2& pose,
@@ -25,36 +31,35 @@ PlainSimulator::Load PlainSimulator::load(const geometry::Pose2& pose,
     if (current_A[coil] != 0.0) coils_[coil].add(current_A[coil], pose.position_m(), sum);
   }
   const geometry::Vector2 moment =
-      config_.moment_A_m2 * geometry::Vector2(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
+      needle_.moment_A_m2 * geometry::Vector2(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
   return {sum.gradient_T_per_m.transpose() * moment,
           moment.x() * sum.field_T.y() - moment.y() * sum.field_T.x()};
 }
 
 geometry::Pose2 PlainSimulator::step(const geometry::Pose2& pose, const std::array<double, 4>& current_A,
                                      double pulse_s, double rest_s) const {
-  const double friction_N = config_.friction_coefficient * config_.net_weight_N;
-  const double friction_N_m = friction_N * config_.length_m / 4.0;
+  const double friction_N_m = friction_N_ * needle_.length_m / 4.0;
   geometry::Pose2 now = pose;
   geometry::Vector2 velocity = geometry::Vector2::Zero();
   double spin = 0.0;
-  const int pulse_steps = std::max(1, static_cast<int>(std::ceil(pulse_s / config_.step_s - 1e-9)));
-  const int rest_steps = static_cast<int>(std::ceil(rest_s / config_.step_s - 1e-9));
+  const int pulse_steps = std::max(1, static_cast<int>(std::ceil(pulse_s / step_s_ - 1e-9)));
+  const int rest_steps = static_cast<int>(std::ceil(rest_s / step_s_ - 1e-9));
   for (int i = 0; i < pulse_steps + rest_steps; ++i) {
     const bool on = i < pulse_steps;
     if (!on && velocity.isZero(0.0) && spin == 0.0) break;
     const double h = on ? pulse_s / pulse_steps : rest_s / rest_steps;
     const Load pull = on ? load(now, current_A) : Load{geometry::Vector2::Zero(), 0.0};
     // Coulomb friction takes away at most the motion there is, translation and rotation apart.
-    velocity = (config_.mass_kg * velocity + h * pull.force_N) / (config_.mass_kg + h * drag_N_s_m_);
+    velocity = (needle_.mass_kg * velocity + h * pull.force_N) / (needle_.mass_kg + h * drag_N_s_m_);
     const double speed = velocity.norm();
     if (speed > 0.0)
-      velocity *= std::max(0.0, 1.0 - h * friction_N / (config_.mass_kg + h * drag_N_s_m_) / speed);
-    const double spin_mass = config_.inertia_kg_m2 + h * spin_drag_N_m_s_;
-    spin = (config_.inertia_kg_m2 * spin + h * pull.torque_N_m) / spin_mass;
+      velocity *= std::max(0.0, 1.0 - h * friction_N_ / (needle_.mass_kg + h * drag_N_s_m_) / speed);
+    const double spin_mass = needle_.inertia_kg_m2 + h * spin_drag_N_m_s_;
+    spin = (needle_.inertia_kg_m2 * spin + h * pull.torque_N_m) / spin_mass;
     spin = std::copysign(std::max(0.0, std::abs(spin) - h * friction_N_m / spin_mass), spin);
     geometry::Vector2 position = now.position_m() + h * velocity;
-    if (position.norm() > config_.dish_radius_m) {
-      position *= config_.dish_radius_m / position.norm();
+    if (position.norm() > dish_radius_m_) {
+      position *= dish_radius_m_ / position.norm();
       velocity.setZero();
     }
     now.x_m = position.x();

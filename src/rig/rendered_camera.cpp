@@ -4,15 +4,20 @@
 
 namespace lodestone::rig {
 
-imaging::BenchGeometry bench_of(const VirtualRigConfig& rig, imaging::BenchGeometry base) {
-  base.dish_radius_m = rig.dish.radius_m;
-  base.coil_face_m = rig.coil.centre_distance_m - 0.5 * rig.coil.length_m;
-  base.coil_outer_radius_m = rig.coil.outer_radius_m;
-  base.coil_bore_radius_m = rig.coil.inner_radius_m;
-  base.coil_length_m = rig.coil.length_m;
-  base.needle_length_m = rig.needle.length_m;
-  base.needle_diameter_m = rig.needle.diameter_m;
-  return base;
+imaging::BenchGeometry bench_of(const physics::RigDescription& rig) {
+  const physics::CoilGeometry& coil = rig.coils.geometry;
+  imaging::BenchGeometry bench;
+  bench.dish_radius_m = rig.dish.radius_m;
+  bench.wall_height_m = rig.dish.wall_height_m;
+  bench.wall_thickness_m = rig.dish.wall_thickness_m;
+  bench.coil_face_m = coil.centre_distance_m - 0.5 * coil.length_m;
+  bench.coil_outer_radius_m = coil.outer_radius_m;
+  bench.coil_bore_radius_m = coil.inner_radius_m;
+  bench.coil_length_m = coil.length_m;
+  bench.needle_length_m = rig.needle.length_m;
+  bench.needle_diameter_m = rig.needle.diameter_m;
+  bench.tape_length_m = rig.needle.tape_length_m;
+  return bench;
 }
 
 RenderedCamera::RenderedCamera(VirtualRig& rig, std::shared_ptr<const imaging::SceneRenderer> renderer,

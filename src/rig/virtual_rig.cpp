@@ -8,6 +8,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/physics/coil_array.h"
+#include "lodestone/rig/hidden_deviation.h"
 
 namespace lodestone::rig {
 namespace {
@@ -24,37 +25,31 @@ std::string text(double value) { return common::Json(value).dump(); }
 
 }  // namespace
 
-void VirtualRigConfig::validate() const {
-  coil.validate();
-  needle.validate();
-  friction.validate();
-  if (needle.length_m >= 2.0 * dish.radius_m) {
-    throw common::ConfigError("needle.length_m = " + text(needle.length_m) +
-                              " must be below the dish diameter, " + text(2.0 * dish.radius_m));
-  }
-}
-
 struct VirtualRig::State {
   State(const VirtualRigConfig& rig_config, std::uint64_t rig_seed,
         std::shared_ptr<const physics::FieldTable> shared)
       : config(rig_config),
         seed(rig_seed),
+        hidden(HiddenDeviation::draw(deviation_width(config.simulation.deviation), seed)),
+        truth(hidden.applied_to(config)),
         table(std::move(shared)),
-        field(table),
-        map(config.friction, config.dish.radius_m, seed),
-        motion(config.needle, config.fluid, config.friction, config.dish),
+        field(table, hidden.coils),
+        map(truth.friction, truth.dish.radius_m, seed),
+        motion(truth.needle, truth.fluid, truth.friction, truth.dish),
         scatter(seed, "pulse_friction"),
-        circuits{physics::CoilCircuit(config.circuit), physics::CoilCircuit(config.circuit),
-                 physics::CoilCircuit(config.circuit), physics::CoilCircuit(config.circuit)} {}
+        circuits{physics::CoilCircuit(truth.circuit(0)), physics::CoilCircuit(truth.circuit(1)),
+                 physics::CoilCircuit(truth.circuit(2)), physics::CoilCircuit(truth.circuit(3))} {}
 
   /// A little of the friction is drawn anew for every pulse (how the needle happens to lie).
   void draw_friction() {
-    const double sigma = config.friction.pulse_sigma;
+    const double sigma = truth.friction.pulse_sigma;
     friction_scale = std::exp(sigma * scatter.normal() - 0.5 * sigma * sigma);
   }
 
-  VirtualRigConfig config;
+  VirtualRigConfig config;  // as described
   std::uint64_t seed;
+  HiddenDeviation hidden;
+  physics::RigDescription truth;
   std::shared_ptr<const physics::FieldTable> table;
   physics::CoilArray field;
   physics::FrictionMap map;
@@ -79,16 +74,16 @@ class VirtualRig::VirtualCoils final : public Coils {
   void apply(const CoilPulse& pulse) override {
     for (int i = 0; i < kCoils; ++i) {
       const double current = pulse.current_A[i];
-      if (!(std::abs(current) <= state_.config.max_current_A)) {
+      if (!(std::abs(current) <= state_.config.coils.max_current_A)) {
         throw common::HardwareError(std::string("virtual coils: current of coil ") + kCoilNames[i] + " = " +
                                     std::to_string(current) + " A is refused; it must be within +-" +
-                                    text(state_.config.max_current_A) + " A");
+                                    text(state_.config.coils.max_current_A) + " A");
       }
     }
-    if (!(pulse.duration_s >= 0.0 && pulse.duration_s <= state_.config.max_pulse_s)) {
+    if (!(pulse.duration_s >= 0.0 && pulse.duration_s <= state_.config.simulation.max_pulse_s)) {
       throw common::HardwareError("virtual coils: duration = " + std::to_string(pulse.duration_s) +
                                   " s is refused; it must be within 0 and " +
-                                  text(state_.config.max_pulse_s) + " s");
+                                  text(state_.config.simulation.max_pulse_s) + " s");
     }
     state_.draw_friction();
     state_.pulsing = pulse.duration_s > 0.0;
@@ -112,10 +107,10 @@ class VirtualRig::VirtualCoils final : public Coils {
     for (int i = 0; i < kCoils; ++i) {
       status.current_A[i] = state_.circuits[i].state().current_A;
       status.temperature_C[i] = state_.circuits[i].state().temperature_C;
-      if (status.temperature_C[i] > state_.config.max_temperature_C) {
+      if (status.temperature_C[i] > state_.config.simulation.max_temperature_C) {
         status.faults.push_back(std::string("coil ") + kCoilNames[i] + " is at " +
                                 text(status.temperature_C[i]) + " C, above " +
-                                text(state_.config.max_temperature_C) + " C");
+                                text(state_.config.simulation.max_temperature_C) + " C");
       }
     }
     return status;
@@ -138,9 +133,11 @@ class VirtualRig::VirtualClock final : public common::Clock {
 VirtualRig::VirtualRig(const VirtualRigConfig& config, std::uint64_t seed,
                        std::shared_ptr<const physics::FieldTable> table) {
   config.validate();
-  if (!table) table = physics::make_field_table(config.coil, config.dish.radius_m);
-  LODESTONE_CHECK(table->geometry() == config.coil, "the field table is of another coil geometry");
-  LODESTONE_CHECK(table->reach_m() >= config.dish.radius_m, "the field table does not cover the dish");
+  const double margin_m = deviation_margin_m(deviation_width(config.simulation.deviation), config);
+  if (!table) table = physics::make_field_table(config.coils.geometry, config.dish.radius_m, margin_m);
+  LODESTONE_CHECK(table->geometry() == config.coils.geometry, "the field table is of another coil geometry");
+  LODESTONE_CHECK(table->reach_m() >= config.dish.radius_m + margin_m,
+                  "the field table does not cover the dish");
   state_ = std::make_unique<State>(config, seed, std::move(table));
   state_->coils = std::make_unique<VirtualCoils>(*state_);
   state_->clock = std::make_unique<VirtualClock>(*this);
@@ -202,7 +199,8 @@ void VirtualRig::advance_to(double time_s) {
 void VirtualRig::run(double duration_s) {
   if (duration_s <= 0.0) return;
   State& state = *state_;
-  const int steps = std::max(1, static_cast<int>(std::ceil(duration_s / state.config.step_s - 1e-6)));
+  const int steps =
+      std::max(1, static_cast<int>(std::ceil(duration_s / state.config.simulation.step_s - 1e-6)));
   const double step_s = duration_s / steps;
   std::array<double, kCoils> settled{};
   std::array<double, kCoils> decay{};

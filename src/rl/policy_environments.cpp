@@ -28,6 +28,7 @@ std::shared_ptr<const task::Region> region_for(const TrainPolicyConfig& config,
 
 PolicyEnvironments make_policy_environments(TrainPolicyConfig& config) {
   std::optional<nets::DynamicsModel> model;
+  config = adopt_rig(std::move(config));
   if (!config.dynamics.empty()) {
     model = nets::load_dynamics(config.dynamics);
     config = adopt_data(std::move(config), model->info);
@@ -51,7 +52,7 @@ PolicyEnvironments make_policy_environments(TrainPolicyConfig& config) {
                             std::int64_t threads) -> std::unique_ptr<env::VecEnv> {
     if (config.simulator == "mbs")
       return std::make_unique<env::MbsEnv>(*model, settings, config.mbs, threads);
-    return std::make_unique<env::PhysicsEnv>(settings, config.physics, threads);
+    return std::make_unique<env::PhysicsEnv>(settings, config.rig, config.physics, threads);
   };
   const PolicyTrainingConfig& training = config.training;
   const std::int64_t simulated = training.environments - config.replay.environments;

@@ -172,6 +172,7 @@ class Run {
     policy.hidden = config_.td3.hidden;
     policy.encoder = config_.encoder;
     policy.action = config_.action;
+    policy.rig = config_.learned_rig;
     policy.goal = config_.task.goal;
     policy.region = region_;
     policy.actor = nets::Actor(weights.at("l1.weight").size(1), policy.hidden);
@@ -238,19 +239,22 @@ void TrainPolicyConfig::validate() const {
   }
 }
 
+TrainPolicyConfig adopt_rig(TrainPolicyConfig config) {
+  config.action.scale = config.rig.coils.max_current_A;
+  config.task.dish_radius_m = config.rig.dish.radius_m;
+  config.encoder.length_scale_m = config.rig.dish.radius_m;
+  config.learned_rig = common::config_to_json(config.rig);
+  return config;
+}
+
 TrainPolicyConfig adopt_data(TrainPolicyConfig config, const data::DatasetInfo& info) {
-  const bool has_heading = info.layout == data::StateLayout::kPose;
-  if (config.adopt_data) {
-    config.action.scale = info.action_scale;
-    config.action.one_axis_at_a_time = info.one_axis_at_a_time;
-    config.task.dish_radius_m = info.workspace_radius_m;
-    config.encoder.length_scale_m = info.workspace_radius_m;
-    if (!has_heading) config.encoder.heading = "none";
-  }
-  if (!has_heading && config.encoder.heading != "none") {
-    throw common::ConfigError("encoder.heading is \"" + config.encoder.heading +
-                              "\" but the dynamics' data has positions only: set encoder.heading=none");
-  }
+  config.action.scale = info.action_scale;
+  config.action.unit = info.action_unit;
+  config.action.one_axis_at_a_time = info.one_axis_at_a_time;
+  config.task.dish_radius_m = info.workspace_radius_m;
+  config.encoder.length_scale_m = info.workspace_radius_m;
+  config.learned_rig = info.rig;
+  if (info.layout != data::StateLayout::kPose) config.encoder.heading = "none";
   return config;
 }
 

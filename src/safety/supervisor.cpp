@@ -24,14 +24,16 @@ std::string line(const Parts&... parts) {
 }
 }  // namespace
 
-Supervisor::Supervisor(rig::Coils& coils, const SafetyConfig& config, const common::Clock& clock, Poses poses,
-                       bool keys)
+Supervisor::Supervisor(rig::Coils& coils, const SafetyConfig& config, const physics::RigDescription& rig,
+                       const common::Clock& clock, Poses poses, bool keys)
     : coils_(coils),
       config_(config),
+      max_current_A_(std::min(config.max_current_A, rig.coils.max_current_A)),
+      geofence_m_(config.geofence * rig.dish.radius_m),
       clock_(clock),
       poses_(poses),
       operator_(config.stop_file, keys),
-      thermal_(config.thermal),
+      thermal_(rig),
       last_s_(clock.now_s()) {}
 
 void Supervisor::latch(const std::string& reason) {
@@ -73,9 +75,9 @@ void Supervisor::observe(const control::PoseEstimate& estimate) {
   if (had_pose_ && now_s > seen_s_ && !(estimate.stamp_s > pose_stamp_s_))
     latch("the sensor gave the same pose, or an older one, again: has the camera stalled?");
   const double distance_m = estimate.pose.position_m().norm();
-  if (!(distance_m <= config_.geofence_m))
+  if (!(distance_m <= geofence_m_))
     latch(line("the needle is seen ", 1e3 * distance_m, " mm from the dish centre, beyond the fence at ",
-               1e3 * config_.geofence_m, " mm (safety.geofence_m)"));
+               1e3 * geofence_m_, " mm (safety.geofence)"));
   has_pose_ = true;
   had_pose_ = true;
   pose_stamp_s_ = estimate.stamp_s;
@@ -104,8 +106,8 @@ rig::CoilPulse Supervisor::within_limits(const rig::CoilPulse& pulse) {
     double& current_A = safe.current_A[coil];
     if (!std::isfinite(current_A))
       latch(line("current of coil ", kCoilNames[coil], " is ", current_A, " A, must be a finite number"));
-    if (std::abs(current_A) > config_.max_current_A) {
-      current_A = std::clamp(current_A, -config_.max_current_A, config_.max_current_A);
+    if (std::abs(current_A) > max_current_A_) {
+      current_A = std::clamp(current_A, -max_current_A_, max_current_A_);
       limited = true;
     }
     power_W += thermal_.power_W(static_cast<int>(coil), current_A);

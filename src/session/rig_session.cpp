@@ -22,7 +22,7 @@ class VirtualSession final : public RigSession {
     }
     sensor_ = sensing_.make(rig_, sensing_.calibrated_bench(seeds.scene), seeds.sensor_noise);
     if (realtime) paced_.emplace(rig_.clock());
-    coils_.emplace(rig_.coils(), safety, clock());
+    coils_.emplace(rig_.coils(), safety, rig, clock());
   }
   safety::Supervisor& coils() override { return *coils_; }
   control::PoseSensor& sensor() override { return *sensor_; }
@@ -60,20 +60,14 @@ class SerialSession final : public RigSession {
     std::optional<imaging::Calibration> calibration;
     if (!sensing.calibration.empty()) calibration = imaging::read_calibration(sensing.calibration);
     camera_ = rig::open_camera(rig.camera);
-    sensor_.emplace(*camera_, segmenter, rig::bench_of(rig, sensing.scene.bench), sensing.scene.lens,
-                    sensing.camera, calibration);
-    device_ = std::make_unique<rig::SerialCoils>(rig.serial);
-    coils_.emplace(*device_, safety, clock_, safety::Supervisor::Poses::kRequired, true);
+    sensor_.emplace(*camera_, segmenter, rig::bench_of(rig), sensing.scene.lens, sensing.camera, calibration);
+    device_ = std::make_unique<rig::SerialCoils>(rig.serial, rig.coils);
+    coils_.emplace(*device_, safety, rig_, clock_, safety::Supervisor::Poses::kRequired, true);
   }
   safety::Supervisor& coils() override { return *coils_; }
   control::PoseSensor& sensor() override { return *sensor_; }
   common::Clock& clock() override { return clock_; }
-  bool fits(const geometry::Pose2& pose) const override {
-    const double half_m = 0.5 * rig_.needle.length_m;
-    const geometry::Vector2 along(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
-    return (pose.position_m() + half_m * along).norm() < rig_.dish.radius_m &&
-           (pose.position_m() - half_m * along).norm() < rig_.dish.radius_m;
-  }
+  bool fits(const geometry::Pose2& pose) const override { return rig_.fits(pose); }
   void place(const geometry::Pose2& pose) override {
     if (!ask_)
       throw common::HardwareError(

@@ -36,7 +36,7 @@ void RigSensor::restore(const std::string& state) {
 }
 
 Sensing::Sensing(const SensingConfig& config, const rig::VirtualRigConfig& rig) : config_(config) {
-  config_.scene.bench = rig::bench_of(rig, config.scene.bench);
+  config_.scene.bench = rig::bench_of(rig);
   if (by_camera()) segmenter_ = vision::Segmenter::load(config.segmenter);
 }
 

@@ -5,6 +5,24 @@
 
 namespace lodestone::task {
 
+common::Json action_to_json(const ActionConfig& config) {
+  common::Json json = common::config_to_json(config);
+  json["scale"] = config.scale;
+  json["unit"] = config.unit;
+  return json;
+}
+
+ActionConfig action_from_json(common::Json json, const std::string& what) {
+  const double scale = json.at("scale").get<double>();
+  const std::string unit = json.value("unit", "A");
+  json.erase("scale");
+  json.erase("unit");
+  auto config = common::config_from_json<ActionConfig>(json, what);
+  config.scale = scale;
+  config.unit = unit;
+  return config;
+}
+
 geometry::Vector2 axis_drive(const geometry::Vector2& action, const ActionConfig& config) {
   geometry::Vector2 drive;
   for (int axis = 0; axis < 2; ++axis) {

@@ -4,6 +4,20 @@
 
 namespace lodestone::task {
 
+common::Json encoder_to_json(const EncoderConfig& config) {
+  common::Json json = common::config_to_json(config);
+  json["length_scale_m"] = config.length_scale_m;
+  return json;
+}
+
+EncoderConfig encoder_from_json(common::Json json, const std::string& what) {
+  const double length_scale_m = json.at("length_scale_m").get<double>();
+  json.erase("length_scale_m");
+  auto config = common::config_from_json<EncoderConfig>(json, what);
+  config.length_scale_m = length_scale_m;
+  return config;
+}
+
 int ObservationEncoder::size() const {
   return 2 + heading_size() + (config_.target ? 2 : 0) + (config_.relative_target ? 2 : 0) +
          (config_.target_heading ? 2 : 0) + (config_.memory ? 4 : 0);

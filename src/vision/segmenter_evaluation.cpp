@@ -200,7 +200,9 @@ SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const Segmenter> segmente
 
 imaging::SceneConfig training_scenes(const std::string& checkpoint_folder) {
   const nets::Checkpoint checkpoint = nets::load_checkpoint(checkpoint_folder, "segmenter");
-  return common::config_from_json<TrainSegmenterConfig>(checkpoint.config, checkpoint_folder).scenes;
+  common::Json config = checkpoint.config;
+  if (config.contains("scenes")) config["scenes"].erase("bench");  // checkpoints of earlier versions
+  return common::config_from_json<TrainSegmenterConfig>(config, checkpoint_folder).scenes;
 }
 
 common::Json to_json(const SegmenterEvaluation& evaluation) {

@@ -55,17 +55,17 @@ bench = folder / "bench.json"
 emulator = start("rig", "emulate", "--out", bench)
 try:
     wait_for(bench, emulator)
-    expect(run("rig", "check", "--config", bench, "--yes"), "firmware 1.0.0", "1280 x 1024", "seen at",
+    expect(run("rig", "check", "--rig", bench, "--yes"), "firmware 1.0.0", "1280 x 1024", "seen at",
            "needle's head points to it", "the bench is ready")
-    expect(run("rig", "check", "--config", bench, "--no-camera"), "left out", "the bench is ready")
+    expect(run("rig", "check", "--rig", bench, "--no-camera"), "left out", "the bench is ready")
 
-    run("calibrate", "coils", "--config", bench, "--yes", "--out", folder / "coils.json")
-    measured = json.loads((folder / "coils.json").read_text())["rig"]["serial"]
+    run("calibrate", "coils", "--rig", bench, "--yes", "--out", folder / "coils.json")
+    measured = json.loads((folder / "coils.json").read_text())["coils"]
     assert all(abs(ohm - 1.915) < 0.03 for ohm in measured["resistance_ohm"]), measured
     assert all(abs(henry - 17.6e-3) < 2e-3 for henry in measured["inductance_H"]), measured
 
     # The loop with the camera's image, on the serial port.
-    text = run("deploy", "--config", bench, "--controller", "baseline", "--task", "centre", "--trials", 1,
+    text = run("deploy", "--rig", bench, "--controller", "baseline", "--task", "centre", "--trials", 1,
                *patient, "--set", "trials.point_seconds=4", "--out", folder / "deploy")
     expect(text, "as the camera saw them")
     summary = json.loads((folder / "deploy/summary.json").read_text())
@@ -74,7 +74,7 @@ try:
     assert trial["completed"] and len(trial["trajectory"]) > 8, trial["stop_reason"]
 
     # The stop file ends a run at once, and what was measured is written.
-    running = start("deploy", "--config", bench, "--controller", "baseline", "--task", "centre", "--trials", 5,
+    running = start("deploy", "--rig", bench, "--controller", "baseline", "--task", "centre", "--trials", 5,
                     *patient, "--out", folder / "stopped")
     wait_for(folder / "stopped/trajectories.csv", running)
     time.sleep(2)
@@ -85,20 +85,20 @@ try:
     assert "STOP exists" in json.loads((folder / "stopped/summary.json").read_text())["stopped"]
 
     # Killed outright: the pulse ends by itself, the next run finds a bench in order.
-    running = start("deploy", "--config", bench, "--controller", "baseline", "--task", "centre", "--trials", 5,
+    running = start("deploy", "--rig", bench, "--controller", "baseline", "--task", "centre", "--trials", 5,
                     *patient, "--out", folder / "killed")
     wait_for(folder / "killed/trajectories.csv", running)
     time.sleep(2)
     running.kill()
     running.wait()
     time.sleep(1)
-    expect(run("rig", "check", "--config", bench, "--no-camera"), "the bench is ready")
+    expect(run("rig", "check", "--rig", bench, "--no-camera"), "the bench is ready")
 
     # Exploring needs somebody who places the needle.
-    expect(run("collect", "--config", bench, "--set", "transitions=6", "--out", folder / "alone", code=1),
+    expect(run("collect", "--rig", bench, "--set", "transitions=6", "--out", folder / "alone", code=1),
            "nobody can be asked")
     keyboard, terminal = pty.openpty()
-    running = subprocess.Popen([lodestone, "collect", "--config", bench, "--set", "transitions=12", "--set",
+    running = subprocess.Popen([lodestone, "collect", "--rig", bench, "--set", "transitions=12", "--set",
                                 "episode_steps=4", *patient, "--out", folder / "explored"], stdin=terminal,
                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=False)
     seen = b""
@@ -125,7 +125,7 @@ if len(sys.argv) > 3:
     emulator = start("rig", "emulate", "--no-camera", "--out", bench)
     try:
         wait_for(bench, emulator)
-        port = json.loads(bench.read_text())["rig"]["serial"]["port"].replace("/dev/", "/dev/./")
+        port = json.loads(bench.read_text())["serial"]["port"].replace("/dev/", "/dev/./")
         preloaded = {"LD_PRELOAD": sys.argv[3]}
         expect(run("rig", "check", "--port", port, "--no-camera", "--yes", env=preloaded), "the bench is ready")
         running = start("calibrate", "coils", "--port", port, "--yes", "--set", "pulses=50", "--out",

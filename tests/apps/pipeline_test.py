@@ -67,7 +67,7 @@ with tempfile.TemporaryDirectory() as name:
     code = kill_after(signal.SIGINT, stopped / "training" / "manifest.json", *train_policy, "--out", stopped)
     assert code in (0, 130), code
 
-    deploy = ("deploy", "--config", configs / "deploy.json", "--task", "all", "--trials", "2", "--rig", "both",
+    deploy = ("deploy", "--config", configs / "deploy.json", "--task", "all", "--trials", "2", "--on", "both",
               "--controller", "both")
     run(*deploy, "--policy", policy / "checkpoint", "--out", root / "deploy")
     of_deploy = json.loads((root / "deploy" / "summary.json").read_text())

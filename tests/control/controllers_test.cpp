@@ -6,6 +6,7 @@
 #include "lodestone/control/decorators.h"
 #include "lodestone/control/dipole_pull.h"
 #include "lodestone/control/policy_controller.h"
+#include "paper_rig.h"
 
 using namespace lodestone;
 using geometry::Vector2;
@@ -86,15 +87,15 @@ TEST_CASE("decorators that are off leave the controller as it is") {
 }
 
 TEST_CASE("the simulator's pull points where it is asked to") {
-  const control::DipolePullConfig config;
-  const control::DipolePull model(config);
+  const physics::RigDescription rig = tests::paper_rig();
+  const control::DipolePull model(rig);
   SECTION("one coil pulls the needle to itself, twice the current twice as hard") {
     const Vector2 pull = model.pull_N({4.0, 0.0}, {0.0, 0.0});
     CHECK(pull.x() > 0.0);
     CHECK(std::abs(pull.y()) < 1e-12);
     CHECK(model.pull_N({8.0, 0.0}, {0.0, 0.0}).x() == Approx(2.0 * pull.x()));
     // On the axis of a dipole B = mu0 m / 2 pi d^3, so dB/dx = 3 B / d.
-    const physics::DipoleCoil coil(config.coil, 0);
+    const physics::DipoleCoil coil(rig.coils.geometry, 0);
     const double field_T = 2e-7 * coil.moment_per_ampere_m2() * 4.0 / std::pow(0.08, 3);
     CHECK(pull.x() == Approx(config.needle_moment_A_m2 * 3.0 * field_T / 0.08).epsilon(1e-6));
   }
@@ -110,7 +111,7 @@ TEST_CASE("the simulator's pull points where it is asked to") {
 
 TEST_CASE("controllers keep the contract") {
   SECTION("baseline") {
-    control::DipolePullController controller({}, 15.0);
+    control::DipolePullController controller(tests::paper_rig(), {});
     tests::check_controller(controller);
   }
   SECTION("policy, decorated") {

@@ -11,6 +11,8 @@ using geometry::Vector2;
 
 namespace {
 
+constexpr double kDish_m = 0.0425;
+
 /// A dish in which the needle goes where it is pulled, farther the nearer the coil, and clings to the wall:
 /// enough to compare explorers.
 geometry::Pose2 toy_step(const geometry::Pose2& pose, const Vector2& action) {
@@ -51,7 +53,7 @@ double explore(int steps, Act act, Stuck stuck, Start start) {
 }  // namespace
 
 TEST_CASE("guided exploration covers the dish more evenly than random actions") {
-  control::Explorer explorer({}, common::RandomStream(1, "explorer"));
+  control::Explorer explorer({}, kDish_m, common::RandomStream(1, "explorer"));
   common::RandomStream random(2, "random");
   const auto start = [&] {
     explorer.reset();
@@ -78,7 +80,7 @@ TEST_CASE("guided exploration covers the dish more evenly than random actions") 
 }
 
 TEST_CASE("the explorer mixes levels, single axes and some zero rows") {
-  control::Explorer explorer({}, common::RandomStream(1, "explorer"));
+  control::Explorer explorer({}, kDish_m, common::RandomStream(1, "explorer"));
   tests::check_controller(explorer);
   int zero = 0;
   int single = 0;
@@ -107,7 +109,7 @@ TEST_CASE("the explorer calls the operator when the needle is stuck, and its sta
   control::ExplorerConfig config;
   config.stuck_steps = 3;
   config.crowding = 1e6;
-  control::Explorer explorer(config, common::RandomStream(1, "explorer"));
+  control::Explorer explorer(config, kDish_m, common::RandomStream(1, "explorer"));
   task::Observation observation;
   for (int i = 0; i < 3; ++i) {
     explorer.act(observation);
@@ -117,10 +119,10 @@ TEST_CASE("the explorer calls the operator when the needle is stuck, and its sta
   CHECK(explorer.stuck());
   explorer.reset();
   CHECK_FALSE(explorer.stuck());
-  control::Explorer other(config, common::RandomStream(9, "explorer"));
+  control::Explorer other(config, kDish_m, common::RandomStream(9, "explorer"));
   other.restore(explorer.save());
   for (int i = 0; i < 20; ++i) CHECK(other.act(observation) == explorer.act(observation));
   config.heading_bins = 4;
-  control::Explorer different(config, common::RandomStream(9, "explorer"));
+  control::Explorer different(config, kDish_m, common::RandomStream(9, "explorer"));
   CHECK_THROWS_AS(different.restore(explorer.save()), common::DataError);
 }

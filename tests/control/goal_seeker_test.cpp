@@ -4,6 +4,7 @@
 #include <set>
 
 #include "control/fakes.h"
+#include "paper_rig.h"
 
 using namespace lodestone;
 using geometry::Vector2;
@@ -17,7 +18,7 @@ control::GoalSeeker seeker(std::vector<Vector2>& targets, const control::GoalSee
         targets.push_back(seen.target_m);
         return Vector2(0.0, 0.0);
       }),
-      config, common::RandomStream(1, "seek"));
+      config, tests::paper_rig().dish.radius_m, common::RandomStream(1, "seek"));
 }
 
 }  // namespace
@@ -35,7 +36,7 @@ TEST_CASE("a target is kept until it is reached or its pulses are used up") {
   CHECK(targets[0] == targets[4]);
   CHECK(targets[4] != targets[5]);
   CHECK(targets[5] == targets[9]);
-  CHECK(targets[0].norm() <= config.goal_radius_m);
+  CHECK(targets[0].norm() <= config.goal_radius * tests::paper_rig().dish.radius_m);
   observation.pose = {targets[9].x() + 0.001, targets[9].y(), 0.0};
   seek.act(observation);
   CHECK(targets[10] != targets[9]);

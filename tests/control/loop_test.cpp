@@ -2,6 +2,7 @@
 
 #include "control/fakes.h"
 #include "lodestone/control/control_loop.h"
+#include "paper_rig.h"
 
 using namespace lodestone;
 using geometry::Vector2;
@@ -11,14 +12,14 @@ namespace {
 struct Bench {
   control::ControlLoopConfig config;
   safety::SafetyConfig safety;
-  task::ActionConfig action;
+  task::ActionConfig action = tests::paper_action();
   tests::RecordingCoils device;
   tests::ManualClock clock;
   tests::ScriptedSensor sensor{clock};
   double duration_s = 1.5;
 
   control::LoopOutcome run(control::Controller& controller) {
-    safety::Supervisor coils(device, safety, clock);
+    safety::Supervisor coils(device, safety, tests::paper_rig(), clock);
     control::ControlLoop loop(config, action, coils, sensor, clock);
     control::PointReference reference({0.01, 0.0}, duration_s);
     return loop.run(controller, reference);

@@ -14,11 +14,18 @@ using Catch::Matchers::Contains;
 
 namespace {
 
+/// The rig exactly as it is described.
+rig::VirtualRigConfig described() {
+  rig::VirtualRigConfig config;
+  config.simulation.deviation = "none";
+  return config;
+}
+
 struct Bench {
-  explicit Bench(const rig::VirtualRigConfig& config = {}) : rig(config, 1), bench(rig) {
+  explicit Bench(const rig::VirtualRigConfig& config = described()) : rig(config, 1), bench(rig) {
     serial.max_pulse_s = 2.0;
     coils = std::make_unique<rig::SerialCoils>(
-        serial, [this] { return std::make_unique<emulation::LockstepPort>(bench); });
+        serial, rig.config().coils, [this] { return std::make_unique<emulation::LockstepPort>(bench); });
   }
   void wait(double time_s) { bench.advance_to(bench.now_s() + time_s); }
 
@@ -76,10 +83,10 @@ TEST_CASE("five amperes asked are five amperes given, on a hot coil and with a w
 
 TEST_CASE("coils are measured through their pulses") {
   for (const double inductance_H : {17.6e-3, 30e-3}) {
-    rig::VirtualRigConfig config;
-    config.circuit.resistance_20C_ohm = 2.3;
-    config.circuit.inductance_H = inductance_H;
-    config.circuit.ambient_C = 20.0;
+    rig::VirtualRigConfig config = described();
+    config.coils.resistance_20C_ohm.assign(4, 2.3);
+    config.coils.inductance_H.assign(4, inductance_H);
+    config.ambient_C = 20.0;
     Bench b(config);
     const rig::CoilMeasurement found =
         rig::measure_coil(*b.coils, *b.coils, 1, 4.0, 5, [&](double seconds) { b.wait(seconds); });
@@ -146,7 +153,7 @@ TEST_CASE("a driver that does not switch off, and a coil that is not connected, 
 }
 
 TEST_CASE("motor controllers without power are told apart from a missing coil controller") {
-  rig::VirtualRig rig(rig::VirtualRigConfig{}, 1);
+  rig::VirtualRig rig(described(), 1);
   emulation::EmulatedBench bench(rig);
   bench.controller(1).powered = false;
   rig::SerialConfig serial;
@@ -160,13 +167,15 @@ TEST_CASE("motor controllers without power are told apart from a missing coil co
 
 TEST_CASE("polarity turns the wires round, and bad settings are refused") {
   Bench b;
-  b.serial.polarity = {-1, 1, 1, 1};
-  rig::SerialCoils turned(b.serial, [&b] { return std::make_unique<emulation::LockstepPort>(b.bench); });
+  physics::CoilsDescription wired = b.rig.config().coils;
+  wired.polarity = {-1, 1, 1, 1};
+  rig::SerialCoils turned(b.serial, wired,
+                          [&b] { return std::make_unique<emulation::LockstepPort>(b.bench); });
   turned.apply({{3.0, 0.0, 0.0, 0.0}, 0.1});
   b.wait(0.09);
   CHECK(b.bench.current_A()[0] == Approx(-3.0).epsilon(0.03));
   CHECK(turned.status().current_A[0] == Approx(3.0).epsilon(0.05));
-  rig::SerialConfig bad = b.serial;
+  physics::CoilsDescription bad = wired;
   bad.polarity = {1, 1, 1};
   CHECK_THROWS_AS(bad.validate(), common::ConfigError);
   bad.polarity = {1, 0, 1, 1};

@@ -6,6 +6,7 @@
 #include "env/linear_model.h"
 #include "env/vec_env_conformance.h"
 #include "lodestone/common/error.h"
+#include "paper_rig.h"
 
 namespace lodestone::env {
 namespace {
@@ -16,6 +17,9 @@ constexpr double kGain_m = 1e-3;
 
 EpisodeSettings settings_for(std::int64_t count) {
   EpisodeSettings settings;
+  settings.task = tests::paper_task();
+  settings.encoder = tests::paper_encoder();
+  settings.action = tests::paper_action();
   settings.count = count;
   settings.encoder.heading = "none";
   settings.action.scale = 10.0;
@@ -148,11 +152,11 @@ TEST_CASE("the rules of the paper are options", "[unit]") {
     CHECK(terminations() == 0);
   }
   SECTION("starts come from the training data within the start radius") {
-    settings.task.start_radius_m = 0.01;
+    settings.task.start_radius = 0.01 / 0.0425;
     MbsEnv environments(model, settings, {}, 1);
     const torch::Tensor observation = environments.reset();
     for (std::int64_t i = 0; i < 40; ++i) CHECK(position_m(observation, i).norm() <= 0.01 + 1e-9);
-    settings.task.start_radius_m = 0.0;
+    settings.task.start_radius = 0.0;
     nets::DynamicsModel shifted = model;
     shifted.start_states = model.start_states + 0.1;
     CHECK_THROWS_WITH(MbsEnv(shifted, settings, {}, 1),

@@ -3,12 +3,16 @@
 #include <catch2/catch.hpp>
 
 #include "env/vec_env_conformance.h"
+#include "paper_rig.h"
 
 namespace lodestone::env {
 namespace {
 
 EpisodeSettings short_episodes(std::int64_t count) {
   EpisodeSettings settings;
+  settings.task = tests::paper_task();
+  settings.encoder = tests::paper_encoder();
+  settings.action = tests::paper_action();
   settings.count = count;
   settings.encoder.heading = "none";
   settings.action.scale = 6.0;
@@ -22,9 +26,10 @@ TEST_CASE("the plain simulator keeps the promises of a VecEnv", "[unit]") {
   const EpisodeSettings settings = short_episodes(20);
   PhysicsEnvConfig config;
   config.simulator.step_s = 2e-3;  // the promises do not depend on accuracy
-  tests::check_vec_env(
-      {[&](std::int64_t threads) { return std::make_unique<PhysicsEnv>(settings, config, threads); }, 6,
-       0.009, 0.0425, 0.0425});
+  tests::check_vec_env({[&](std::int64_t threads) {
+                          return std::make_unique<PhysicsEnv>(settings, tests::paper_rig(), config, threads);
+                        },
+                        6, 0.009, 0.0425, 0.0425});
 }
 
 TEST_CASE("the environment moves the needle as the simulator does", "[unit]") {
@@ -32,11 +37,11 @@ TEST_CASE("the environment moves the needle as the simulator does", "[unit]") {
   settings.encoder.heading = "angle";
   settings.task.success_radius_m = 1e-5;
   const PhysicsEnvConfig config;
-  PhysicsEnv environments(settings, config, 1);
+  PhysicsEnv environments(settings, tests::paper_rig(), config, 1);
   const torch::Tensor start = environments.reset().clone();
   const geometry::Pose2 pose{0.0425 * start[0][0].item<double>(), 0.0425 * start[0][1].item<double>(),
                              start[0][2].item<double>()};
-  const geometry::Pose2 expected = physics::PlainSimulator(config.simulator)
+  const geometry::Pose2 expected = physics::PlainSimulator(tests::paper_rig(), config.simulator)
                                        .step(pose, {3.0, 0.0, 0.0, 1.5}, config.pulse_s, config.rest_s);
   const torch::Tensor next = environments.step(torch::tensor({{0.5F, -0.25F}})).final_observation;
   CHECK(0.0425 * next[0][0].item<double>() == Approx(expected.x_m).margin(2e-5));
@@ -49,26 +54,29 @@ TEST_CASE("randomised simulators keep the promises too, and differ from episode 
   PhysicsEnvConfig config;
   config.simulator.step_s = 2e-3;
   config.randomise.enabled = true;
-  tests::check_vec_env(
-      {[&](std::int64_t threads) { return std::make_unique<PhysicsEnv>(settings, config, threads); }, 6,
-       0.009, 0.0425, 0.0425});
+  tests::check_vec_env({[&](std::int64_t threads) {
+                          return std::make_unique<PhysicsEnv>(settings, tests::paper_rig(), config, threads);
+                        },
+                        6, 0.009, 0.0425, 0.0425});
 
   config.simulator.step_s = 0.5e-3;
-  config.randomise.moment_A_m2 = {1.6e-3, 1.6e-3};
-  config.randomise.viscosity_Pa_s = {1.5e-3, 1.5e-3};
-  config.randomise.friction_coefficient = {0.3, 0.3};
+  config.randomise.moment = {1.1, 1.1};
+  config.randomise.viscosity = {0.9, 0.9};
+  config.randomise.friction = {1.2, 1.2};
   EpisodeSettings one = short_episodes(1);
   one.encoder.heading = "angle";
   one.task.success_radius_m = 1e-5;
-  PhysicsEnv fixed(one, config, 1);
+  PhysicsEnv fixed(one, tests::paper_rig(), config, 1);
   const torch::Tensor start = fixed.reset().clone();
-  physics::PlainSimulatorConfig expected = config.simulator;
-  expected.moment_A_m2 = 1.6e-3;
-  expected.viscosity_Pa_s = 1.5e-3;
-  expected.friction_coefficient = 0.3;
-  const geometry::Pose2 next = physics::PlainSimulator(expected).step(
-      {0.0425 * start[0][0].item<double>(), 0.0425 * start[0][1].item<double>(), start[0][2].item<double>()},
-      {3.0, 0.0, 0.0, 1.5}, config.pulse_s, config.rest_s);
+  physics::RigDescription expected = tests::paper_rig();
+  expected.needle.moment_A_m2 *= 1.1;
+  expected.fluid.viscosity_Pa_s *= 0.9;
+  expected.friction.static_coefficient *= 1.2;
+  expected.friction.kinetic_coefficient *= 1.2;
+  const geometry::Pose2 next = physics::PlainSimulator(expected, config.simulator)
+                                   .step({0.0425 * start[0][0].item<double>(),
+                                          0.0425 * start[0][1].item<double>(), start[0][2].item<double>()},
+                                         {3.0, 0.0, 0.0, 1.5}, config.pulse_s, config.rest_s);
   const torch::Tensor seen = fixed.step(torch::tensor({{0.5F, -0.25F}})).final_observation;
   CHECK(0.0425 * seen[0][0].item<double>() == Approx(next.x_m).margin(2e-5));
   CHECK(0.0425 * seen[0][1].item<double>() == Approx(next.y_m).margin(2e-5));

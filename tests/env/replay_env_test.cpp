@@ -8,6 +8,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/env/joined_env.h"
 #include "lodestone/env/mbs_env.h"
+#include "paper_rig.h"
 
 namespace lodestone::env {
 namespace {
@@ -34,6 +35,9 @@ data::Dataset recording() {
 
 EpisodeSettings settings_for(std::int64_t count) {
   EpisodeSettings settings;
+  settings.task = tests::paper_task();
+  settings.encoder = tests::paper_encoder();
+  settings.action = tests::paper_action();
   settings.count = count;
   settings.encoder.heading = "none";
   settings.task.end_on_success = false;

@@ -41,7 +41,7 @@ TEST_CASE("episodes are whole, within bounds, and marked where no current flowed
     for (std::size_t row = 0; row < length; ++row) {
       const bool none = episode.actions[2 * row] == 0.0 && episode.actions[2 * row + 1] == 0.0;
       CHECK((episode.zero_current[row] == 1) == none);
-      CHECK(std::abs(episode.actions[2 * row]) <= config.rig.max_current_A);
+      CHECK(std::abs(episode.actions[2 * row]) <= config.rig.coils.max_current_A);
       zero += none;
     }
   }

@@ -86,7 +86,7 @@ TEST_CASE("plans repeat, lie inside the dish and keep a given target") {
     CHECK(deployment.fits(first[i].start));
     CHECK(first[i].start.x_m == again[i].start.x_m);
     CHECK(first[i].target_m == again[i].target_m);
-    CHECK(first[i].target_m.norm() <= config.trials.goal_radius_m);
+    CHECK(first[i].target_m.norm() <= config.trials.goal_radius * config.rig.dish.radius_m);
   }
   CHECK(first[0].target_m != first[1].target_m);
   const geometry::Vector2 target(0.004, -0.01);

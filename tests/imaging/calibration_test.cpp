@@ -6,6 +6,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/imaging/calibration_overlay.h"
 #include "lodestone/imaging/scene_renderer.h"
+#include "paper_scenes.h"
 
 using namespace lodestone;
 
@@ -13,7 +14,7 @@ namespace {
 
 /// Camera up to 5 mm and 5 degrees off.
 imaging::SceneConfig far_off() {
-  imaging::SceneConfig config;
+  imaging::SceneConfig config = tests::paper_scenes();
   config.camera_tilt_deg = {-5.0, 5.0};
   config.camera_turn_deg = {-5.0, 5.0};
   return config;
@@ -81,7 +82,7 @@ TEST_CASE("what cannot be calibrated is named") {
 }
 
 TEST_CASE("the overlay draws what the calibration says, and nothing else") {
-  const imaging::SceneConfig config;
+  const imaging::SceneConfig config = tests::paper_scenes();
   const imaging::SceneRenderer renderer(imaging::draw_scene(config, 1));
   const cv::Mat image = image_of(renderer);
   const cv::Mat overlay = imaging::calibration_overlay(image, renderer.scene().camera, config.bench);

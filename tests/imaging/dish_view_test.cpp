@@ -4,6 +4,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/imaging/scene_renderer.h"
+#include "paper_scenes.h"
 
 using namespace lodestone;
 
@@ -26,7 +27,7 @@ geometry::Vector2 middle(const imaging::DishView& view, const cv::Mat& mask, con
 
 TEST_CASE("a view shows the dish straight, whole or in part, whatever the camera") {
   for (const std::uint64_t seed : {1, 2, 3}) {
-    const imaging::Scene scene = imaging::draw_scene({}, seed);
+    const imaging::Scene scene = imaging::draw_scene(tests::paper_scenes(), seed);
     const imaging::SceneRenderer renderer(scene);
     const imaging::DishView view(scene.camera, 0.0425, 0.002, 0.2e-3, 32);
     CHECK(view.size_px() == 448);

@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 
 #include "lodestone/common/error.h"
+#include "paper_scenes.h"
 
 using namespace lodestone;
 
@@ -12,7 +13,7 @@ namespace {
 const geometry::Pose2 kPose{0.012, -0.008, 0.6};
 
 imaging::Scene scene_with(double noise_grey, std::uint64_t seed = 3) {
-  imaging::Scene scene = imaging::draw_scene({}, seed);
+  imaging::Scene scene = imaging::draw_scene(tests::paper_scenes(), seed);
   scene.noise_grey = noise_grey;
   return scene;
 }
@@ -115,7 +116,7 @@ TEST_CASE("a needle out of the view leaves nothing") {
 }
 
 TEST_CASE("wider ranges keep their middle and the bounds of their keys") {
-  imaging::SceneConfig config;
+  imaging::SceneConfig config = tests::paper_scenes();
   config.colour_cast = {0.9, 1.1};
   config.glare = {0.0, 0.4};
   const imaging::SceneConfig wide = imaging::widened(config, 0.5);

@@ -10,23 +10,23 @@ using geometry::Pose2;
 constexpr double kPi = 3.14159265358979323846;
 
 TEST_CASE("plain simulator: on-axis force and torque in closed form") {
-  const PlainSimulatorConfig config;
-  const PlainSimulator simulator(config);
-  const double moment = DipoleCoil(config.coil, 0).moment_per_ampere_m2();
-  const double d = config.coil.centre_distance_m;
+  const RigDescription rig;
+  const PlainSimulator simulator(rig, {});
+  const double moment = DipoleCoil(rig.coils.geometry, 0).moment_per_ampere_m2();
+  const double d = rig.coils.geometry.centre_distance_m;
   const double field = 1.25663706212e-6 * 2.0 * moment / (4.0 * kPi * d * d * d);
   const auto aligned = simulator.load({0, 0, 0}, {2.0, 0, 0, 0});
-  CHECK(aligned.force_N.x() == Approx(2.0 * config.moment_A_m2 * 3.0 * field / d));
+  CHECK(aligned.force_N.x() == Approx(2.0 * rig.needle.moment_A_m2 * 3.0 * field / d));
   CHECK(aligned.force_N.y() == Approx(0.0).margin(1e-15));
   CHECK(simulator.load({0, 0, -kPi / 2}, {2.0, 0, 0, 0}).torque_N_m ==
-        Approx(2.0 * config.moment_A_m2 * field));
+        Approx(2.0 * rig.needle.moment_A_m2 * field));
   CHECK(simulator.load({0, 0, kPi}, {2.0, 0, 0, 0}).force_N.x() < 0.0);
   CHECK(simulator.load({0, 0, kPi / 2}, {0, 0, 2.0, 0}).force_N.y() > 0.0);
 }
 
 TEST_CASE(
     "plain simulator: moves to the coil, turns into the field, rests below break-away, stays in the dish") {
-  const PlainSimulator simulator{PlainSimulatorConfig{}};
+  const PlainSimulator simulator({}, {});
   const Pose2 pulled = simulator.step({0, 0, 0}, {5.0, 0, 0, 0}, 0.1, 0.2);
   CHECK(pulled.x_m > 2e-3);
   CHECK(pulled.y_m == Approx(0.0).margin(1e-12));
@@ -37,11 +37,11 @@ TEST_CASE(
   CHECK(simulator.step({0.01, 0.02, 1.0}, {0, 0, 0, 0}, 0.1, 0.2).x_m == 0.01);
   Pose2 far{0.02, 0.0, 0.0};
   for (int i = 0; i < 5; ++i) far = simulator.step(far, {15.0, 0, 4.0, 0}, 0.1, 0.2);
-  CHECK(std::hypot(far.x_m, far.y_m) <= PlainSimulatorConfig{}.dish_radius_m + 1e-12);
+  CHECK(std::hypot(far.x_m, far.y_m) <= RigDescription{}.dish.radius_m + 1e-12);
 }
 
 TEST_CASE("plain simulator: symmetric under a quarter turn") {
-  const PlainSimulator simulator{PlainSimulatorConfig{}};
+  const PlainSimulator simulator({}, {});
   const Pose2 a = simulator.step({0.01, -0.004, 0.4}, {4.0, 0, 0, 6.0}, 0.1, 0.2);
   const Pose2 b = simulator.step({0.004, 0.01, 0.4 + kPi / 2}, {6.0, 0, 4.0, 0}, 0.1, 0.2);
   CHECK(b.x_m == Approx(-a.y_m).epsilon(1e-9));

@@ -10,7 +10,7 @@ namespace {
 
 TEST_CASE("the virtual rig's coils keep the contract of Coils") {
   rig::VirtualRig rig(rig::VirtualRigConfig{}, 1);
-  tests::check_coils_conformance(rig.coils(), rig.clock(), rig.config().max_current_A, 0.1);
+  tests::check_coils_conformance(rig.coils(), rig.clock(), rig.config().coils.max_current_A, 0.1);
 }
 
 TEST_CASE("the fake coils keep the contract of Coils") {

@@ -5,13 +5,14 @@
 
 #include "camera_conformance.h"
 #include "lodestone/common/error.h"
+#include "paper_scenes.h"
 
 using namespace lodestone;
 
 namespace {
 
 std::shared_ptr<const imaging::SceneRenderer> renderer_of(double noise_grey = 2.0) {
-  imaging::SceneConfig config;
+  imaging::SceneConfig config = tests::paper_scenes();
   config.bench = rig::bench_of({});
   imaging::Scene scene = imaging::draw_scene(config, 1);
   scene.noise_grey = noise_grey;

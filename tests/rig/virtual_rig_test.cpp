@@ -18,9 +18,16 @@ std::shared_ptr<const physics::FieldTable> shared_table() {
   return table;
 }
 
+/// The rig exactly as it is described.
+VirtualRigConfig described() {
+  VirtualRigConfig config;
+  config.simulation.deviation = "none";
+  return config;
+}
+
 /// The rig without any scatter.
 VirtualRigConfig smooth() {
-  VirtualRigConfig config;
+  VirtualRigConfig config = described();
   config.friction.map_sigma = 0.0;
   config.friction.pulse_sigma = 0.0;
   return config;
@@ -102,8 +109,8 @@ TEST_CASE("the four coils are equal: a quarter turn of everything turns the resu
 
 TEST_CASE("coils warm up and then give less current") {
   VirtualRigConfig config = smooth();
-  config.circuit.cooling_W_per_K = 1.0;
-  config.step_s = 5e-3;  // the needle's path is of no concern here
+  config.coils.cooling_W_per_K = 1.0;
+  config.simulation.step_s = 5e-3;  // the needle's path is of no concern here
   VirtualRig rig(config, 1, shared_table());
   const auto current_at_end = [&] {
     rig.coils().apply({{15.0, 0.0, 0.0, 0.0}, 10.0});
@@ -113,16 +120,16 @@ TEST_CASE("coils warm up and then give less current") {
   const double cool = current_at_end();
   for (int i = 0; i < 30; ++i) current_at_end();
   const CoilStatus hot = rig.coils().status();
-  CHECK(hot.temperature_C[0] > config.max_temperature_C);
+  CHECK(hot.temperature_C[0] > config.simulation.max_temperature_C);
   REQUIRE(hot.faults.size() == 1);
   CHECK_THAT(hot.faults[0], Catch::Contains("coil +x"));
-  CHECK(hot.temperature_C[1] == Approx(config.circuit.ambient_C));
+  CHECK(hot.temperature_C[1] == Approx(config.ambient_C));
   CHECK(current_at_end() < 0.8 * cool);
 }
 
 TEST_CASE("friction differs over the dish, between rigs and between pulses; one seed repeats itself") {
   const auto move = [](std::uint64_t seed, double x_m, double y_m, int pulses) {
-    VirtualRig rig(VirtualRigConfig{}, seed, shared_table());
+    VirtualRig rig(described(), seed, shared_table());
     double moved = 0.0;
     for (int i = 0; i < pulses; ++i) {
       rig.place({x_m, y_m, 0.0});
@@ -139,7 +146,7 @@ TEST_CASE("friction differs over the dish, between rigs and between pulses; one 
 }
 
 TEST_CASE("needles come to rest within the rest, inside the dish, wherever they start") {
-  VirtualRig rig(VirtualRigConfig{}, 5, shared_table());
+  VirtualRig rig(described(), 5, shared_table());
   common::RandomStream random(5, "test");
   int resting = 0;
   for (int i = 0; i < 100; ++i) {
@@ -157,7 +164,7 @@ TEST_CASE("needles come to rest within the rest, inside the dish, wherever they 
 }
 
 TEST_CASE("save and restore go on bitwise, also in the middle of a pulse") {
-  const VirtualRigConfig config;
+  const VirtualRigConfig config = described();
   common::RandomStream random(9, "test");
   VirtualRig rig(config, 4, shared_table());
   rig.place({0.01, -0.01, 1.0});
@@ -195,7 +202,7 @@ TEST_CASE("a batch does not depend on the number of threads") {
     std::vector<std::unique_ptr<VirtualRig>> rigs;
     std::vector<VirtualRig*> pointers;
     for (std::uint64_t i = 0; i < 6; ++i) {
-      rigs.push_back(std::make_unique<VirtualRig>(VirtualRigConfig{}, 100 + i, shared_table()));
+      rigs.push_back(std::make_unique<VirtualRig>(described(), 100 + i, shared_table()));
       pointers.push_back(rigs.back().get());
     }
     common::RandomStream random(3, "pulses");
@@ -219,12 +226,12 @@ TEST_CASE("a batch does not depend on the number of threads") {
 }
 
 TEST_CASE("what cannot be is refused") {
-  VirtualRig rig(VirtualRigConfig{}, 1, shared_table());
+  VirtualRig rig(described(), 1, shared_table());
   CHECK_THROWS_AS(rig.place({0.04, 0.0, 0.0}), common::DataError);
   CHECK_THROWS_AS(rig.place({std::nan(""), 0.0, 0.0}), common::DataError);
   CHECK_THROWS_AS(rig.clock().sleep_until(std::nan("")), common::LogicFault);
-  VirtualRigConfig other;
-  other.coil.turns = 500;
+  VirtualRigConfig other = described();
+  other.coils.geometry.turns = 500;
   CHECK_THROWS_AS(VirtualRig(other, 1, shared_table()), common::LogicFault);
   const auto read = [](const char* json) {
     return common::config_from_json<VirtualRigConfig>(common::Json::parse(json), "test");
@@ -234,7 +241,7 @@ TEST_CASE("what cannot be is refused") {
   CHECK_NOTHROW(read(R"({"dish": {"radius_m": 0.04}})"));
   CHECK_THROWS_AS(read(R"({"dish": {"radius_m": 0.01}})"), common::ConfigError);
   CHECK_THROWS_AS(read(R"({"friction": {"kinetic_coefficient": 0.9}})"), common::ConfigError);
-  CHECK_THROWS_AS(read(R"({"coil": {"inner_radius_m": 0.2}})"), common::ConfigError);
+  CHECK_THROWS_AS(read(R"({"coils": {"inner_radius_m": 0.2}})"), common::ConfigError);
 }
 
 }  // namespace

@@ -3,13 +3,14 @@
 #include <catch2/catch.hpp>
 
 #include "lodestone/common/error.h"
+#include "paper_rig.h"
 
 using namespace lodestone;
 
 namespace {
 
 task::EncoderConfig encoder() {
-  task::EncoderConfig config;
+  task::EncoderConfig config = tests::paper_encoder();
   config.heading = "none";
   config.relative_target = true;
   return config;
@@ -42,7 +43,7 @@ void play(rl::Hindsight& hindsight, rl::ReplayBuffer& buffer, bool left_dish) {
 
 TEST_CASE("Steps are told again with a target that was reached later, and judged by the task's rules",
           "[rl]") {
-  const task::TaskConfig task;
+  const task::TaskConfig task = tests::paper_task();
   rl::Hindsight hindsight(1.0, task, encoder(), 1, 7);
   rl::ReplayBuffer buffer(100, 6, 2);
   play(hindsight, buffer, false);
@@ -90,7 +91,7 @@ TEST_CASE("Half an episode survives saving, and no fraction means no rows", "[rl
   CHECK(torch::equal(for_one.save().at("rows"), for_two.save().at("rows")));
   CHECK(for_one.size() < 24);
   CHECK_THROWS_AS(two.load(common::Json::object()), common::CheckpointError);
-  task::TaskConfig centre;
+  task::TaskConfig centre = tests::paper_task();
   centre.goal = "centre";
   CHECK_THROWS_AS(rl::Hindsight(0.5, centre, encoder(), 1, 7), common::ConfigError);
 }

@@ -135,12 +135,6 @@ TEST_CASE("What the data say goes into the policy's configuration", "[rl]") {
   CHECK(config.task.dish_radius_m == 0.014);
   CHECK(config.encoder.length_scale_m == 0.014);
   CHECK(config.encoder.heading == "none");
-  TrainPolicyConfig own;
-  own.adopt_data = false;
-  CHECK_THROWS_AS(lodestone::rl::adopt_data(own, info), lodestone::common::ConfigError);
-  own.encoder.heading = "none";
-  own.action.scale = 40.0;
-  CHECK(lodestone::rl::adopt_data(own, info).action.scale == 40.0);
 }
 
 TEST_CASE("A run without room to learn is refused", "[rl]") {

@@ -207,9 +207,9 @@ TEST_CASE("temperatures are checked against what the pulses explain") {
 }
 
 TEST_CASE("the thermal model heats as R i2 and cools towards the room") {
-  safety::ThermalConfig config;
-  config.temperature_coefficient_per_K = 0.0;
-  safety::ThermalModel model(config);
+  physics::RigDescription rig;
+  rig.coils.temperature_coefficient_per_K = 0.0;
+  safety::ThermalModel model(rig);
   model.advance({10.0, 0.0, 0.0, 0.0}, 1e6, 1e6);
   CHECK(model.temperature_C(0) == Approx(22.0 + 190.0 / 15.0));
   CHECK(model.temperature_C(1) == Approx(22.0));

@@ -8,6 +8,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/control/control_loop.h"
 #include "lodestone/session/sensing.h"
+#include "paper_scenes.h"
 
 using namespace lodestone;
 
@@ -45,7 +46,7 @@ struct Bench {
         camera(rig, renderer, common::RandomStream(seed, "noise")) {}
 
   static imaging::SceneConfig scene() {
-    imaging::SceneConfig config;
+    imaging::SceneConfig config = tests::paper_scenes();
     config.bench = rig::bench_of({});
     return config;
   }
@@ -108,8 +109,8 @@ TEST_CASE("a spoiled image stops the coils, names the fault, and keeps what was 
     camera.spoil = fault.spoil;
     session::CameraPoseSensor sensor = bench.sensor(camera);
     tests::RecordingCoils recording;
-    safety::Supervisor coils(recording, {}, bench.rig.clock());
-    task::ActionConfig action;
+    safety::Supervisor coils(recording, {}, tests::paper_rig(), bench.rig.clock());
+    task::ActionConfig action = tests::paper_action();
     action.scale = 15.0;
     control::ControlLoop loop({}, action, coils, sensor, bench.rig.clock());
     tests::FunctionController controller(

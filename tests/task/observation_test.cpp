@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "paper_rig.h"
+
 using namespace lodestone::task;
 
 namespace {
@@ -33,7 +35,7 @@ TEST_CASE("the paper's observation is x, y, theta and the target") {
 }
 
 TEST_CASE("every option adds its numbers in order") {
-  EncoderConfig config;
+  EncoderConfig config = tests::paper_encoder();
   config.heading = "sine_cosine";
   config.relative_target = true;
   config.memory = true;
@@ -48,7 +50,7 @@ TEST_CASE("every option adds its numbers in order") {
 }
 
 TEST_CASE("an encoded row can be read back and given another target") {
-  EncoderConfig config;
+  EncoderConfig config = tests::paper_encoder();
   config.heading = "sine_cosine";
   config.relative_target = true;
   config.target_heading = true;

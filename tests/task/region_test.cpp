@@ -6,6 +6,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/random.h"
 #include "lodestone/task/task.h"
+#include "paper_rig.h"
 
 using namespace lodestone;
 using geometry::Vector2;
@@ -40,12 +41,12 @@ TEST_CASE("the region is what the needle came to, and got away from, in one piec
 
 TEST_CASE("goals are drawn inside the region, which survives JSON") {
   const task::Region region = task::Region::from_json(task::Region(moves(), {}).json());
-  task::TaskConfig config;
+  task::TaskConfig config = tests::paper_task();
   common::RandomStream random(2, "goals");
   for (int i = 0; i < 1000; ++i) {
     const Vector2 goal_m = task::draw_goal(config, random, &region).position_m;
     REQUIRE(region.contains(goal_m));
-    REQUIRE(goal_m.norm() <= config.goal_radius_m);
+    REQUIRE(goal_m.norm() <= config.goal_radius_m());
   }
   CHECK_THROWS_AS(task::Region::from_json(common::Json::object()), common::DataError);
 }

@@ -4,6 +4,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/imaging/scene_renderer.h"
+#include "paper_scenes.h"
 
 using namespace lodestone;
 
@@ -18,7 +19,7 @@ std::shared_ptr<const vision::Segmenter> shipped_segmenter() {
 /// A scene and a localiser that knows its camera.
 struct View {
   explicit View(std::uint64_t seed)
-      : renderer(imaging::draw_scene({}, seed)),
+      : renderer(imaging::draw_scene(tests::paper_scenes(), seed)),
         localiser(shipped_segmenter(), renderer.scene().camera, renderer.scene().bench.dish_radius_m, {}),
         random(seed, "frames") {}
 
@@ -82,7 +83,7 @@ TEST_CASE("no pose, and a reason, for no needle and for two") {
 
 TEST_CASE("a needle at the image's edge gives no pose") {
   // A camera so far off that its image ends within the dish.
-  imaging::Scene scene = imaging::draw_scene({}, 1);
+  imaging::Scene scene = imaging::draw_scene(tests::paper_scenes(), 1);
   scene.camera = imaging::moved({}, {0.0, 0.0, 0.0}, {0.035, 0.0, 0.0});
   const imaging::SceneRenderer renderer(scene);
   vision::Localiser localiser(shipped_segmenter(), scene.camera, scene.bench.dish_radius_m, {});

@@ -1,4 +1,5 @@
 #include "lodestone/vision/segmenter_training.h"
+#include "paper_scenes.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -16,6 +17,7 @@ namespace {
 
 vision::TrainSegmenterConfig small_config() {
   vision::TrainSegmenterConfig config;
+  config.scenes = tests::paper_scenes();
   config.segmenter.network.width = 4;
   config.segmenter.network.depth = 2;
   config.images.crop_px = 128;

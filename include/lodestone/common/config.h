@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
+#include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -24,6 +26,27 @@ struct Bounds {
 /// The words a text key may hold; empty means any text.
 using Choices = std::vector<std::string>;
 
+/// Which file or option each value of a configuration came from.
+class ConfigSources {
+ public:
+  /// Everything came from `name`.
+  ConfigSources(std::string name) : name_(std::move(name)) {}
+  ConfigSources(const char* name) : name_(name) {}
+  /// `by_path`: source of each value that was given, by its dotted path; `name` stands for the rest.
+  ConfigSources(std::string name, std::map<std::string, std::string> by_path)
+      : name_(std::move(name)),
+        by_path_(std::make_shared<const std::map<std::string, std::string>>(std::move(by_path))) {}
+
+  /// Of the value at a dotted path, or of the first one below it.
+  std::string of(const std::string& path) const;
+  /// Empty where the value was not given.
+  std::string given(const std::string& path) const;
+
+ private:
+  std::string name_;
+  std::shared_ptr<const std::map<std::string, std::string>> by_path_;
+};
+
 // A configuration is an aggregate with defaults and one template that visits its keys:
 //
 //   struct DishConfig {
@@ -43,7 +66,7 @@ using Choices = std::vector<std::string>;
 /// naming source, key, value and bound. Keys that are absent keep their default.
 class ConfigReader {
  public:
-  ConfigReader(const Json& object, std::string source, std::string prefix = "");
+  ConfigReader(const Json& object, ConfigSources sources, std::string prefix = "");
 
   void field(const char* key, double& value, const char* unit, const char* meaning, Bounds bounds = {});
   void field(const char* key, std::int64_t& value, const char* unit, const char* meaning, Bounds bounds = {});
@@ -61,7 +84,7 @@ class ConfigReader {
   void group(const char* key, Config& value, const char* /*meaning*/) {
     known_.insert(key);
     if (!object_.contains(key)) return;
-    ConfigReader reader(object_.at(key), source_, prefix_ + key + ".");
+    ConfigReader reader(object_.at(key), sources_, prefix_ + key + ".");
     value.visit(reader);
     reader.finish();
   }
@@ -78,7 +101,7 @@ class ConfigReader {
   void check(const char* key, const Json& value, double number, const Bounds& bounds) const;
 
   const Json& object_;
-  std::string source_;
+  ConfigSources sources_;
   std::string prefix_;
   std::set<std::string> known_;
 };
@@ -120,12 +143,14 @@ struct ConfigRow {
   std::string unit;    ///< empty when the key has none
   std::string bounds;  ///< "0.01 .. 2" or "adam | sgd", empty when free
   std::string meaning;
+  std::string source;  ///< file or option that gave the value; empty: the default
 };
 
 /// Lists every key of a configuration with its present value, unit, bounds and meaning.
 class ConfigDescriber {
  public:
-  explicit ConfigDescriber(std::string prefix = "") : prefix_(std::move(prefix)) {}
+  explicit ConfigDescriber(ConfigSources sources = "", std::string prefix = "")
+      : sources_(std::move(sources)), prefix_(std::move(prefix)) {}
 
   void field(const char* key, double& value, const char* unit, const char* meaning, Bounds bounds = {});
   void field(const char* key, std::int64_t& value, const char* unit, const char* meaning, Bounds bounds = {});
@@ -139,7 +164,7 @@ class ConfigDescriber {
   void field(const char* key, Range& value, const char* unit, const char* meaning, Bounds bounds = {});
   template <class Config>
   void group(const char* key, Config& value, const char* /*meaning*/) {
-    ConfigDescriber nested(prefix_ + key + ".");
+    ConfigDescriber nested(sources_, prefix_ + key + ".");
     value.visit(nested);
     for (ConfigRow& row : nested.rows_) rows_.push_back(std::move(row));
   }
@@ -149,6 +174,7 @@ class ConfigDescriber {
  private:
   void add(const char* key, const Json& value, const char* unit, const char* meaning, std::string bounds);
 
+  ConfigSources sources_;
   std::string prefix_;
   std::vector<ConfigRow> rows_;
 };
@@ -172,8 +198,8 @@ void validate(const Config&, long) {}
 }  // namespace detail
 
 template <class Config>
-Config config_from_json(const Json& json, const std::string& source, Config config = Config{}) {
-  ConfigReader reader(json, source);
+Config config_from_json(const Json& json, const ConfigSources& sources, Config config = Config{}) {
+  ConfigReader reader(json, sources);
   config.visit(reader);
   reader.finish();
   detail::validate(config, 0);
@@ -188,8 +214,8 @@ Json config_to_json(Config config) {
 }
 
 template <class Config>
-std::vector<ConfigRow> describe_config(Config config = Config{}) {
-  ConfigDescriber describer;
+std::vector<ConfigRow> describe_config(Config config = Config{}, const ConfigSources& sources = "") {
+  ConfigDescriber describer(sources);
   config.visit(describer);
   return describer.rows();
 }

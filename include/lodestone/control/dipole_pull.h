@@ -3,23 +3,20 @@
 #include "lodestone/common/config.h"
 #include "lodestone/control/controller.h"
 #include "lodestone/control/dipole_field.h"
+#include "lodestone/physics/rig_description.h"
 
 namespace lodestone::control {
 
 /// Pull by the simulator of section IV-C: point-dipole coils and a point-dipole needle.
 struct DipolePullConfig {
-  physics::CoilGeometry coil;
-  double needle_moment_A_m2 = 0.00169;
-  double friction_N = 0.000158;
   double gain_N_m = 0.012;
   double max_force_N = 0.0006;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.group("coil", coil, "coils, used as point dipoles");
-    v.field("needle_moment_A_m2", needle_moment_A_m2, "A m^2", "magnetic moment of the needle", {1e-9, 1.0});
-    v.field("friction_N", friction_N, "N",
-            "pull that just moves the needle: static friction times its weight", {0.0, 1.0});
+    v.retired("coil", "rig.coils");
+    v.retired("needle_moment_A_m2", "rig.needle.moment_A_m2");
+    v.retired("friction_N", "rig.friction.static_coefficient and rig.needle.net_weight_N");
     v.field("gain_N_m", gain_N_m, "N/m", "pull above friction per distance to the target", {0.0, 1e3});
     v.field("max_force_N", max_force_N, "N", "largest pull asked for", {0.0, 10.0});
   }
@@ -28,7 +25,7 @@ struct DipolePullConfig {
 /// Field of four dipole coils seen as two signed axis drives.
 class DipolePull {
  public:
-  explicit DipolePull(const DipolePullConfig& config);
+  explicit DipolePull(const physics::RigDescription& rig);
 
   /// Pull (N) of axis drives (A) on a needle that has turned into the field: moment times the gradient of the
   /// field's magnitude.
@@ -47,15 +44,16 @@ class DipolePull {
 /// simulator's inverse field.
 class DipolePullController final : public Controller {
  public:
-  /// `scale_A`: current that an action of 1 maps to.
-  DipolePullController(const DipolePullConfig& config, double scale_A)
-      : config_(config), pull_(config), scale_A_(scale_A) {}
+  /// Knows the rig as it is described; an action of 1 is its largest current.
+  DipolePullController(const physics::RigDescription& rig, const DipolePullConfig& config)
+      : config_(config), pull_(rig), friction_N_(rig.breakaway_N()), scale_A_(rig.coils.max_current_A) {}
   void reset() override {}
   geometry::Vector2 act(const task::Observation& observation) override;
 
  private:
   DipolePullConfig config_;
   DipolePull pull_;
+  double friction_N_;
   double scale_A_;
 };
 

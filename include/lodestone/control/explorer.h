@@ -12,8 +12,7 @@ namespace lodestone::control {
 
 /// How the rig is explored.
 struct ExplorerConfig {
-  double dish_radius_m = 0.0425;
-  double start_radius_m = 0.037;
+  double start_radius = 0.87;
   double cell_m = 0.0085;
   std::int64_t heading_bins = 8;
   std::int64_t level_bins = 5;
@@ -28,8 +27,9 @@ struct ExplorerConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("dish_radius_m", dish_radius_m, "m", "radius of the dish", {1e-3, 1.0});
-    v.field("start_radius_m", start_radius_m, "m", "the operator puts the needle within this radius",
+    v.retired("dish_radius_m", "rig.dish.radius_m");
+    v.retired("start_radius_m", "start_radius, in dish radii");
+    v.field("start_radius", start_radius, "dish radii", "the operator places the needle within this radius",
             {0.0, 1.0});
     v.field("cell_m", cell_m, "m", "side of a cell of the visit counts", {1e-4, 1.0});
     v.field("heading_bins", heading_bins, "", "heading bins of the visit counts", {1, 360});
@@ -60,7 +60,7 @@ struct ExplorerConfig {
 /// ignored.
 class Explorer final : public Controller {
  public:
-  Explorer(const ExplorerConfig& config, common::RandomStream random);
+  Explorer(const ExplorerConfig& config, double dish_radius_m, common::RandomStream random);
 
   void reset() override;
   geometry::Vector2 act(const task::Observation& observation) override;
@@ -86,6 +86,7 @@ class Explorer final : public Controller {
   double mean_visits() const;
 
   ExplorerConfig config_;
+  double dish_radius_m_;
   common::RandomStream random_;
   std::int64_t side_ = 0;                        // cells along a side of the grid
   std::int64_t levels_ = 0;                      // bins of one axis drive, signs and zero included

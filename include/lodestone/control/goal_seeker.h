@@ -11,14 +11,16 @@ namespace lodestone::control {
 
 /// How a rig is explored with a controller that already knows something.
 struct GoalSeekerConfig {
-  double goal_radius_m = 0.030;
+  double goal_radius = 0.7;
   double reached_m = 0.0015;
   std::int64_t max_pulses_per_target = 12;
   double noise = 0.1;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("goal_radius_m", goal_radius_m, "m", "targets are drawn over a disc of this radius", {0.0, 1.0});
+    v.retired("goal_radius_m", "goal_radius, in dish radii");
+    v.field("goal_radius", goal_radius, "dish radii", "targets are drawn over a disc of this radius",
+            {0.0, 1.0});
     v.field("reached_m", reached_m, "m", "a target sensed closer than this is followed by the next one",
             {0.0, 0.1});
     v.field("max_pulses_per_target", max_pulses_per_target, "pulses", "or after so many", {1, 100000});
@@ -32,7 +34,8 @@ struct GoalSeekerConfig {
 /// which records what the policy will meet.
 class GoalSeeker final : public Controller {
  public:
-  GoalSeeker(std::unique_ptr<Controller> inner, const GoalSeekerConfig& config, common::RandomStream random);
+  GoalSeeker(std::unique_ptr<Controller> inner, const GoalSeekerConfig& config, double dish_radius_m,
+             common::RandomStream random);
 
   void reset() override;
   /// The observation's own target is replaced by the seeker's.
@@ -47,6 +50,7 @@ class GoalSeeker final : public Controller {
 
   std::unique_ptr<Controller> inner_;
   GoalSeekerConfig config_;
+  double dish_radius_m_;
   common::RandomStream random_;
   geometry::Vector2 target_m_ = geometry::Vector2::Zero();
   std::int64_t steps_ = 0;

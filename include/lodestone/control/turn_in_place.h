@@ -10,7 +10,6 @@ namespace lodestone::control {
 
 /// How a needle that has come to its target is turned to the heading it should have.
 struct TurnConfig {
-  physics::CoilGeometry coil;
   double current_A = 0.0;
   double max_current_A = 3.0;
   double growth = 1.25;
@@ -21,7 +20,7 @@ struct TurnConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.group("coil", coil, "coils, used as point dipoles");
+    v.retired("coil", "rig.coils");
     v.field("current_A", current_A, "A",
             "turning begins with so much: friction holds a needle against pulls long after it has let it "
             "turn; 0 is "
@@ -45,8 +44,9 @@ struct TurnConfig {
 /// heading.
 class TurnInPlace final : public Controller {
  public:
-  /// `scale_A`: current that an action of 1 maps to.
-  TurnInPlace(std::unique_ptr<Controller> inner, const TurnConfig& config, double scale_A);
+  /// Knows the coils as they are described. `scale_A`: current that an action of 1 maps to.
+  TurnInPlace(std::unique_ptr<Controller> inner, const TurnConfig& config, const physics::CoilGeometry& coil,
+              double scale_A);
   void reset() override;
   geometry::Vector2 act(const task::Observation& observation) override;
 

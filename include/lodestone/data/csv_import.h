@@ -32,9 +32,7 @@ struct CsvImportConfig {
   double centre_y = 0.0;
   bool y_down = false;
   std::int64_t frame_step = 1;
-  double max_current_A = 15.0;
   double current_noise_A = 0.05;
-  double dish_radius_m = 0.0425;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -51,12 +49,16 @@ struct CsvImportConfig {
     v.field("y_down", y_down, "", "lab log: its y axis points to the south coil, as in image coordinates");
     v.field("frame_step", frame_step, "frames", "lab log: frame numbers from one control step to the next",
             {1, 100000});
-    v.field("max_current_A", max_current_A, "A",
-            "lab log: largest current of a coil; actions are scaled by it", {0.01, 1000.0});
+    v.retired("max_current_A", "rig.coils.max_current_A");
+    v.retired("dish_radius_m", "rig.dish.radius_m");
     v.field("current_noise_A", current_noise_A, "A", "lab log: smaller measured currents count as zero",
             {0.0, 10.0});
-    v.field("dish_radius_m", dish_radius_m, "m", "lab log: inner radius of the dish", {1e-3, 1.0});
   }
+
+  // No keys: the rig's.
+  double max_current_A = 0.0;  ///< lab log: largest current of a coil; actions are scaled by it
+  double dish_radius_m = 0.0;  ///< lab log: inner radius of the dish
+  common::Json rig;            ///< lab log: description of the rig, kept with the data
 };
 
 /// What an import found beside its dataset.

@@ -34,10 +34,10 @@ struct Episode {
 /// Where a dataset comes from and what its numbers mean; stored as attributes.
 struct DatasetInfo {
   StateLayout layout = StateLayout::kPose;
-  std::string action_unit = "A";       ///< "A" or "percent"
-  double action_scale = 15.0;          ///< action that [-1, 1] maps to: the largest current or drive
-  double workspace_radius_m = 0.0425;  ///< reach of the state: the dish radius, or the radius the data covers
-  bool one_axis_at_a_time = false;     ///< true when no row ever drives both axes (the recorded sphere)
+  std::string action_unit = "A";    ///< "A" or "percent"
+  double action_scale = 15.0;       ///< action that [-1, 1] maps to: the largest current or drive
+  double workspace_radius_m = 0.0;  ///< reach of the state: the dish radius, or the radius the data covers
+  bool one_axis_at_a_time = false;  ///< true when no row ever drives both axes (the recorded sphere)
   double control_period_s = 0.3;
   std::int64_t seed = 0;
   std::string source;                         ///< "virtual rig", or the imported file's name

@@ -55,7 +55,7 @@ struct MbsConfig {
 
 /// N copies of the learned simulator stepped as one batch (section IV-B1), at any number of threads with the
 /// same result: environments are worked on in shards of fixed size. The rules of the paper are options of the
-/// task. Episodes start from states of the training data within task.start_radius_m.
+/// task. Episodes start from states of the training data within task.start_radius.
 class MbsEnv final : public VecEnv {
  public:
   /// Copies what it needs from `model`. threads: 0 means one per processor.

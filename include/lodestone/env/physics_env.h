@@ -13,19 +13,22 @@
 namespace lodestone::env {
 
 /// What domain randomisation draws anew in every episode, each uniformly over the range that is published for
-/// it.
+/// it, as factors on the rig's description.
 struct RandomisationConfig {
   bool enabled = false;
-  common::Range moment_A_m2 = {1.6e-3, 3.0e-3};       // I: magnets of 42 NdFeB, by their remanence and size
-  common::Range viscosity_Pa_s = {1.35e-3, 1.75e-3};  // Q: Cheng 2008, 30 to 20 C
-  common::Range friction_coefficient = {0.18, 0.45};  // Q: steel on plastic, kinetic to static
+  common::Range moment = {0.95, 1.78};     // I: 1.6 to 3.0 mA m^2, 42 NdFeB magnets by remanence and size
+  common::Range viscosity = {0.81, 1.05};  // Q: Cheng 2008, 30 to 20 C
+  common::Range friction = {0.72, 1.8};    // Q: steel on plastic, 0.18 kinetic to 0.45 static
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("enabled", enabled, "", "draw the parameters below in every episode instead of the nominal ones");
-    v.field("moment_A_m2", moment_A_m2, "A m^2", "magnetic moment of the needle", {0.0, 1.0});
-    v.field("viscosity_Pa_s", viscosity_Pa_s, "Pa s", "dynamic viscosity of the fluid", {0.0, 100.0});
-    v.field("friction_coefficient", friction_coefficient, "", "Coulomb friction", {0.0, 5.0});
+    v.retired("moment_A_m2", "moment, a factor on the rig's");
+    v.retired("viscosity_Pa_s", "viscosity, a factor on the rig's");
+    v.retired("friction_coefficient", "friction, a factor on the rig's");
+    v.field("moment", moment, "", "factor on the needle's magnetic moment", {0.0, 100.0});
+    v.field("viscosity", viscosity, "", "factor on the fluid's viscosity", {0.0, 100.0});
+    v.field("friction", friction, "", "factor on friction", {0.0, 100.0});
   }
 };
 
@@ -55,8 +58,9 @@ struct PhysicsEnvConfig {
 /// heading; actions are currents in A.
 class PhysicsEnv final : public VecEnv {
  public:
-  /// threads: 0 means one per processor.
-  PhysicsEnv(const EpisodeSettings& settings, const PhysicsEnvConfig& config, std::int64_t threads);
+  /// Of the rig as it is described. threads: 0 means one per processor.
+  PhysicsEnv(const EpisodeSettings& settings, const physics::RigDescription& rig,
+             const PhysicsEnvConfig& config, std::int64_t threads);
 
   EnvSpec spec() const override { return episodes_.spec(); }
   torch::Tensor reset() override;
@@ -68,6 +72,7 @@ class PhysicsEnv final : public VecEnv {
   void begin(std::size_t i);
   void step_one(std::size_t i, const float* action);
 
+  physics::RigDescription rig_;
   PhysicsEnvConfig config_;
   /// One number for each of the randomised parameters.
   using Drawn = std::array<double, 3>;

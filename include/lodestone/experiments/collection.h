@@ -31,7 +31,8 @@ struct CollectionConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("seed", seed, "", "seed of the exploration and of the sensor's noise", {0, 9e15});
-    v.field("rig_seed", rig_seed, "", "seed of the rig's friction map", {0, 9e15});
+    v.field("rig_seed", rig_seed, "", "seed of what is hidden in the rig: friction map, deviations",
+            {0, 9e15});
     v.field("sensor_seed", sensor_seed, "", "seed of the camera's place and calibration", {0, 9e15});
     v.field("transitions", transitions, "", "transitions to record", {1, 1e9});
     v.field("episode_steps", episode_steps, "steps", "longest stretch between two resets by the operator",

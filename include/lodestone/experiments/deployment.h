@@ -30,8 +30,8 @@ namespace lodestone::experiments {
 /// rig.
 struct TrialsConfig {
   std::int64_t count = 50;
-  double start_radius_m = 0.035;
-  double goal_radius_m = 0.030;
+  double start_radius = 0.82;
+  double goal_radius = 0.7;
   std::string within = "disc";
   common::Range temperature_C = {20.0, 25.0};  // I: a laboratory over the year
   double point_seconds = 20.0;
@@ -41,9 +41,12 @@ struct TrialsConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("count", count, "", "trials per task", {1, 100000});
-    v.field("start_radius_m", start_radius_m, "m", "starts are drawn over a disc of this radius", {0.0, 1.0});
-    v.field("goal_radius_m", goal_radius_m, "m", "targets of `point` are drawn over a disc of this radius",
+    v.retired("start_radius_m", "start_radius, in dish radii");
+    v.retired("goal_radius_m", "goal_radius, in dish radii");
+    v.field("start_radius", start_radius, "dish radii", "starts are drawn over a disc of this radius",
             {0.0, 1.0});
+    v.field("goal_radius", goal_radius, "dish radii",
+            "targets of `point` are drawn over a disc of this radius", {0.0, 1.0});
     v.field("within", within, "",
             "starts and targets lie anywhere on those discs, or only where the policy's training data show "
             "them to be "
@@ -79,7 +82,7 @@ struct DeploymentConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("seed", seed, "", "seed of starts, targets, sensor noise and unseen rigs", {0, 9e15});
-    v.field("rig_seed", rig_seed, "", "seed of the explored rig's friction map, as in collect", {0, 9e15});
+    v.field("rig_seed", rig_seed, "", "seed of what is hidden in the explored rig, as in collect", {0, 9e15});
     v.field("sensor_seed", sensor_seed, "", "seed of the explored rig's camera, as in collect", {0, 9e15});
     v.group("trials", trials, "the trials");
     v.group("score", score, "rules of scoring");

@@ -34,7 +34,7 @@ CameraModel nominal_camera(const LensConfig& lens);
 /// range.
 struct SceneConfig {
   LensConfig lens;
-  BenchGeometry bench;
+  BenchGeometry bench;  ///< no key: its sizes are the rig's
   common::Range camera_shift_m{-0.005, 0.005};
   common::Range camera_rise_m{-0.005, 0.005};
   common::Range camera_tilt_deg{-3.0, 3.0};
@@ -62,7 +62,7 @@ struct SceneConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.group("lens", lens, "the camera as it was meant to be mounted");
-    v.group("bench", bench, "sizes of what is seen");
+    v.retired("bench", "rig");
     v.field("camera_shift_m", camera_shift_m, "m", "sideways error of the camera's place", {-0.1, 0.1});
     v.field("camera_rise_m", camera_rise_m, "m", "error of the camera's height", {-0.1, 0.1});
     v.field("camera_tilt_deg", camera_tilt_deg, "deg", "tilt about x and about y", {-45.0, 45.0});

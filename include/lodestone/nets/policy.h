@@ -53,6 +53,8 @@ struct Policy {
   task::ActionConfig action;
   std::string goal = "point";          ///< task it was trained for
   std::optional<task::Region> region;  ///< that its starts and goals lay in; none: the whole discs
+  /// The rig it was trained for, as RigDescription writes it; null where that is not known.
+  common::Json rig;
   /// Figures of the run that made it ("collect", "dynamics", "policy"), which deploy repeats beside its own.
   common::Json provenance = common::Json::object();
 };

@@ -2,27 +2,15 @@
 
 namespace lodestone::physics {
 
-/// Electrical and thermal side of one coil and its switching driver.
+/// Electrical and thermal side of one coil and its switching driver, as RigDescription::circuit() gives it.
 struct CircuitConfig {
-  double resistance_20C_ohm = 1.90;               // D: 560 turns of AWG16 on the default winding
-  double inductance_H = 17.6e-3;                  // D: L/R = 9.3 ms
-  double supply_V = 34.0;                         // D
-  double temperature_coefficient_per_K = 3.9e-3;  // I: copper
-  double heat_capacity_J_per_K = 651.0;           // I: mass of copper
-  double cooling_W_per_K = 15.0;                  // D: thermal time constant about 45 s
-  double ambient_C = 22.0;                        // D
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("resistance_20C_ohm", resistance_20C_ohm, "ohm", "resistance of a coil at 20 C", {1e-3, 1e4});
-    v.field("inductance_H", inductance_H, "H", "inductance of a coil", {1e-9, 10.0});
-    v.field("supply_V", supply_V, "V", "supply that the driver switches", {0.1, 1000.0});
-    v.field("temperature_coefficient_per_K", temperature_coefficient_per_K, "1/K",
-            "relative change of resistance", {0.0, 0.02});
-    v.field("heat_capacity_J_per_K", heat_capacity_J_per_K, "J/K", "heat capacity of a coil", {0.1, 1e6});
-    v.field("cooling_W_per_K", cooling_W_per_K, "W/K", "heat lost per degree above ambient", {0.0, 1e4});
-    v.field("ambient_C", ambient_C, "C", "room temperature; coils start there", {-20.0, 60.0});
-  }
+  double resistance_20C_ohm = 0.0;
+  double inductance_H = 0.0;
+  double supply_V = 0.0;
+  double temperature_coefficient_per_K = 0.0;
+  double heat_capacity_J_per_K = 0.0;
+  double cooling_W_per_K = 0.0;
+  double ambient_C = 0.0;
 };
 
 struct CircuitState {

@@ -12,7 +12,8 @@ namespace lodestone::physics {
 /// B-spline (twice continuously differentiable, so forces have no steps). Immutable: rigs share one.
 class FieldTable {
  public:
-  /// Covers |x|, |y| <= reach_m. Throws ConfigError when the winding stands inside the reach.
+  /// Covers |x|, |y| <= reach_m as far as the winding leaves room: beside it the field of the nearest free
+  /// point towards the dish centre stands. Throws ConfigError when the winding begins within the reach.
   FieldTable(const CoilGeometry& geometry, double reach_m, double spacing_m = 1e-3);
 
   /// T/A at a point of the frame with the coil on +x. Throws LogicFault outside the reach.
@@ -32,7 +33,9 @@ class FieldTable {
   std::vector<double> coefficients_;  // [rows, columns, 2]
 };
 
-/// Table over a dish of the given radius with a margin for the needle's ends.
-std::shared_ptr<const FieldTable> make_field_table(const CoilGeometry& geometry, double dish_radius_m);
+/// Table over a dish of the given radius with a margin for the needle's ends, and a further one for coils
+/// that stand elsewhere than they should.
+std::shared_ptr<const FieldTable> make_field_table(const CoilGeometry& geometry, double dish_radius_m,
+                                                   double margin_m = 0.0);
 
 }  // namespace lodestone::physics

@@ -14,6 +14,7 @@ struct NeedleConfig {
   double mass_kg = 63.5e-6;        // I
   double net_weight_N = 0.526e-3;  // I: weight less buoyancy
   double inertia_kg_m2 = 2.9e-9;   // I
+  double tape_length_m = 3e-3;     // D: bright tape at the head
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -25,6 +26,7 @@ struct NeedleConfig {
     v.field("net_weight_N", net_weight_N, "N", "weight less buoyancy: what presses on the dish", {0.0, 1.0});
     v.field("inertia_kg_m2", inertia_kg_m2, "kg m^2",
             "moment of inertia about the vertical through the middle", {1e-14, 1.0});
+    v.field("tape_length_m", tape_length_m, "m", "length of the bright tape on its head", {1e-4, 0.1});
   }
   /// Throws ConfigError when the chain is longer than the needle.
   void validate() const;

@@ -9,14 +9,19 @@ namespace lodestone::physics {
 
 /// The dish.
 struct DishConfig {
-  double radius_m = 0.0425;     // Q: inner diameter 85 mm
-  double wall_friction = 0.20;  // D: as the floor's kinetic coefficient
+  double radius_m = 0.0425;          // Q: inner diameter 85 mm
+  double wall_friction = 0.20;       // D: as the floor's kinetic coefficient
+  double wall_height_m = 0.010;      // D: top of the wall above the floor
+  double wall_thickness_m = 0.0015;  // D
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("radius_m", radius_m, "m", "inner radius of the dish", {5e-3, 0.5});
     v.field("wall_friction", wall_friction, "", "friction coefficient of needle ends on the wall",
             {0.0, 5.0});
+    v.field("wall_height_m", wall_height_m, "m", "top of the dish wall above its floor, as a camera sees it",
+            {0.0, 0.1});
+    v.field("wall_thickness_m", wall_thickness_m, "m", "thickness of the dish wall", {1e-4, 0.05});
   }
 };
 

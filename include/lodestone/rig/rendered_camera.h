@@ -12,8 +12,8 @@
 
 namespace lodestone::rig {
 
-/// Sizes of what a camera over this rig sees; what the rig does not say is taken from `base`.
-imaging::BenchGeometry bench_of(const VirtualRigConfig& rig, imaging::BenchGeometry base = {});
+/// Sizes of what a camera over this rig sees.
+imaging::BenchGeometry bench_of(const physics::RigDescription& rig);
 
 /// The virtual rig's own camera. An image takes the scene's exposure on the rig's clock, and what moves
 /// meanwhile is smeared; its stamp is the middle of the exposure.

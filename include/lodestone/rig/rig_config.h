@@ -8,28 +8,24 @@
 
 namespace lodestone::rig {
 
-/// The rig of a run: which coils are driven, the virtual rig's figures (they describe dish, coils and needle
-/// of a real bench, too), and how a real bench is connected.
+/// The rig of a run: what is known of it, what drives it, and what stands in for it where it is virtual. This
+/// is what `rig.json` holds.
 struct RigConfig : VirtualRigConfig {
-  std::string coils = "simulated";
+  std::string backend = "virtual";
   SerialConfig serial;
   CameraSourceConfig camera;
 
-  bool real() const { return coils == "serial"; }
+  bool real() const { return backend == "serial"; }
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("coils", coils, "",
-            "simulated: the virtual rig with its own camera; serial: the coil controller on rig.serial.port "
-            "under "
-            "the camera of rig.camera",
-            {"simulated", "serial"});
+    v.field(
+        "backend", backend, "",
+        "virtual: a simulated rig with its own camera; serial: the coil controller on rig.serial.port under "
+        "the camera of rig.camera",
+        {"virtual", "serial"});
     VirtualRigConfig::visit(v);
-    v.group("serial", serial, "the coil controller and its coils");
-    v.group("camera", camera, "the camera of a real bench");
-  }
-  void validate() const {
-    VirtualRigConfig::validate();
-    serial.validate();
+    v.group("serial", serial, "the line to the coil controller");
+    v.group("camera", camera, "the camera of a real rig");
   }
 };
 

@@ -9,30 +9,26 @@
 #include <vector>
 
 #include "lodestone/common/config.h"
+#include "lodestone/common/interrupt.h"
+#include "lodestone/physics/rig_description.h"
 #include "lodestone/rig/coils.h"
 #include "lodestone/rig/serial_port.h"
 
 namespace lodestone::rig {
 
-/// The coil controller on the serial port, and the coils as `lodestone calibrate coils` measured them.
+/// The coil controller on the serial port, and its limits.
 struct SerialConfig {
   std::string port;
   std::int64_t baud = 115200;
   double reply_timeout_s = 0.05;
   std::int64_t tries = 4;
   double setup_timeout_s = 3.0;
-  double max_current_A = 15.0;
   double max_pulse_s = 0.5;
   double max_duty = 0.6;
   double duty_window_s = 10.0;
   double min_supply_V = 20.0;
   double max_board_C = 80.0;
   double max_coil_C = 110.0;
-  std::vector<double> resistance_ohm = {1.90, 1.90, 1.90, 1.90};
-  std::vector<double> inductance_H = {17.6e-3, 17.6e-3, 17.6e-3, 17.6e-3};
-  double resistance_at_C = 20.0;
-  double temperature_coefficient_per_K = 3.9e-3;
-  std::vector<std::int64_t> polarity = {1, 1, 1, 1};
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -42,7 +38,10 @@ struct SerialConfig {
     v.field("tries", tries, "", "how often a request is sent before the controller counts as silent", {1, 5});
     v.field("setup_timeout_s", setup_timeout_s, "s", "how long the motor controllers may take to get ready",
             {0.5, 60.0});
-    v.field("max_current_A", max_current_A, "A", "the firmware refuses more", {0.1, 20.0});
+    v.retired("max_current_A", "rig.coils.max_current_A");
+    v.retired("resistance_ohm", "rig.coils.resistance_20C_ohm");
+    v.retired("inductance_H", "rig.coils.inductance_H");
+    v.retired("polarity", "rig.coils.polarity");
     v.field("max_pulse_s", max_pulse_s, "s", "the firmware refuses longer pulses", {0.001, 10.0});
     v.field("max_duty", max_duty, "", "fraction of time that a coil may be on", {0.01, 1.0});
     v.field("duty_window_s", duty_window_s, "s", "over about this time", {0.1, 60.0});
@@ -50,19 +49,7 @@ struct SerialConfig {
     v.field("max_board_C", max_board_C, "C", "a motor controller above this stops the coils", {30.0, 85.0});
     v.field("max_coil_C", max_coil_C, "C", "a coil whose resistance tells more than this stops the coils",
             {30.0, 155.0});
-    v.field("resistance_ohm", resistance_ohm, "ohm", "of the coils +x, -x, +y, -y", {0.1, 30.0});
-    v.field("inductance_H", inductance_H, "H", "of the coils +x, -x, +y, -y; recorded, not used for control",
-            {1e-6, 10.0});
-    v.field("resistance_at_C", resistance_at_C, "C", "temperature of the coils when they were measured",
-            {-20.0, 60.0});
-    v.field("temperature_coefficient_per_K", temperature_coefficient_per_K, "1/K",
-            "relative change of resistance; copper by default", {1e-3, 1e-2});
-    v.field("polarity", polarity, "",
-            "1 where a positive current makes a field towards the coil, -1 where it is "
-            "wired the other way round",
-            {-1.0, 1.0});
   }
-  void validate() const;
 };
 
 /// What the coil controller says of itself.
@@ -106,8 +93,8 @@ class SerialCoils final : public Coils {
 
   /// Connects, hands over the limits and waits until the motor controllers are ready. Throws HardwareError
   /// with what to do about it.
-  explicit SerialCoils(const SerialConfig& config);
-  SerialCoils(const SerialConfig& config, OpenPort open);
+  SerialCoils(const SerialConfig& config, const physics::CoilsDescription& coils);
+  SerialCoils(const SerialConfig& config, const physics::CoilsDescription& coils, OpenPort open);
   ~SerialCoils() override;
   SerialCoils(const SerialCoils&) = delete;
   SerialCoils& operator=(const SerialCoils&) = delete;
@@ -130,7 +117,17 @@ class SerialCoils final : public Coils {
 
  private:
   SerialConfig config_;
-  std::unique_ptr<SerialSession> session_;
+  physics::CoilsDescription coils_;
+  OpenPort open_;
+  std::unique_ptr<SerialPort> port_;
+  std::unique_ptr<common::SignalSafeStop> signal_safe_stop_;
+  struct Decoder;
+  std::unique_ptr<Decoder> decoder_;
+  std::uint16_t sequence_ = 0;
+  std::int64_t repeats_ = 0;
+  std::int64_t connections_ = 0;
+  CoilControllerInfo info_;
+  std::mutex mutex_;
 };
 
 }  // namespace lodestone::rig

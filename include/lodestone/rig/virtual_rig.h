@@ -3,55 +3,54 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "lodestone/common/clock.h"
 #include "lodestone/common/config.h"
 #include "lodestone/common/random.h"
 #include "lodestone/geometry/pose2.h"
-#include "lodestone/physics/coil_circuit.h"
-#include "lodestone/physics/coil_geometry.h"
 #include "lodestone/physics/field_table.h"
-#include "lodestone/physics/friction_map.h"
-#include "lodestone/physics/needle.h"
-#include "lodestone/physics/needle_motion.h"
+#include "lodestone/physics/rig_description.h"
 #include "lodestone/rig/coils.h"
 
 namespace lodestone::rig {
 
-/// Every figure of the virtual rig.
-struct VirtualRigConfig {
-  physics::CoilGeometry coil;
-  physics::CircuitConfig circuit;
-  physics::NeedleConfig needle;
-  physics::FluidConfig fluid;
-  physics::FrictionConfig friction;
-  physics::DishConfig dish;
-  double max_current_A = 15.0;       // Q: the paper's rig
+/// How the virtual rig stands in for a real one.
+struct SimulationConfig {
+  std::string deviation = "lab";
   double max_pulse_s = 10.0;         // D: the driver refuses to hold longer
   double max_temperature_C = 120.0;  // D: reported as a fault above
   double step_s = 0.5e-3;            // D: longest integration step; see the convergence test
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.group("coil", coil, "winding of the four coils");
-    v.group("circuit", circuit, "electrical and thermal side of a coil");
-    v.group("needle", needle, "the needle");
-    v.group("fluid", fluid, "the fluid");
-    v.group("friction", friction, "friction on the dish");
-    v.group("dish", dish, "the dish");
-    v.field("max_current_A", max_current_A, "A", "largest current the drivers accept", {0.0, 1000.0});
+    v.field(
+        "deviation", deviation, "",
+        "how far the virtual rig is from its description: not at all, by what a careful laboratory would not "
+        "know, or as another rig of the same kind",
+        {"none", "lab", "wide"});
     v.field("max_pulse_s", max_pulse_s, "s", "longest pulse the drivers accept", {1e-3, 3600.0});
     v.field("max_temperature_C", max_temperature_C, "C",
             "coil temperature above which status() reports a fault", {0.0, 300.0});
     v.field("step_s", step_s, "s", "longest integration step", {1e-6, 5e-3});
   }
-  /// Throws ConfigError when parts do not fit together.
-  void validate() const;
+};
+
+/// A rig and how it is simulated.
+struct VirtualRigConfig : physics::RigDescription {
+  SimulationConfig simulation;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    RigDescription::visit(v);
+    v.group("simulation", simulation, "the virtual rig that stands in for this one");
+  }
 };
 
 /// Stands in for the real rig: four coils, a needle in a dish, and a clock that advances the physics when
-/// slept on. The friction map is drawn from the seed; the scatter from pulse to pulse follows it. Use from
-/// one thread at a time.
+/// slept on. What the description does not say is drawn from the seed: the friction map, the scatter from
+/// pulse to pulse, and how far the rig is from its description (HiddenDeviation). Use from one thread at a
+/// time.
 class VirtualRig {
  public:
   /// `table`: shared with other rigs of the same coil geometry and dish; made here when null. The needle lies

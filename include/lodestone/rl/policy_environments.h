@@ -14,9 +14,9 @@ struct PolicyEnvironments {
   std::shared_ptr<const task::Region> region;  ///< that starts and goals lie in; null: the whole discs
 };
 
-/// Builds what `config` asks for, and fills in what its adopt_data takes from the dynamics' training data.
-/// The plain simulator needs no dynamics; when one is named, its data still give scale and workspace. Throws
-/// ConfigError, CheckpointError, DataError.
+/// Builds what `config` asks for, and fills in what adopt_rig and adopt_data take from the rig and the
+/// dynamics' training data. The plain simulator needs no dynamics; when one is named, its data still give
+/// scale and workspace. Throws ConfigError, CheckpointError, DataError.
 PolicyEnvironments make_policy_environments(TrainPolicyConfig& config);
 
 }  // namespace lodestone::rl

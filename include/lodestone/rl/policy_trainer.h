@@ -9,6 +9,7 @@
 #include "lodestone/env/physics_env.h"
 #include "lodestone/env/replay_env.h"
 #include "lodestone/env/vec_env.h"
+#include "lodestone/physics/rig_description.h"
 #include "lodestone/rl/ou_noise.h"
 #include "lodestone/rl/policy_evaluation.h"
 #include "lodestone/rl/policy_learner.h"
@@ -49,7 +50,7 @@ struct TrainPolicyConfig {
   std::string dynamics;
   std::string simulator = "mbs";
   std::string recorded;
-  bool adopt_data = true;
+  physics::RigDescription rig;
   task::TaskConfig task;
   task::EncoderConfig encoder;
   task::ActionConfig action;
@@ -70,10 +71,8 @@ struct TrainPolicyConfig {
             "what the policy is trained in: the learned MBS, or the simulator of IV-C", {"mbs", "physics"});
     v.field("recorded", recorded, "",
             "transitions that replay.environments play back, as in train-dynamics' data");
-    v.field("adopt_data", adopt_data, "",
-            "take action scale, one-axis rule, workspace radius (dish, length scale) and whether there is a "
-            "heading "
-            "from the dynamics' training data instead of the keys below");
+    v.retired("adopt_data", "nothing: what the data say of the rig is always taken from them");
+    v.group("rig", rig, "the rig, where no recorded data say what it is");
     v.group("task", task, "goal, reward and end of an episode");
     v.group("encoder", encoder, "what the policy sees");
     v.group("action", action, "what its actions mean");
@@ -87,10 +86,14 @@ struct TrainPolicyConfig {
   }
   /// Throws ConfigError when nothing would be learned.
   void validate() const;
+
+  common::Json learned_rig;  ///< no key: the rig that the policy is for, null where nobody says
 };
 
-/// Fills in what `adopt_data` says. A dataset without heading also sets the encoder's heading to "none";
-/// throws ConfigError when a heading is asked for that the data does not have.
+/// Fills in what the rig says: workspace radius, and the drive that an action of 1 means.
+TrainPolicyConfig adopt_rig(TrainPolicyConfig config);
+/// Fills in what the dynamics' training data say: the same two, the one-axis rule, and that there is no
+/// heading.
 TrainPolicyConfig adopt_data(TrainPolicyConfig config, const data::DatasetInfo& info);
 
 struct PolicyRunResult {

@@ -16,23 +16,23 @@ namespace lodestone::safety {
 /// What the coils may be asked for, and what a run must keep to. Every bound has a range of its own; none can
 /// be switched off.
 struct SafetyConfig {
-  double max_current_A = 15.0;
+  double max_current_A = 20.0;
   double max_pulse_s = 0.25;
   double max_temperature_C = 90.0;
   double max_power_W = 1200.0;
   double max_duty = 0.6;
   double duty_window_s = 10.0;
   double temperature_tolerance_K = 30.0;
-  double geofence_m = 0.06;
+  double geofence = 1.4;
   double max_pose_age_s = 0.5;
   double max_late_s = 0.1;
   std::int64_t max_late_steps = 3;
   std::string stop_file;
-  ThermalConfig thermal;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("max_current_A", max_current_A, "A", "currents are limited to this", {0.0, 20.0});
+    v.field("max_current_A", max_current_A, "A", "currents are limited to this, and to what the rig takes",
+            {0.0, 20.0});
     v.field("max_pulse_s", max_pulse_s, "s", "pulses are limited to this", {0.0, 10.0});
     v.field("max_temperature_C", max_temperature_C, "C", "a coil above this stops the run", {0.0, 155.0});
     v.field("max_power_W", max_power_W, "W", "currents are scaled down to this power of all coils together",
@@ -42,14 +42,15 @@ struct SafetyConfig {
     v.field("duty_window_s", duty_window_s, "s", "over about this time", {0.1, 60.0});
     v.field("temperature_tolerance_K", temperature_tolerance_K, "K",
             "a coil that measures so far from what its pulses explain stops the run", {1.0, 60.0});
-    v.field("geofence_m", geofence_m, "m",
-            "a needle seen further from the dish centre than this stops the run", {1e-3, 1.0});
+    v.field("geofence", geofence, "dish radii",
+            "a needle seen further from the dish centre than this stops the run", {0.5, 5.0});
     v.field("max_pose_age_s", max_pose_age_s, "s", "a pose older than this stops the run", {0.01, 2.0});
     v.field("max_late_s", max_late_s, "s", "a step that begins later than this is a missed deadline",
             {1e-3, 1.0});
     v.field("max_late_steps", max_late_steps, "", "so many missed deadlines in a row stop the run", {1, 10});
     v.field("stop_file", stop_file, "", "the run stops as soon as this file exists; empty: no file");
-    v.group("thermal", thermal, "what the coils' temperatures are checked against");
+    v.retired("thermal", "rig.coils and rig.ambient_C");
+    v.retired("geofence_m", "geofence, in dish radii");
   }
 };
 
@@ -64,8 +65,8 @@ class Supervisor final : public rig::Coils, public control::Guard {
   enum class Poses { kRequired, kNone };
 
   /// All must outlive the supervisor. `keys`: any key in the terminal stops, too.
-  Supervisor(rig::Coils& coils, const SafetyConfig& config, const common::Clock& clock,
-             Poses poses = Poses::kRequired, bool keys = false);
+  Supervisor(rig::Coils& coils, const SafetyConfig& config, const physics::RigDescription& rig,
+             const common::Clock& clock, Poses poses = Poses::kRequired, bool keys = false);
 
   /// Throws HardwareError with the reason for a stop.
   void begin_step(double due_s) override;
@@ -91,6 +92,8 @@ class Supervisor final : public rig::Coils, public control::Guard {
 
   rig::Coils& coils_;
   SafetyConfig config_;
+  double max_current_A_;
+  double geofence_m_;
   const common::Clock& clock_;
   Poses poses_;
   OperatorStop operator_;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "lodestone/common/config.h"
 #include "lodestone/geometry/pose2.h"
 
 namespace lodestone::task {
@@ -24,7 +25,6 @@ struct EncoderConfig {
   bool relative_target = false;   ///< append target - position as well
   bool target_heading = false;  ///< append sine and cosine of target heading - heading (0 and 1 without one)
   bool memory = false;          ///< append last action and last displacement: remembers a stall
-  double length_scale_m = 0.0425;  ///< lengths are divided by it (dish radius)
   double displacement_scale_m = 0.005;
 
   template <class Visitor>
@@ -35,11 +35,19 @@ struct EncoderConfig {
     v.field("target_heading", target_heading, "",
             "append the turn to the target heading, as sine and cosine");
     v.field("memory", memory, "", "append last action and last displacement");
-    v.field("length_scale_m", length_scale_m, "m", "lengths are divided by this", {1e-4, 1.0});
+    v.retired("length_scale_m", "rig.dish.radius_m");
     v.field("displacement_scale_m", displacement_scale_m, "m", "displacements are divided by this",
             {1e-5, 1.0});
   }
+
+  /// Lengths are divided by it. No key: it is the dish radius, as TaskConfig::dish_radius_m.
+  double length_scale_m = 0.0;
 };
+
+/// An encoder as checkpoints hold it, length scale included, and back. Throws ConfigError naming `what`, and
+/// what nlohmann-json throws where the scale is missing.
+common::Json encoder_to_json(const EncoderConfig& config);
+EncoderConfig encoder_from_json(common::Json json, const std::string& what);
 
 class ObservationEncoder {
  public:

@@ -12,10 +12,9 @@ namespace lodestone::task {
 /// Goal, reward (eq. 3) and the rules that end an episode. Computed outside the dynamics network.
 struct TaskConfig {
   std::string goal = "point";  ///< "centre", "point" (drawn uniformly over a disc), or "pose": with a heading
-  double goal_radius_m = 0.030;   ///< disc the point goals are drawn from
-  double start_radius_m = 0.035;  ///< disc the starts are drawn from
-  std::string within = "disc";    ///< all of the discs, or only what the data show to be reachable
-  double dish_radius_m = 0.0425;
+  double goal_radius = 0.7;    ///< disc the point goals are drawn from, in dish radii
+  double start_radius = 0.82;  ///< disc the starts are drawn from, in dish radii
+  std::string within = "disc";  ///< all of the discs, or only what the data show to be reachable
   double alpha = -10.0;  ///< per dish radius of change of distance (paper-notes: the unit that fits -5..10)
   double beta = 10.0;    ///< bonus within the success radius
   double tau = -0.04;    ///< per step
@@ -29,16 +28,25 @@ struct TaskConfig {
   bool end_on_dish_exit = true;            ///< terminates outside the dish
   bool zero_current_moves_nothing = true;  ///< zero drive does not reach the network
 
+  /// Leaving it ends the episode. No key: it is the rig's, or the reach of the data that were learned from.
+  double dish_radius_m = 0.0;
+
+  double goal_radius_m() const { return goal_radius * dish_radius_m; }
+  double start_radius_m() const { return start_radius * dish_radius_m; }
+
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("goal", goal, "", "fixed centre, points drawn over a disc, or points with a heading",
             {"centre", "point", "pose"});
-    v.field("goal_radius_m", goal_radius_m, "m", "radius of the disc goals are drawn from", {0.0, 1.0});
-    v.field("start_radius_m", start_radius_m, "m", "radius of the disc starts are drawn from", {0.0, 1.0});
+    v.retired("goal_radius_m", "goal_radius, in dish radii");
+    v.retired("start_radius_m", "start_radius, in dish radii");
+    v.retired("dish_radius_m", "rig.dish.radius_m");
+    v.field("goal_radius", goal_radius, "dish radii", "radius of the disc goals are drawn from", {0.0, 1.0});
+    v.field("start_radius", start_radius, "dish radii", "radius of the disc starts are drawn from",
+            {0.0, 1.0});
     v.field("within", within, "",
             "the whole discs, or only the part of them that the dynamics' training data show to be reachable",
             {"disc", "reachable"});
-    v.field("dish_radius_m", dish_radius_m, "m", "leaving this radius ends the episode", {1e-3, 1.0});
     v.field("alpha", alpha, "1/dish radius", "reward per change of distance to the goal (eq. 3)",
             {-1e4, 0.0});
     v.field("beta", beta, "", "bonus within the success radius (eq. 3)", {0.0, 1e4});

@@ -1,0 +1,83 @@
+#include "lodestone/rig/hidden_deviation.h"
+
+#include <cmath>
+
+#include "lodestone/common/error.h"
+#include "lodestone/common/random.h"
+#include "lodestone/common/range.h"
+
+namespace lodestone::rig {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Bounds of what is drawn; sources in docs/virtual-rig.md.
+struct Ranges {
+  common::Range moment;  // factors, uniform in their logarithm
+  common::Range friction;
+  common::Range viscosity;
+  double gain;        // +-, uniform
+  double tilt_rad;    // +-, uniform
+  double position_m;  // radius of a disc
+  double offset_m;    // radius of a disc
+};
+
+constexpr Ranges kLab = {{0.9, 1.1}, {0.9, 1.1}, {0.9, 1.1}, 0.03, 1.0 * kPi / 180.0, 0.5e-3, 0.5e-3};
+constexpr Ranges kWide = {{0.75, 1.6}, {0.6, 1.6}, {0.7, 1.4}, 0.08, 3.0 * kPi / 180.0, 2e-3, 1.5e-3};
+
+const Ranges& ranges(DeviationWidth width) { return width == DeviationWidth::kWide ? kWide : kLab; }
+
+double draw_factor(const common::Range& range, common::RandomStream& random) {
+  return std::exp(random.uniform(std::log(range.low), std::log(range.high)));
+}
+
+geometry::Vector2 draw_in_disc(double radius_m, common::RandomStream& random) {
+  const double r = radius_m * std::sqrt(random.uniform());
+  const double angle = random.uniform(-kPi, kPi);
+  return {r * std::cos(angle), r * std::sin(angle)};
+}
+
+}  // namespace
+
+DeviationWidth deviation_width(const std::string& name) {
+  if (name == "none") return DeviationWidth::kNone;
+  if (name == "lab") return DeviationWidth::kLab;
+  if (name == "wide") return DeviationWidth::kWide;
+  throw common::ConfigError("deviation = \"" + name + "\", must be none, lab or wide");
+}
+
+HiddenDeviation HiddenDeviation::draw(DeviationWidth width, std::uint64_t seed) {
+  HiddenDeviation hidden;
+  if (width == DeviationWidth::kNone) return hidden;
+  const Ranges& of = ranges(width);
+  common::RandomStream random(seed, "hidden deviation");
+  hidden.moment = draw_factor(of.moment, random);
+  hidden.friction = draw_factor(of.friction, random);
+  hidden.viscosity = draw_factor(of.viscosity, random);
+  const geometry::Vector2 offset_m = draw_in_disc(of.offset_m, random);
+  for (int coil = 0; coil < physics::kCoils; ++coil) {
+    physics::CoilPlacement placement;
+    placement.gain = 1.0 + random.uniform(-of.gain, of.gain);
+    placement.tilt_rad = random.uniform(-of.tilt_rad, of.tilt_rad);
+    placement.offset_m = offset_m + draw_in_disc(of.position_m, random);
+    hidden.coils.push_back(placement);
+  }
+  return hidden;
+}
+
+physics::RigDescription HiddenDeviation::applied_to(physics::RigDescription rig) const {
+  rig.needle.moment_A_m2 *= moment;
+  rig.friction.static_coefficient *= friction;
+  rig.friction.kinetic_coefficient *= friction;
+  rig.fluid.viscosity_Pa_s *= viscosity;
+  return rig;
+}
+
+double deviation_margin_m(DeviationWidth width, const physics::RigDescription& rig) {
+  if (width == DeviationWidth::kNone) return 0.0;
+  const Ranges& of = ranges(width);
+  const double lever_m = rig.coils.geometry.centre_distance_m + rig.dish.radius_m;
+  return of.position_m + of.offset_m + of.tilt_rad * lever_m;
+}
+
+}  // namespace lodestone::rig
