@@ -1,5 +1,4 @@
 #include "lodestone/vision/segmenter_training.h"
-#include "paper_scenes.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -9,6 +8,7 @@
 #include "lodestone/common/files.h"
 #include "lodestone/nets/checkpoint.h"
 #include "lodestone/vision/segmenter_evaluation.h"
+#include "paper_scenes.h"
 #include "temporary_folder.h"
 
 using namespace lodestone;

@@ -1,0 +1,46 @@
+#include "lodestone/physics/rig_description.h"
+
+#include <catch2/catch.hpp>
+
+#include "lodestone/common/config.h"
+#include "lodestone/common/error.h"
+
+namespace lodestone::physics {
+namespace {
+
+RigDescription read(const char* json) {
+  auto rig = common::config_from_json<RigDescription>(common::Json::parse(json), "rig.json");
+  rig.validate();
+  return rig;
+}
+
+TEST_CASE("a rig that cannot be is refused, with the key that says so") {
+  CHECK_NOTHROW(read("{}"));
+  CHECK_NOTHROW(read(R"({"dish": {"radius_m": 0.04}})"));
+  CHECK_THROWS_WITH(read(R"({"dish": {"radius_m": 0.01}})"), Catch::Contains("rig.needle.length_m"));
+  CHECK_THROWS_WITH(read(R"({"dish": {"radius_m": 0.051}})"), Catch::Contains("rig.dish.radius_m = 0.051"));
+  CHECK_THROWS_AS(read(R"({"needle": {"chain_m": 0.05}})"), common::ConfigError);
+  CHECK_THROWS_AS(read(R"({"friction": {"kinetic_coefficient": 0.9}})"), common::ConfigError);
+  CHECK_THROWS_AS(read(R"({"coils": {"inner_radius_m": 0.2}})"), common::ConfigError);
+  CHECK_THROWS_WITH(read(R"({"coils": {"polarity": [1, 0, 1, 1]}})"), Catch::Contains("polarity = 0"));
+  CHECK_THROWS_WITH(read(R"({"coils": {"resistance_20C_ohm": [1, 1, 1]}})"), Catch::Contains("must be four"));
+  CHECK_THROWS_WITH(read(R"({"coil": {"turns": 500}})"), Catch::Contains("use coils"));
+}
+
+TEST_CASE("every coil has its own circuit") {
+  const RigDescription rig =
+      read(R"({"coils": {"resistance_20C_ohm": [1.8, 1.9, 2.0, 2.1]}, "supply_V": 30, "ambient_C": 25})");
+  CHECK(rig.circuit(3).resistance_20C_ohm == 2.1);
+  CHECK(rig.circuit(0).supply_V == 30.0);
+  CHECK(rig.circuit(0).ambient_C == 25.0);
+}
+
+TEST_CASE("the needle fits where both its ends lie inside the wall") {
+  const RigDescription rig;
+  CHECK(rig.fits({0.03, 0.0, 0.0}));
+  CHECK_FALSE(rig.fits({0.032, 0.0, 0.0}));
+  CHECK(rig.fits({0.032, 0.0, 1.5707963}));
+}
+
+}  // namespace
+}  // namespace lodestone::physics
