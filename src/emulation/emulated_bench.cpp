@@ -31,7 +31,7 @@ EmulatedBench::EmulatedBench(rig::VirtualRig& rig)
       now_s_(start_s_) {
   stuck_.fill(std::numeric_limits<double>::quiet_NaN());
   short_.fill(1.0);
-  set_supply_V(rig.config().circuit.supply_V);
+  set_supply_V(rig.config().supply_V);
   arduino_ = std::make_unique<Arduino>(
       [this](std::uint8_t byte) {
         to_host_.push_back({byte, arduino_->now_s() + start_s_ + kByte_s});
