@@ -52,6 +52,7 @@ class CellFolder {
   /// The command line, without the program.
   std::vector<std::string> arguments(std::int64_t threads) const {
     std::vector<std::string> out = {cell_.verb, "--config", shipped_folder("configs") + "/" + cell_.config};
+    if (!cell_.rig_file.empty()) out.insert(out.end(), {"--rig", cell_.rig_file});
     for (const std::string& setting : cell_.settings) {
       out.push_back("--set");
       out.push_back(resolve(setting));
@@ -329,7 +330,7 @@ void bench_paper(CommonOptions options, const PaperOptions& paper) {
   const auto scale = resolve_config<PaperScale>(options);
   std::vector<Cell> cells = paper_cells(scale);
   if (!rig_file.empty())
-    for (Cell& cell : cells) cell.arguments.insert(cell.arguments.end(), {"--rig", rig_file});
+    for (Cell& cell : cells) cell.rig_file = rig_file;
   const std::int64_t threads =
       scale.threads > 0 ? scale.threads : std::max<std::int64_t>(1, std::thread::hardware_concurrency());
   CellRunner runner(cells, options.out, threads);

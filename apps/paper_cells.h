@@ -63,6 +63,7 @@ struct Cell {
   std::string config;                 ///< preset under configs/
   std::vector<std::string> settings;  ///< key=value; {ID} stands for the folder of another cell
   std::vector<std::string> needs;     ///< ids
+  std::string rig_file;               ///< --rig; empty: the paper's rig
   std::int64_t seed = 1;
   bool all_threads = false;  ///< may use every processor, as nothing else can run beside it
 };

@@ -35,32 +35,33 @@ std::vector<std::string> fault_texts(unsigned bits) {
   return texts;
 }
 
-wire::CoilLimits wire_limits(const SerialConfig& config) {
+wire::CoilLimits wire_limits(const SerialConfig& config, const physics::CoilsDescription& coils) {
   const auto scaled = [](double value, double scale) {
     return static_cast<std::uint16_t>(std::clamp(std::lround(value * scale), 0L, 65535L));
   };
   wire::CoilLimits limits{};
-  limits.max_current_mA = scaled(config.max_current_A, 1e3);
+  limits.max_current_mA = scaled(coils.max_current_A, 1e3);
   limits.max_pulse_ms = scaled(config.max_pulse_s, 1e3);
   limits.max_duty_permille = scaled(config.max_duty, 1e3);
   limits.duty_window_ms = scaled(config.duty_window_s, 1e3);
   limits.min_supply_dV = scaled(config.min_supply_V, 10.0);
   limits.max_board_dC = scaled(config.max_board_C, 10.0);
   for (std::size_t i = 0; i < kCoilCount; ++i)
-    limits.resistance_mohm[i] = scaled(config.resistance_ohm[i], 1e3);
+    limits.resistance_mohm[i] = scaled(coils.resistance_20C_ohm[i], 1e3);
   limits.max_resistance_permille =
-      scaled(1.0 + config.temperature_coefficient_per_K * (config.max_coil_C - config.resistance_at_C), 1e3);
+      scaled(1.0 + coils.temperature_coefficient_per_K * (config.max_coil_C - kResistance_C), 1e3);
   return limits;
 }
 
-wire::PulseRequest wire_pulse(const SerialConfig& config, const CoilPulse& pulse) {
+wire::PulseRequest wire_pulse(const SerialConfig& config, const physics::CoilsDescription& coils,
+                              const CoilPulse& pulse) {
   wire::PulseRequest request{};
   for (std::size_t i = 0; i < kCoilCount; ++i) {
-    if (!(std::abs(pulse.current_A[i]) <= config.max_current_A))
+    if (!(std::abs(pulse.current_A[i]) <= coils.max_current_A))
       throw common::HardwareError(std::string("serial coils: current of coil ") + kCoilNames[i] + " = " +
                                   std::to_string(pulse.current_A[i]) + " A is refused; it must be within +-" +
-                                  std::to_string(config.max_current_A) + " A");
-    const double wired_A = pulse.current_A[i] * static_cast<double>(config.polarity[i]);
+                                  std::to_string(coils.max_current_A) + " A");
+    const double wired_A = pulse.current_A[i] * static_cast<double>(coils.polarity[i]);
     request.current_mA[i] = static_cast<std::int16_t>(std::lround(1e3 * wired_A));
   }
   if (!(pulse.duration_s >= 0.0 && pulse.duration_s <= config.max_pulse_s))

@@ -9,12 +9,16 @@
 
 namespace lodestone::rig {
 
+/// Temperature that the description's resistances are of.
+constexpr double kResistance_C = 20.0;
+
 /// What the coil controller has to watch, in its units.
-wire::CoilLimits wire_limits(const SerialConfig& config);
+wire::CoilLimits wire_limits(const SerialConfig& config, const physics::CoilsDescription& coils);
 
 /// A pulse in the controller's units and as the coils are wired. Throws HardwareError, naming coil and bound,
 /// when it is beyond a limit.
-wire::PulseRequest wire_pulse(const SerialConfig& config, const CoilPulse& pulse);
+wire::PulseRequest wire_pulse(const SerialConfig& config, const physics::CoilsDescription& coils,
+                              const CoilPulse& pulse);
 
 /// A STATUS reply. Throws HardwareError when it has the wrong size.
 wire::CoilState coil_state(const std::vector<std::uint8_t>& body);

@@ -8,8 +8,9 @@
 
 namespace lodestone::rig {
 
-SerialSession::SerialSession(const SerialConfig& config, SerialLink::OpenPort open)
-    : config_(config), link_(std::move(open), config.reply_timeout_s, config.tries) {
+SerialSession::SerialSession(const SerialConfig& config, const physics::CoilsDescription& coils,
+                             SerialLink::OpenPort open)
+    : config_(config), coils_(coils), link_(std::move(open), config.reply_timeout_s, config.tries) {
   ensure_connected();
 }
 
@@ -19,7 +20,7 @@ void SerialSession::ensure_connected() {
     link_.open();
     ++connections_;
     say_hello();
-    const wire::CoilLimits limits = wire_limits(config_);
+    const wire::CoilLimits limits = wire_limits(config_, coils_);
     SerialLink::Bytes body(wire::kCoilLimitsSize);
     wire::put_coil_limits(body.data(), &limits);
     link_.exchange(wire::kConfigure, body);

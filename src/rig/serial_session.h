@@ -15,7 +15,8 @@ namespace lodestone::rig {
 class SerialSession {
  public:
   /// Connects. Throws HardwareError with what to do about it.
-  SerialSession(const SerialConfig& config, SerialLink::OpenPort open);
+  SerialSession(const SerialConfig& config, const physics::CoilsDescription& coils,
+                SerialLink::OpenPort open);
 
   /// The body of the reply. A lost link throws, and the next call connects anew.
   SerialLink::Bytes request(wire::MessageType type, const SerialLink::Bytes& body = {});
@@ -33,6 +34,7 @@ class SerialSession {
   void wait_until_ready();
 
   SerialConfig config_;
+  physics::CoilsDescription coils_;
   mutable std::mutex mutex_;  // of all but the counts
   SerialLink link_;
   std::condition_variable stop_done_;

@@ -30,6 +30,12 @@ LADDER = {
     "report": {"data", "geometry"},
 }
 WITHOUT_TORCH = {"common", "geometry", "physics", "data", "task", "imaging", "rig", "emulation", "safety", "report"}
+# Who may see where the needle really is: the virtual rig with its rendered camera and simulated sensor, the emulation, and
+# scoring with whatever hands the truth to it.
+SEES_TRUTH = re.compile(
+    r"/(hil_figures|rig/(virtual_rig|rendered_camera)|session/(simulated_pose_sensor|sensing|rig_session|ground_truth)"
+    r"|emulation/live_bench|experiments/(trial|score|recorder|deployment|fault_injection))\.(h|cpp)$")
+TRUTH = re.compile(r"\btrue_(pose|x_m|y_m|heading)\w*")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.M)
 
 
@@ -57,6 +63,12 @@ def faults(root):
                     listed = [i for i in INCLUDE.findall(path.read_text()) if i.startswith("lodestone/")]
                     if (root / "include" / own).exists() and (not listed or listed[0] != own):
                         found.append(f"{path.relative_to(root)}: its own header {own} must come first")
+    for top in ("include", "src", "apps"):
+        for path in sorted((root / top).rglob("*")):
+            if path.suffix in (".h", ".cpp") and not SEES_TRUTH.search(str(path)):
+                for line, text in enumerate(path.read_text().splitlines(), 1):
+                    if TRUTH.search(text.split("//")[0]):
+                        found.append(f"{path.relative_to(root)}:{line}: may not see a true pose")
     for folder in sorted((root / "src").iterdir()):
         if folder.is_dir() and folder.name not in LADDER:
             found.append(f"src/{folder.name} is not on the ladder of modules")
@@ -74,6 +86,8 @@ def self_test():
             ("#include \"lodestone/rl/td3.h\"\n", 1),
             ("#include <torch/torch.h>\n", 1),
             ("#include \"lodestone/nowhere/x.h\"\n", 1),
+            ("void f() { rig.true_pose(); }\n", 1),
+            ("// nobody sees the true_pose() here\n", 0),
         ):
             header.write_text(text)
             if len(faults(root)) != count:

@@ -158,11 +158,11 @@ TEST_CASE("motor controllers without power are told apart from a missing coil co
   bench.controller(1).powered = false;
   rig::SerialConfig serial;
   const auto open = [&bench] { return std::make_unique<emulation::LockstepPort>(bench); };
-  CHECK_THROWS_WITH(rig::SerialCoils(serial, open), Contains("motor controllers do not answer"));
+  CHECK_THROWS_WITH(rig::SerialCoils(serial, rig.config().coils, open), Contains("motor controllers do not answer"));
   bench.controller(1).powered = true;
-  CHECK_NOTHROW(rig::SerialCoils(serial, open));
+  CHECK_NOTHROW(rig::SerialCoils(serial, rig.config().coils, open));
   bench.to_host_filter = [](std::uint8_t&) { return false; };
-  CHECK_THROWS_WITH(rig::SerialCoils(serial, open), Contains("does not answer"));
+  CHECK_THROWS_WITH(rig::SerialCoils(serial, rig.config().coils, open), Contains("does not answer"));
 }
 
 TEST_CASE("polarity turns the wires round, and bad settings are refused") {

@@ -29,8 +29,9 @@ class FirmwareClock final : public common::Clock {
 TEST_CASE("serial coils keep the contract of Coils, through the firmware's own code") {
   auto bench = std::make_shared<FirmwareBench>();
   rig::SerialConfig config;
+  physics::CoilsDescription wired;
   config.max_pulse_s = 2.0;
-  rig::SerialCoils coils(config, [bench] { return std::make_unique<FirmwarePort>(bench); });
+  rig::SerialCoils coils(config, wired, [bench] { return std::make_unique<FirmwarePort>(bench); });
   FirmwareClock clock(*bench);
   tests::check_coils_conformance(coils, clock, 15.0, 0.2);
 }
@@ -38,8 +39,9 @@ TEST_CASE("serial coils keep the contract of Coils, through the firmware's own c
 TEST_CASE("temperatures are what the resistances tell, and the trace is of the strongest coil") {
   auto bench = std::make_shared<FirmwareBench>();
   rig::SerialConfig config;
-  config.resistance_ohm = {1.8, 1.9, 1.9, 1.9};  // the fake controllers behave like 1.9 ohm
-  rig::SerialCoils coils(config, [bench] { return std::make_unique<FirmwarePort>(bench); });
+  physics::CoilsDescription wired;
+  wired.resistance_20C_ohm = {1.8, 1.9, 1.9, 1.9};  // the fake controllers behave like 1.9 ohm
+  rig::SerialCoils coils(config, wired, [bench] { return std::make_unique<FirmwarePort>(bench); });
   coils.apply({{5.0, 0.0, 2.0, 0.0}, 0.3});
   bench->device.run(320);
   CHECK(coils.status().temperature_C[0] == Approx(20.0 + (1.9 / 1.8 - 1.0) / 3.9e-3).margin(1.5));

@@ -9,11 +9,12 @@ using namespace lodestone;
 
 TEST_CASE("limits go to the controller in its units") {
   rig::SerialConfig config;
-  config.max_current_A = 12.5;
+  physics::CoilsDescription coils;
+  coils.max_current_A = 12.5;
   config.max_pulse_s = 0.35;
   config.min_supply_V = 21.5;
   config.max_coil_C = 120.0;
-  const wire::CoilLimits limits = rig::wire_limits(config);
+  const wire::CoilLimits limits = rig::wire_limits(config, coils);
   CHECK(limits.max_current_mA == 12500);
   CHECK(limits.max_pulse_ms == 350);
   CHECK(limits.min_supply_dV == 215);
@@ -23,16 +24,17 @@ TEST_CASE("limits go to the controller in its units") {
 
 TEST_CASE("a pulse is rounded to the controller's units, and refused beyond the limits") {
   const rig::SerialConfig config;
-  const wire::PulseRequest request = rig::wire_pulse(config, {{1.2345, 0.0, -15.0, 0.0}, 0.1});
+  const physics::CoilsDescription coils;
+  const wire::PulseRequest request = rig::wire_pulse(config, coils, {{1.2345, 0.0, -15.0, 0.0}, 0.1});
   CHECK(request.current_mA[0] == 1235);
   CHECK(request.current_mA[2] == -15000);
   CHECK(request.length_ms == 100);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  CHECK_THROWS_WITH(rig::wire_pulse(config, {{0.0, 15.1, 0.0, 0.0}, 0.1}),
+  CHECK_THROWS_WITH(rig::wire_pulse(config, coils, {{0.0, 15.1, 0.0, 0.0}, 0.1}),
                     Catch::Contains("coil -x") && Catch::Contains("15.1"));
-  CHECK_THROWS_AS(rig::wire_pulse(config, {{nan, 0.0, 0.0, 0.0}, 0.1}), common::HardwareError);
-  CHECK_THROWS_WITH(rig::wire_pulse(config, {{}, 0.6}), Catch::Contains("duration"));
-  CHECK_THROWS_AS(rig::wire_pulse(config, {{}, nan}), common::HardwareError);
+  CHECK_THROWS_AS(rig::wire_pulse(config, coils, {{nan, 0.0, 0.0, 0.0}, 0.1}), common::HardwareError);
+  CHECK_THROWS_WITH(rig::wire_pulse(config, coils, {{}, 0.6}), Catch::Contains("duration"));
+  CHECK_THROWS_AS(rig::wire_pulse(config, coils, {{}, nan}), common::HardwareError);
 }
 
 TEST_CASE("every fault has its words, and a status of another size is refused") {

@@ -20,7 +20,7 @@ rig::SerialLink::OpenPort port_to(std::shared_ptr<FirmwareBench> bench) {
 
 TEST_CASE("a session says hello, configures and waits until the motor controllers are ready") {
   auto bench = std::make_shared<FirmwareBench>();
-  const rig::SerialSession session({}, port_to(bench));
+  const rig::SerialSession session({}, {}, port_to(bench));
   CHECK(session.info().firmware == "1.0.0");
   CHECK(session.connections() == 1);
   CHECK(bench->device.coils.configured);
@@ -33,7 +33,7 @@ TEST_CASE("a session says hello, configures and waits until the motor controller
 
 TEST_CASE("after a lost link the next request connects anew") {
   auto bench = std::make_shared<FirmwareBench>();
-  rig::SerialSession session({}, port_to(bench));
+  rig::SerialSession session({}, {}, port_to(bench));
   bench->plugged = false;
   CHECK_THROWS_AS(session.request(wire::kPing), rig::LinkLost);
   CHECK_THROWS_AS(session.request(wire::kPing), common::HardwareError);
@@ -48,7 +48,7 @@ TEST_CASE("a stop from another thread goes ahead of a pulse that is on its way")
   auto bench = std::make_shared<FirmwareBench>();
   rig::SerialConfig config;
   config.max_duty = 1.0;
-  rig::SerialSession session(config, port_to(bench));
+  rig::SerialSession session(config, {}, port_to(bench));
   const wire::PulseRequest pulse{{3000, 0, 0, 0}, 400};
   rig::SerialLink::Bytes body(wire::kPulseRequestSize);
   wire::put_pulse_request(body.data(), &pulse);

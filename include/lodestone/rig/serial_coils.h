@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "lodestone/common/config.h"
-#include "lodestone/common/interrupt.h"
 #include "lodestone/physics/rig_description.h"
 #include "lodestone/rig/coils.h"
 #include "lodestone/rig/serial_port.h"
@@ -118,16 +117,7 @@ class SerialCoils final : public Coils {
  private:
   SerialConfig config_;
   physics::CoilsDescription coils_;
-  OpenPort open_;
-  std::unique_ptr<SerialPort> port_;
-  std::unique_ptr<common::SignalSafeStop> signal_safe_stop_;
-  struct Decoder;
-  std::unique_ptr<Decoder> decoder_;
-  std::uint16_t sequence_ = 0;
-  std::int64_t repeats_ = 0;
-  std::int64_t connections_ = 0;
-  CoilControllerInfo info_;
-  std::mutex mutex_;
+  std::unique_ptr<SerialSession> session_;
 };
 
 }  // namespace lodestone::rig
