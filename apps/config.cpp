@@ -41,6 +41,8 @@ void parse_only(CLI::App& program, const std::vector<std::string>& words, std::s
 
 void print_config(const std::vector<std::string>& words) {
   CLI::App program;
+  program.fallthrough();
+  program.add_flag("--no-reexec");  // the program's own, which may stand behind the verb
   ConfigCatalogue catalogue;
   add_verbs(program, catalogue);
   // The verb may be of two words.
@@ -71,6 +73,7 @@ void add_config(CLI::App& program, ConfigCatalogue&) {
       "config",
       "show every configuration key of a verb: its value, where that comes from, its bounds and meaning");
   verb->add_flag("--print", "followed by the verb and the arguments that it would be given");
+  verb->fallthrough(false);
   verb->prefix_command();
   verb->callback([verb] { print_config(verb->remaining()); });
 }

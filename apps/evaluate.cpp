@@ -4,6 +4,8 @@
 #include "lodestone/data/dataset_file.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/nets/dynamics.h"
+#include "lodestone/rig/rendered_camera.h"
+#include "lodestone/rig/rig_config.h"
 #include "lodestone/rl/dynamics_evaluation.h"
 #include "lodestone/vision/segmenter_evaluation.h"
 #include "verb.h"
@@ -33,13 +35,22 @@ struct SegmenterOptions {
   std::int64_t seed = 1;
   std::int64_t threads = 0;
   double widen = 0.25;
+  std::string rig_file;
 };
+
+/// What `--rig` holds; the paper's rig without one.
+rig::RigConfig rig_of(const std::string& file) {
+  if (file.empty()) return {};
+  auto rig = common::config_from_json<rig::RigConfig>(common::read_json_file(file), file);
+  rig.validate();
+  return rig;
+}
 
 void evaluate_segmenter(const SegmenterOptions& options) {
   nets::use_one_blas_thread();
   const auto segmenter = vision::Segmenter::load(options.checkpoint);
-  const imaging::SceneConfig scenes =
-      imaging::widened(vision::training_scenes(options.checkpoint), options.widen);
+  imaging::SceneConfig scenes = imaging::widened(vision::training_scenes(options.checkpoint), options.widen);
+  scenes.bench = rig::bench_of(rig_of(options.rig_file));
   vision::LocaliserConfig localiser;
   localiser.rod = vision::rod_of(scenes.bench);
   common::ThreadPool pool(static_cast<std::size_t>(options.threads));
@@ -58,6 +69,8 @@ void add_segmenter(CLI::App& verb) {
   segmenter->add_option("--checkpoint", options->checkpoint, "folder of the segmenter checkpoint")
       ->type_name("DIR")
       ->required();
+  segmenter->add_option("--rig", options->rig_file, "rig.json: the rig whose images are rendered")
+      ->type_name("FILE");
   segmenter->add_option("--frames", options->frames, "scenes; each is seen clean and partly covered")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();

@@ -14,6 +14,7 @@
 #include "lodestone/imaging/scene_renderer.h"
 #include "lodestone/nets/dynamics.h"
 #include "lodestone/nets/gemm.h"
+#include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/rig_batch.h"
 #include "lodestone/rl/policy_learner.h"
 #include "lodestone/task/action.h"
@@ -68,6 +69,9 @@ std::shared_ptr<env::MbsEnv> drawn_environments(const SpeedConfig& config, std::
   env::EpisodeSettings settings;
   settings.count = count;
   settings.seed = static_cast<std::uint64_t>(config.seed);
+  settings.task.dish_radius_m = config.rig.dish.radius_m;
+  settings.encoder.length_scale_m = config.rig.dish.radius_m;
+  settings.action.scale = config.rig.coils.max_current_A;
   return std::make_shared<env::MbsEnv>(drawn_model(config), settings, env::MbsConfig{}, threads);
 }
 
@@ -175,7 +179,7 @@ RateFigure rig_rate(const SpeedConfig& config, std::int64_t threads) {
   const auto seed = static_cast<std::uint64_t>(config.seed);
   for (std::size_t i = 0; i < kRigs; ++i) {
     rigs->owned.push_back(std::make_unique<rig::VirtualRig>(
-        rig::VirtualRigConfig{}, seed + i, i == 0 ? nullptr : rigs->owned[0]->field_table()));
+        config.rig, seed + i, i == 0 ? nullptr : rigs->owned[0]->field_table()));
     rigs->pointers.push_back(rigs->owned.back().get());
   }
   auto random = std::make_shared<common::RandomStream>(seed, "bench-currents");
@@ -193,7 +197,7 @@ RateFigure rig_rate(const SpeedConfig& config, std::int64_t threads) {
 
 struct ImageLatency::Bench {
   explicit Bench(const SpeedConfig& config)
-      : scenes(vision::training_scenes(config.segmenter)),
+      : scenes(scenes_of(config)),
         renderer(imaging::draw_scene(scenes, static_cast<std::uint64_t>(config.seed))),
         localiser(vision::Segmenter::load(config.segmenter), renderer.scene().camera,
                   scenes.bench.dish_radius_m,
@@ -203,8 +207,15 @@ struct ImageLatency::Bench {
                     return localiser_config;
                   }()),
         random(static_cast<std::uint64_t>(config.seed), "bench images") {
+    policy.encoder.length_scale_m = config.rig.dish.radius_m;
+    policy.action.scale = config.rig.coils.max_current_A;
     policy.actor = nets::Actor(task::ObservationEncoder(policy.encoder).size(), policy.hidden);
     controller = std::make_unique<control::PolicyController>(policy);
+  }
+  static imaging::SceneConfig scenes_of(const SpeedConfig& config) {
+    imaging::SceneConfig scenes = vision::training_scenes(config.segmenter);
+    scenes.bench = rig::bench_of(config.rig);
+    return scenes;
   }
   imaging::SceneConfig scenes;
   imaging::SceneRenderer renderer;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lodestone/common/config.h"
+#include "lodestone/rig/rig_config.h"
 #include "lodestone/rl/td3.h"
 
 namespace lodestone::apps {
@@ -20,6 +21,7 @@ struct SpeedConfig {
   std::int64_t mbs_environments = 4096;
   std::int64_t images = 200;
   std::string segmenter;
+  rig::RigConfig rig;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -32,6 +34,7 @@ struct SpeedConfig {
     v.field("mbs_environments", mbs_environments, "", "environments stepped as one batch", {1, 1 << 22});
     v.field("images", images, "", "images per round from which the needle's pose is found", {10, 100000});
     v.field("segmenter", segmenter, "", "segmenter checkpoint; empty is the one that is shipped");
+    v.group("rig", rig, "the rig that is simulated and seen");
   }
 };
 

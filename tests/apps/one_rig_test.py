@@ -56,7 +56,7 @@ with tempfile.TemporaryDirectory() as name:
     run("collect", *quick, "--set", "transitions=400", "--out", folder / "collect")
     run("train-dynamics", "--set", f"data={folder}/collect/transitions.h5", "--set", "model.form=delta", "--set",
         "model.batch_norm=false", "--set", "training.epochs=3", "--out", folder / "dynamics")
-    learned = json.loads((folder / "dynamics/checkpoint/manifest.json").read_text())["dataset"]
+    learned = json.loads((folder / "dynamics/checkpoint/manifest.json").read_text())["facts"]["dataset"]
     assert learned["workspace_radius_m"] == 0.035 and learned["action_scale"] == 11.0, learned
     assert learned["rig"]["coils"]["turns"] == 480 and learned["rig"]["needle"]["length_m"] == 0.018, learned["rig"]
 
@@ -66,7 +66,7 @@ with tempfile.TemporaryDirectory() as name:
     run("train-policy", "--set", f"dynamics={folder}/dynamics/checkpoint", *few, "--out", folder / "policy")
     run("train-policy", "--rig", rig, "--set", "simulator=physics", *few, "--out", folder / "plain")
     for trained in ("policy", "plain"):
-        facts = json.loads((folder / trained / "checkpoint/manifest.json").read_text())
+        facts = json.loads((folder / trained / "checkpoint/manifest.json").read_text())["facts"]
         assert facts["action"]["scale"] == 11.0 and facts["encoder"]["length_scale_m"] == 0.035, facts
         assert facts["rig"]["dish"]["radius_m"] == 0.035, facts
 

@@ -158,7 +158,8 @@ TEST_CASE("motor controllers without power are told apart from a missing coil co
   bench.controller(1).powered = false;
   rig::SerialConfig serial;
   const auto open = [&bench] { return std::make_unique<emulation::LockstepPort>(bench); };
-  CHECK_THROWS_WITH(rig::SerialCoils(serial, rig.config().coils, open), Contains("motor controllers do not answer"));
+  CHECK_THROWS_WITH(rig::SerialCoils(serial, rig.config().coils, open),
+                    Contains("motor controllers do not answer"));
   bench.controller(1).powered = true;
   CHECK_NOTHROW(rig::SerialCoils(serial, rig.config().coils, open));
   bench.to_host_filter = [](std::uint8_t&) { return false; };

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "lodestone/common/error.h"
+#include "paper_scenes.h"
 
 using namespace lodestone;
 
@@ -15,7 +16,11 @@ const cv::Scalar kGrey(150, 150, 150);
 
 struct Drawing {
   imaging::CameraModel camera;
-  imaging::Annotation annotation;
+  imaging::Annotation annotation = [] {
+    imaging::Annotation of_paper;
+    of_paper.bench = tests::paper_bench();
+    return of_paper;
+  }();
   cv::Mat image;
 
   explicit Drawing(int scale = 1) {

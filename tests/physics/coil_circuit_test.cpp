@@ -3,11 +3,13 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "lodestone/physics/rig_description.h"
+
 namespace lodestone::physics {
 namespace {
 
 CircuitConfig at_20C() {
-  CircuitConfig config;
+  CircuitConfig config = RigDescription{}.circuit(0);
   config.ambient_C = 20.0;
   return config;
 }

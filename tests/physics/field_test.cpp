@@ -205,7 +205,7 @@ TEST_CASE("coil geometry that cannot be is refused") {
   inside_out.inner_radius_m = 0.05;
   CHECK_THROWS_AS(FiniteCoil(inside_out), common::ConfigError);
   CoilGeometry near_by;
-  near_by.centre_distance_m = 0.06;  // face at 30 mm, inside the dish
+  near_by.centre_distance_m = 0.056;  // its winding begins 42 mm from the dish centre, inside the dish
   CHECK_THROWS_AS(make_field_table(near_by, 0.0425), common::ConfigError);
 }
 

@@ -28,7 +28,7 @@ TEST_CASE("a session says hello, configures and waits until the motor controller
 
   auto dead = std::make_shared<FirmwareBench>();
   dead->device.answering = false;
-  CHECK_THROWS_WITH(rig::SerialSession({}, port_to(dead)), Catch::Contains("is their supply on"));
+  CHECK_THROWS_WITH(rig::SerialSession({}, {}, port_to(dead)), Catch::Contains("is their supply on"));
 }
 
 TEST_CASE("after a lost link the next request connects anew") {

@@ -8,6 +8,7 @@
 
 #include "control/fakes.h"
 #include "lodestone/safety/supervisor.h"
+#include "paper_rig.h"
 
 using namespace lodestone;
 using safety::Supervisor;
@@ -24,7 +25,7 @@ struct Bench {
     device.state.temperature_C.fill(22.0);
     start();
   }
-  void start() { coils = std::make_unique<Supervisor>(device, config, clock); }
+  void start() { coils = std::make_unique<Supervisor>(device, config, tests::paper_rig(), clock); }
   control::PoseEstimate pose(double x_m = 0.0) const {
     control::PoseEstimate estimate;
     estimate.valid = true;

@@ -8,20 +8,20 @@ using namespace lodestone::task;
 using lodestone::geometry::Vector2;
 
 TEST_CASE("the sign picks the coil and opposite coils are never on together") {
-  const ActionConfig config = tests::paper_action();
+  const ActionConfig config = lodestone::tests::paper_action();
   CHECK(axis_drive({0.5, -2.0}, config) == Vector2(7.5, -15.0));
   CHECK(coil_currents({7.5, -15.0}) == std::array<double, 4>{7.5, 0.0, 0.0, 15.0});
   CHECK(coil_currents({-1.0, 2.0}) == std::array<double, 4>{0.0, 1.0, 2.0, 0.0});
 }
 
 TEST_CASE("small components fall into the dead band") {
-  ActionConfig config = tests::paper_action();
+  ActionConfig config = lodestone::tests::paper_action();
   config.dead_band = 0.1;
   CHECK(axis_drive({0.05, -0.2}, config) == Vector2(0.0, -3.0));
 }
 
 TEST_CASE("a device that drives one axis at a time gets the larger component") {
-  ActionConfig config = tests::paper_action();
+  ActionConfig config = lodestone::tests::paper_action();
   config.one_axis_at_a_time = true;
   config.scale = 100.0;
   CHECK(axis_drive({0.3, -0.4}, config) == Vector2(0.0, -40.0));

@@ -29,13 +29,13 @@ std::vector<float> encode(const EncoderConfig& config) {
 }  // namespace
 
 TEST_CASE("the paper's observation is x, y, theta and the target") {
-  const auto row = encode({});
+  const auto row = encode(lodestone::tests::paper_encoder());
   REQUIRE(row.size() == 5);
   CHECK(row == std::vector<float>{1.0F, -0.5F, static_cast<float>(M_PI / 2.0), 0.0F, 0.5F});
 }
 
 TEST_CASE("every option adds its numbers in order") {
-  EncoderConfig config = tests::paper_encoder();
+  EncoderConfig config = lodestone::tests::paper_encoder();
   config.heading = "sine_cosine";
   config.relative_target = true;
   config.memory = true;
@@ -50,7 +50,7 @@ TEST_CASE("every option adds its numbers in order") {
 }
 
 TEST_CASE("an encoded row can be read back and given another target") {
-  EncoderConfig config = tests::paper_encoder();
+  EncoderConfig config = lodestone::tests::paper_encoder();
   config.heading = "sine_cosine";
   config.relative_target = true;
   config.target_heading = true;

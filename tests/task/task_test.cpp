@@ -22,7 +22,7 @@ StepOutcome move(const TaskConfig& config, const Vector2& from_m, const Vector2&
 }  // namespace
 
 TEST_CASE("equation 3 with the distance in dish radii") {
-  const TaskConfig config = tests::paper_task();
+  const TaskConfig config = lodestone::tests::paper_task();
   const StepOutcome nearer = move(config, {0.0425, 0.0}, {0.02125, 0.0}, 1);
   CHECK(nearer.reward == Approx(5.0 - 0.04));
   CHECK_FALSE(nearer.terminated);
@@ -34,7 +34,7 @@ TEST_CASE("equation 3 with the distance in dish radii") {
 }
 
 TEST_CASE("termination and truncation are kept apart") {
-  TaskConfig config = tests::paper_task();
+  TaskConfig config = lodestone::tests::paper_task();
   config.max_steps = 5;
   CHECK(move(config, {0.01, 0.0}, {0.01, 0.0}, 5).truncated);
   const StepOutcome left = move(config, {0.04, 0.0}, {0.05, 0.0}, 5);
@@ -47,7 +47,7 @@ TEST_CASE("termination and truncation are kept apart") {
 }
 
 TEST_CASE("goals fill their disc evenly") {
-  TaskConfig config = tests::paper_task();
+  TaskConfig config = lodestone::tests::paper_task();
   lodestone::common::RandomStream random(1, "goal");
   int inner = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -61,7 +61,7 @@ TEST_CASE("goals fill their disc evenly") {
 }
 
 TEST_CASE("the success radius shrinks with the training's progress") {
-  TaskConfig config = tests::paper_task();
+  TaskConfig config = lodestone::tests::paper_task();
   config.final_success_radius_m = 0.001;
   CHECK(success_radius_m(config, 0.0) == Approx(0.003));
   CHECK(success_radius_m(config, 0.5) == Approx(0.002));
@@ -77,7 +77,7 @@ TEST_CASE("the success radius shrinks with the training's progress") {
 }
 
 TEST_CASE("a pose is reached when place and heading are") {
-  TaskConfig config = tests::paper_task();
+  TaskConfig config = lodestone::tests::paper_task();
   config.goal = "pose";
   Step step;
   step.before = {0.001, 0.0, 1.0};
@@ -92,7 +92,7 @@ TEST_CASE("a pose is reached when place and heading are") {
 }
 
 TEST_CASE("current costs what the configuration says") {
-  TaskConfig config = tests::paper_task();
+  TaskConfig config = lodestone::tests::paper_task();
   config.current_cost = 0.5;
   Step step;
   step.before = {0.02, 0.0, 0.0};

@@ -16,11 +16,18 @@ std::shared_ptr<const vision::Segmenter> shipped_segmenter() {
   return segmenter;
 }
 
+vision::LocaliserConfig paper_localiser() {
+  vision::LocaliserConfig config;
+  config.rod = vision::rod_of(tests::paper_bench());
+  return config;
+}
+
 /// A scene and a localiser that knows its camera.
 struct View {
   explicit View(std::uint64_t seed)
       : renderer(imaging::draw_scene(tests::paper_scenes(), seed)),
-        localiser(shipped_segmenter(), renderer.scene().camera, renderer.scene().bench.dish_radius_m, {}),
+        localiser(shipped_segmenter(), renderer.scene().camera, renderer.scene().bench.dish_radius_m,
+                  paper_localiser()),
         random(seed, "frames") {}
 
   cv::Mat image(const std::vector<imaging::NeedleView>& needles) {
@@ -86,7 +93,8 @@ TEST_CASE("a needle at the image's edge gives no pose") {
   imaging::Scene scene = imaging::draw_scene(tests::paper_scenes(), 1);
   scene.camera = imaging::moved({}, {0.0, 0.0, 0.0}, {0.035, 0.0, 0.0});
   const imaging::SceneRenderer renderer(scene);
-  vision::Localiser localiser(shipped_segmenter(), scene.camera, scene.bench.dish_radius_m, {});
+  vision::Localiser localiser(shipped_segmenter(), scene.camera, scene.bench.dish_radius_m,
+                              paper_localiser());
   common::RandomStream random(1, "frames");
   const double edge_m = scene.camera.to_dish({0.0, 511.5}).x();
   const vision::Localisation found =

@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 
 #include "lodestone/common/random.h"
+#include "paper_scenes.h"
 
 using namespace lodestone;
 
@@ -12,6 +13,8 @@ namespace {
 
 constexpr int kSide = 128;
 const vision::MaskGrid kGrid{{-0.0254, 0.0254}, 0.4e-3};
+
+vision::RodConfig paper_rod() { return vision::rod_of(tests::paper_bench()); }
 
 /// Evidence of an ideal network for needles at these poses, with noise on the log-odds.
 class Evidence {
@@ -24,7 +27,7 @@ class Evidence {
   /// Log-odds of the fraction of each pixel that is needle. Hidden parts (along the needle, from its middle)
   /// say nothing either way.
   Evidence& add(const geometry::Pose2& pose, double hidden_from_m = 1.0, double hidden_to_m = 1.0) {
-    const vision::RodConfig rod;
+    const vision::RodConfig rod = paper_rod();
     for (int row = 0; row < kSide; ++row) {
       for (int column = 0; column < kSide; ++column) {
         double needle = 0.0;
@@ -81,17 +84,19 @@ void check_near(const vision::Rod& rod, const geometry::Pose2& pose, double posi
 TEST_CASE("a needle is found to a fifth of a pixel, at any heading, with its head") {
   for (double heading = -3.0; heading < 3.1; heading += 0.37) {
     const geometry::Pose2 pose{0.0031 * std::cos(5.0 * heading), -0.002, heading};
-    check_near(vision::fit_rod(Evidence().add(pose).maps(), kGrid, {}), pose, 0.08e-3, 0.003);
-    check_near(vision::fit_rod(Evidence().add(pose).noise(1.0).maps(), kGrid, {}), pose, 0.12e-3, 0.008);
+    check_near(vision::fit_rod(Evidence().add(pose).maps(), kGrid, paper_rod()), pose, 0.08e-3, 0.003);
+    check_near(vision::fit_rod(Evidence().add(pose).noise(1.0).maps(), kGrid, paper_rod()), pose, 0.12e-3,
+               0.008);
   }
 }
 
 TEST_CASE("a hidden end gives way to the visible one") {
   const geometry::Pose2 pose{0.002, 0.001, 0.7};
-  const vision::Rod bare = vision::fit_rod(Evidence().add(pose).maps(), kGrid, {});
+  const vision::Rod bare = vision::fit_rod(Evidence().add(pose).maps(), kGrid, paper_rod());
   for (const double sign : {-1.0, 1.0}) {
     const double from_m = sign > 0.0 ? 0.004 : -0.018;
-    const vision::Rod rod = vision::fit_rod(Evidence().add(pose, from_m, from_m + 0.014).maps(), kGrid, {});
+    const vision::Rod rod =
+        vision::fit_rod(Evidence().add(pose, from_m, from_m + 0.014).maps(), kGrid, paper_rod());
     check_near(rod, pose, 0.3e-3, 0.01);
     CHECK(rod.covariance.topLeftCorner(2, 2).trace() > bare.covariance.topLeftCorner(2, 2).trace());
     CHECK(rod.head_certainty < bare.head_certainty + 1e-12);
@@ -99,7 +104,7 @@ TEST_CASE("a hidden end gives way to the visible one") {
 }
 
 TEST_CASE("the covariance lies along the needle and is positive") {
-  const vision::Rod rod = vision::fit_rod(Evidence().add({0.0, 0.0, 0.5}).maps(), kGrid, {});
+  const vision::Rod rod = vision::fit_rod(Evidence().add({0.0, 0.0, 0.5}).maps(), kGrid, paper_rod());
   REQUIRE(rod.found);
   const Eigen::Vector2d along(std::cos(0.5), std::sin(0.5));
   const Eigen::Vector2d across(-std::sin(0.5), std::cos(0.5));
@@ -111,7 +116,7 @@ TEST_CASE("the covariance lies along the needle and is positive") {
 
 TEST_CASE("there is no pose, but a reason, where no single needle is seen") {
   const auto reason = [](const Evidence& evidence) {
-    const vision::Rod rod = vision::fit_rod(evidence.maps(), kGrid, {});
+    const vision::Rod rod = vision::fit_rod(evidence.maps(), kGrid, paper_rod());
     CHECK_FALSE(rod.found);
     return rod.reason;
   };
@@ -122,7 +127,7 @@ TEST_CASE("there is no pose, but a reason, where no single needle is seen") {
   Evidence bare;
   bare.add({0.0, 0.0, 0.2});
   vision::Evidence without_tape{bare.maps().needle, cv::Mat(kSide, kSide, CV_32F, cv::Scalar(-6.0))};
-  const vision::Rod rod = vision::fit_rod(without_tape, kGrid, {});
+  const vision::Rod rod = vision::fit_rod(without_tape, kGrid, paper_rod());
   CHECK_FALSE(rod.found);
   CHECK_THAT(rod.reason, Catch::Contains("head and tail"));
 }
@@ -131,7 +136,7 @@ TEST_CASE("a blob is no needle") {
   vision::Evidence blob{cv::Mat(kSide, kSide, CV_32F, cv::Scalar(-6.0)),
                         cv::Mat(kSide, kSide, CV_32F, cv::Scalar(-6.0))};
   blob.needle(cv::Rect(50, 50, 14, 14)).setTo(5.0);
-  CHECK_FALSE(vision::fit_rod(blob, kGrid, {}).found);
+  CHECK_FALSE(vision::fit_rod(blob, kGrid, paper_rod()).found);
 }
 
 TEST_CASE(
@@ -140,12 +145,13 @@ TEST_CASE(
   Evidence seen;
   seen.add({0.0, 0.0, 0.2});
   const vision::Evidence hidden{seen.maps().needle, cv::Mat(kSide, kSide, CV_32F, cv::Scalar(-3.0))};
-  CHECK_FALSE(vision::fit_rod(hidden, kGrid, {}).found);
-  const vision::Rod tracked = vision::fit_rod(hidden, kGrid, {}, 0.5);
+  CHECK_FALSE(vision::fit_rod(hidden, kGrid, paper_rod()).found);
+  const vision::Rod tracked = vision::fit_rod(hidden, kGrid, paper_rod(), 0.5);
   REQUIRE(tracked.found);
   CHECK(tracked.pose.heading_rad == Approx(0.2).margin(0.01));
-  CHECK_FALSE(vision::fit_rod(hidden, kGrid, {}, 0.2 + 1.57).found);  // it has turned too far to tell
-  const vision::Rod flipped = vision::fit_rod(seen.maps(), kGrid, {}, 0.2 + 3.1);
+  CHECK_FALSE(
+      vision::fit_rod(hidden, kGrid, paper_rod(), 0.2 + 1.57).found);  // it has turned too far to tell
+  const vision::Rod flipped = vision::fit_rod(seen.maps(), kGrid, paper_rod(), 0.2 + 3.1);
   REQUIRE(flipped.found);
   CHECK(flipped.pose.heading_rad == Approx(0.2).margin(0.01));
 }

@@ -29,9 +29,6 @@ struct MaskGrid {
 
 /// The needle as a rod of known size, and what counts as seeing one.
 struct RodConfig {
-  double needle_length_m = 0.0235;
-  double needle_diameter_m = 0.7176e-3;
-  double tape_length_m = 0.003;
   double inlier_m = 0.6e-3;
   double min_visible = 0.35;
   double min_support = 0.50;
@@ -41,9 +38,9 @@ struct RodConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("needle_length_m", needle_length_m, "m", "length of the needle", {1e-3, 0.2});
-    v.field("needle_diameter_m", needle_diameter_m, "m", "diameter of the needle", {1e-4, 0.02});
-    v.field("tape_length_m", tape_length_m, "m", "length of the tape on its head", {1e-4, 0.1});
+    v.retired("needle_length_m", "rig.needle.length_m");
+    v.retired("needle_diameter_m", "rig.needle.diameter_m");
+    v.retired("tape_length_m", "rig.needle.tape_length_m");
     v.field("inlier_m", inlier_m, "m", "mask pixels this near to a line support it", {1e-5, 0.02});
     v.field("min_visible", min_visible, "", "a smaller fraction of the needle's area is no needle",
             {0.0, 1.0});
@@ -59,6 +56,11 @@ struct RodConfig {
             {0.0, 20.0});
     v.field("sigma_scale", sigma_scale, "", "factor on the standard deviations of the result", {0.01, 100.0});
   }
+
+  // No keys: the rig's, by rod_of().
+  double needle_length_m = 0.0;
+  double needle_diameter_m = 0.0;
+  double tape_length_m = 0.0;
 };
 
 /// `config` with the needle's sizes of a bench.
