@@ -33,6 +33,7 @@ struct SerialConfig {
   double resistance_at_C = 20.0;
   double temperature_coefficient_per_K = 3.9e-3;
   std::vector<std::int64_t> polarity = {1, 1, 1, 1};
+  std::vector<std::int64_t> output = {1, 2, 3, 4};
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -61,8 +62,14 @@ struct SerialConfig {
             "1 where a positive current makes a field towards the coil, -1 where it is "
             "wired the other way round",
             {-1.0, 1.0});
+    v.field("output", output, "",
+            "where the coils +x, -x, +y, -y are connected: 1 and 2 are M1 and M2 of controller 0x80, 3 and 4 "
+            "those of 0x81",
+            {1.0, 4.0});
   }
   void validate() const;
+  /// Index on the wire of the output that a coil is connected to.
+  std::size_t output_of(std::size_t coil) const { return static_cast<std::size_t>(output[coil] - 1); }
 };
 
 /// What the coil controller says of itself.
