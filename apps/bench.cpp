@@ -7,9 +7,11 @@
 #include <vector>
 
 #include "hil_figures.h"
+#include "lodestone/common/blas_kernels.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "lodestone/common/interrupt.h"
+#include "lodestone/common/log.h"
 #include "lodestone/common/progress.h"
 #include "lodestone/common/run_folder.h"
 #include "lodestone/common/statistics.h"
@@ -133,7 +135,7 @@ void bench_speed(const CommonOptions& options, const std::string& command) {
       "%s, %lld threads, BLAS core %s, own kernels %s, commit %s, %lld rounds of %g s: median (least .. "
       "most)\n",
       facts["processor"].get<std::string>().c_str(), static_cast<long long>(threads),
-      nets::blas_core_name().c_str(), nets::gemm_kernel_name().c_str(),
+      common::blas_core_name().c_str(), nets::gemm_kernel_name().c_str(),
       facts["git_commit"].get<std::string>().c_str(), static_cast<long long>(config.runs), config.run_s);
   for (const Row& row : rows) {
     char fraction[32] = "";
@@ -142,6 +144,9 @@ void bench_speed(const CommonOptions& options, const std::string& command) {
     print_row(row.name.c_str(), median(row.rounds) / row.scale, percentile(row.rounds, 0.0) / row.scale,
               percentile(row.rounds, 1.0) / row.scale, row.unit, fraction);
   }
+  const std::string slow = common::slow_blas_note(common::blas_core_name(), median(rows[kSgemmOne].rounds),
+                                                  median(rows[kGemmOne].rounds));
+  if (!slow.empty()) common::log_warning(slow);
   const auto print_latency = [](const char* name, const std::vector<double>& ms) {
     char note[48];
     std::snprintf(note, sizeof note, "p99 %.1f ms", percentile(ms, 0.99));
@@ -164,7 +169,7 @@ void bench_speed(const CommonOptions& options, const std::string& command) {
     return json;
   };
   common::Json result = {{"machine", facts},
-                         {"blas_core", nets::blas_core_name()},
+                         {"blas_core", common::blas_core_name()},
                          {"kernels", nets::gemm_kernel_name()},
                          {"threads", threads},
                          {"config", common::config_to_json(config)},

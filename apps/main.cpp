@@ -4,10 +4,10 @@
 #include <exception>
 #include <opencv2/core/utility.hpp>
 
+#include "lodestone/common/blas_kernels.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
-#include "lodestone/nets/blas.h"
 #include "verb.h"
 
 namespace {
@@ -53,7 +53,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (!is_given(kNoReexec, argc, argv)) lodestone::nets::restart_with_better_blas_kernels(argv);
+  if (!is_given(kNoReexec, argc, argv)) lodestone::common::restart_with_better_blas_kernels(argv);
   lodestone::common::install_interrupt_handler();
   // Threads are for trials, scenes and shards; an image's own operations are too short to be split.
   cv::setNumThreads(1);

@@ -1,5 +1,6 @@
 #include "lodestone/rig/serial_coils.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "lodestone/common/error.h"
@@ -9,12 +10,20 @@
 
 namespace lodestone::rig {
 
+void SerialConfig::validate() const {
+  constexpr std::array<std::int64_t, kCoilCount> kOutputs = {1, 2, 3, 4};
+  if (output.size() != kOutputs.size() ||
+      !std::is_permutation(output.begin(), output.end(), kOutputs.begin()))
+    throw common::ConfigError("rig.serial.output must name each of the outputs 1, 2, 3 and 4 once");
+}
+
 SerialCoils::SerialCoils(const SerialConfig& config, const physics::CoilsDescription& coils)
     : SerialCoils(config, coils,
                   [config] { return open_serial_port(config.port, static_cast<int>(config.baud)); }) {}
 
 SerialCoils::SerialCoils(const SerialConfig& config, const physics::CoilsDescription& coils, OpenPort open)
     : config_(config), coils_(coils) {
+  config_.validate();
   coils_.validate();
   session_ = std::make_unique<SerialSession>(config_, coils_, std::move(open));
 }
@@ -56,8 +65,9 @@ CoilControllerState SerialCoils::state() {
     state.board_C[i] = 0.1 * raw.board_dC[i];
   }
   for (std::size_t i = 0; i < kCoilCount; ++i) {
-    state.current_A[i] = 1e-3 * raw.current_mA[i] * static_cast<double>(coils_.polarity[i]);
-    state.resistance_ohm[i] = 1e-3 * raw.resistance_mohm[i];
+    state.current_A[i] =
+        1e-3 * raw.current_mA[config_.output_of(i)] * static_cast<double>(coils_.polarity[i]);
+    state.resistance_ohm[i] = 1e-3 * raw.resistance_mohm[config_.output_of(i)];
   }
   state.faults = fault_texts(raw.faults);
   return state;
@@ -84,12 +94,12 @@ CurrentTrace SerialCoils::trace() {
   if (head.coil >= kCoilCount ||
       body.size() != std::size_t{wire::kTraceHeadSize} + wire::kTraceSampleSize * head.count)
     return trace;
-  trace.coil = head.coil;
+  while (config_.output_of(static_cast<std::size_t>(trace.coil)) != head.coil) ++trace.coil;
+  const auto polarity = static_cast<double>(coils_.polarity[static_cast<std::size_t>(trace.coil)]);
   for (std::size_t i = 0; i < head.count; ++i) {
     wire::TraceSample sample{};
     at = wire::get_trace_sample(at, &sample);
-    trace.samples.emplace_back(1e-4 * sample.time_100us,
-                               1e-3 * sample.current_mA * static_cast<double>(coils_.polarity[head.coil]));
+    trace.samples.emplace_back(1e-4 * sample.time_100us, 1e-3 * sample.current_mA * polarity);
   }
   return trace;
 }

@@ -47,7 +47,7 @@ wire::CoilLimits wire_limits(const SerialConfig& config, const physics::CoilsDes
   limits.min_supply_dV = scaled(config.min_supply_V, 10.0);
   limits.max_board_dC = scaled(config.max_board_C, 10.0);
   for (std::size_t i = 0; i < kCoilCount; ++i)
-    limits.resistance_mohm[i] = scaled(coils.resistance_20C_ohm[i], 1e3);
+    limits.resistance_mohm[config.output_of(i)] = scaled(coils.resistance_20C_ohm[i], 1e3);
   limits.max_resistance_permille =
       scaled(1.0 + coils.temperature_coefficient_per_K * (config.max_coil_C - kResistance_C), 1e3);
   return limits;
@@ -62,7 +62,7 @@ wire::PulseRequest wire_pulse(const SerialConfig& config, const physics::CoilsDe
                                   std::to_string(pulse.current_A[i]) + " A is refused; it must be within +-" +
                                   std::to_string(coils.max_current_A) + " A");
     const double wired_A = pulse.current_A[i] * static_cast<double>(coils.polarity[i]);
-    request.current_mA[i] = static_cast<std::int16_t>(std::lround(1e3 * wired_A));
+    request.current_mA[config.output_of(i)] = static_cast<std::int16_t>(std::lround(1e3 * wired_A));
   }
   if (!(pulse.duration_s >= 0.0 && pulse.duration_s <= config.max_pulse_s))
     throw common::HardwareError("serial coils: duration = " + std::to_string(pulse.duration_s) +

@@ -1,4 +1,4 @@
-"""The program starts itself again, once, where OpenBLAS did not know the processor's AVX-512."""
+"""The program starts itself again, once, where OpenBLAS did not know the processor's AVX-512 or AVX2."""
 import os
 import subprocess
 import sys
@@ -9,17 +9,19 @@ has_avx512 = {"avx512f", "avx512bw", "avx512dq", "avx512vl"} <= flags
 failures = []
 
 
-def check(restarts, arguments=(), **environment):
+def check(restarts, arguments=(), chosen="Haswell", **environment):
     clean = {key: value for key, value in os.environ.items() if key != "OPENBLAS_CORETYPE"}
     made = subprocess.run([program, *arguments, "config", "--print", "bench"], capture_output=True, text=True,
-                          env={**clean, **environment, "LD_PRELOAD": old_openblas}, timeout=120)
+                          env={**clean, **environment, "CHOSEN_CORE": chosen, "LD_PRELOAD": old_openblas}, timeout=120)
     if made.returncode != 0 or "meaning" not in made.stdout:
-        failures.append(f"{arguments} {environment}: exit {made.returncode}, {made.stdout!r} {made.stderr!r}")
+        failures.append(f"{arguments} {chosen} {environment}: exit {made.returncode}, {made.stdout!r} {made.stderr!r}")
     if made.stderr.count("starting again") != restarts:
-        failures.append(f"{arguments} {environment}: expected {restarts} restarts, stderr {made.stderr!r}")
+        failures.append(f"{arguments} {chosen} {environment}: expected {restarts} restarts, stderr {made.stderr!r}")
 
 
 check(1 if has_avx512 else 0)
+check(1 if has_avx512 or {"avx2", "fma"} <= flags else 0, chosen="Prescott")
+check(0, chosen="SkylakeX")
 check(0, arguments=["--no-reexec"])
 check(0, OPENBLAS_CORETYPE="Haswell")  # the user's choice stands
 sys.exit("\n".join(failures) or 0)

@@ -4,5 +4,6 @@
 
 extern "C" const char* openblas_get_corename() {
   const char* told = std::getenv("OPENBLAS_CORETYPE");
-  return told != nullptr ? told : "Haswell";
+  const char* chosen = std::getenv("CHOSEN_CORE");
+  return told != nullptr ? told : chosen;
 }

@@ -182,3 +182,26 @@ TEST_CASE("polarity turns the wires round, and bad settings are refused") {
   bad.polarity = {1, 0, 1, 1};
   CHECK_THROWS_AS(bad.validate(), common::ConfigError);
 }
+
+TEST_CASE("coils on other outputs get their own current, resistance and trace") {
+  Bench b;
+  b.serial.output = {3, 2, 1, 4};
+  physics::CoilsDescription wired = b.rig.config().coils;
+  wired.polarity = {1, 1, -1, 1};
+  wired.resistance_20C_ohm = {1.9, 1.9, 2.5, 1.9};
+  b.bench.short_coil(0, 2.5 / 1.9);  // what output 1 drives is the coil +y now
+  rig::SerialCoils mapped(b.serial, wired,
+                          [&b] { return std::make_unique<emulation::LockstepPort>(b.bench); });
+  mapped.apply({{0.0, 0.0, 4.0, 1.0}, 0.3});
+  b.wait(0.29);
+  CHECK(b.bench.current_A()[0] == Approx(-4.0).epsilon(0.04));
+  CHECK(b.bench.current_A()[3] == Approx(1.0).margin(0.06));
+  CHECK(mapped.status().current_A[2] == Approx(4.0).epsilon(0.05));
+  b.wait(0.3);
+  CHECK(mapped.state().resistance_ohm[2] == Approx(2.5).epsilon(0.05));
+  CHECK(mapped.trace().coil == 2);
+  CHECK(mapped.trace().samples.back().second == Approx(4.0).epsilon(0.1));
+  rig::SerialConfig bad = b.serial;
+  bad.output = {1, 1, 3, 4};
+  CHECK_THROWS_WITH(bad.validate(), Contains("each of the outputs"));
+}

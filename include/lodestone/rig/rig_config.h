@@ -16,6 +16,10 @@ struct RigConfig : VirtualRigConfig {
   CameraSourceConfig camera;
 
   bool real() const { return backend == "serial"; }
+  void validate() const {
+    VirtualRigConfig::validate();
+    serial.validate();
+  }
   template <class Visitor>
   void visit(Visitor& v) {
     v.field(

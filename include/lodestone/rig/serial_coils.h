@@ -28,6 +28,7 @@ struct SerialConfig {
   double min_supply_V = 20.0;
   double max_board_C = 80.0;
   double max_coil_C = 110.0;
+  std::vector<std::int64_t> output = {1, 2, 3, 4};
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -48,7 +49,14 @@ struct SerialConfig {
     v.field("max_board_C", max_board_C, "C", "a motor controller above this stops the coils", {30.0, 85.0});
     v.field("max_coil_C", max_coil_C, "C", "a coil whose resistance tells more than this stops the coils",
             {30.0, 155.0});
+    v.field("output", output, "",
+            "where the coils +x, -x, +y, -y are connected: 1 and 2 are M1 and M2 of controller 0x80, 3 and 4 "
+            "those of 0x81",
+            {1.0, 4.0});
   }
+  void validate() const;
+  /// Index on the wire of the output that a coil is connected to.
+  std::size_t output_of(std::size_t coil) const { return static_cast<std::size_t>(output[coil] - 1); }
 };
 
 /// What the coil controller says of itself.
