@@ -17,8 +17,8 @@
 #include "lodestone/emulation/lockstep_port.h"
 #include "lodestone/experiments/deployment.h"
 #include "lodestone/experiments/fault_injection.h"
+#include "lodestone/inference/policy.h"
 #include "lodestone/nets/blas.h"
-#include "lodestone/nets/policy.h"
 #include "models.h"
 
 namespace lodestone::apps {
@@ -59,7 +59,7 @@ struct HilConfig {
 
 experiments::ControllerSource source_of(const HilConfig& config) {
   if (config.policy.empty()) return experiments::baseline_source(config.deployment);
-  return experiments::policy_source(config.deployment, nets::load_policy(config.policy), config.policy);
+  return experiments::policy_source(config.deployment, inference::load_policy(config.policy), config.policy);
 }
 
 using common::percentile;
@@ -123,7 +123,7 @@ common::Json run_fault_list(const HilConfig& config, const std::string& out, Fig
     one["held"] = true;
     json.push_back(one);
   }
-  figures.add("longest time to coils off after a fault", worst_s, "s", emulation::kOffWithin_s);
+  figures.add("longest time to coils off after a fault", worst_s, "s", experiments::kOffWithin_s);
   figures.add("faults with an unsafe state", unsafe, "", 0.0);
   figures.add("records lost", lost, "", 0.0);
   return json;
@@ -145,7 +145,7 @@ common::Json run_hour(const HilConfig& config, const std::string& out, Figures& 
               report.largest_current_A);
   figures.add("long run: unsafe states", static_cast<double>(report.unsafe), "", 0.0);
   figures.add("long run: faults without an entry in the log", unlogged, "", 0.0);
-  figures.add("long run: longest stretch with current", report.longest_on_s, "s", emulation::kOffWithin_s);
+  figures.add("long run: longest stretch with current", report.longest_on_s, "s", experiments::kOffWithin_s);
   return {{"pulses", report.pulses},
           {"simulated_s", report.simulated_s},
           {"largest_current_A", report.largest_current_A},

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "lodestone/common/config.h"
-#include "lodestone/rl/td3.h"
+#include "lodestone/rl/td3_config.h"
 
 namespace lodestone::apps {
 

@@ -83,7 +83,7 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
   return plan;
 }
 
-ControllerSource policy_source(const DeploymentConfig& config, const nets::Policy& policy,
+ControllerSource policy_source(const DeploymentConfig& config, const inference::Policy& policy,
                                const std::string& what) {
   check_scale(config, policy.action.scale, what);
   ControllerSource source;
@@ -95,7 +95,7 @@ ControllerSource policy_source(const DeploymentConfig& config, const nets::Polic
   return source;
 }
 
-ControllerSource planner_source(const DeploymentConfig& config, const nets::DynamicsModel& model,
+ControllerSource planner_source(const DeploymentConfig& config, const inference::DynamicsModel& model,
                                 const std::string& what) {
   check_scale(config, model.info.action_scale, what);
   ControllerSource source;

@@ -1,17 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <optional>
-#include <string>
+#include <utility>
 #include <vector>
 
-#include <torch/torch.h>
-
-#include "lodestone/common/config.h"
-#include "lodestone/task/action.h"
-#include "lodestone/task/observation.h"
-#include "lodestone/task/region.h"
+#include <torch/nn/modules/linear.h>
 
 namespace lodestone::nets {
 
@@ -44,25 +37,5 @@ class TwinCriticImpl : public torch::nn::Module {
   std::vector<torch::nn::Linear> second_;
 };
 TORCH_MODULE(TwinCritic);
-
-/// A deployable policy: actor, and how to encode what it sees and decode what it says.
-struct Policy {
-  Actor actor{nullptr};
-  std::vector<std::int64_t> hidden = {256, 256};
-  task::EncoderConfig encoder;
-  task::ActionConfig action;
-  std::string goal = "point";          ///< task it was trained for
-  std::optional<task::Region> region;  ///< that its starts and goals lay in; none: the whole discs
-  /// Figures of the run that made it ("collect", "dynamics", "policy"), which deploy repeats beside its own.
-  common::Json provenance = common::Json::object();
-};
-
-/// Checkpoint of kind "policy" with example inputs and outputs, which load_policy recomputes (within 1e-5).
-void save_policy(const std::string& folder, const Policy& policy, const common::Json& run_config,
-                 const common::Json& metrics);
-/// Writes Policy::provenance into a policy checkpoint that is there.
-void set_policy_provenance(const std::string& folder, const common::Json& provenance);
-/// Throws CheckpointError.
-Policy load_policy(const std::string& folder);
 
 }  // namespace lodestone::nets
