@@ -15,8 +15,8 @@
 #include "lodestone/common/progress.h"
 #include "lodestone/common/run_folder.h"
 #include "lodestone/common/statistics.h"
+#include "lodestone/inference/gemm.h"
 #include "lodestone/nets/blas.h"
-#include "lodestone/nets/gemm.h"
 #include "models.h"
 #include "paper_bench.h"
 #include "speed_figures.h"
@@ -135,7 +135,7 @@ void bench_speed(const CommonOptions& options, const std::string& command) {
       "%s, %lld threads, BLAS core %s, own kernels %s, commit %s, %lld rounds of %g s: median (least .. "
       "most)\n",
       facts["processor"].get<std::string>().c_str(), static_cast<long long>(threads),
-      common::blas_core_name().c_str(), nets::gemm_kernel_name().c_str(),
+      common::blas_core_name().c_str(), inference::gemm_kernel_name().c_str(),
       facts["git_commit"].get<std::string>().c_str(), static_cast<long long>(config.runs), config.run_s);
   for (const Row& row : rows) {
     char fraction[32] = "";
@@ -170,7 +170,7 @@ void bench_speed(const CommonOptions& options, const std::string& command) {
   };
   common::Json result = {{"machine", facts},
                          {"blas_core", common::blas_core_name()},
-                         {"kernels", nets::gemm_kernel_name()},
+                         {"kernels", inference::gemm_kernel_name()},
                          {"threads", threads},
                          {"config", common::config_to_json(config)},
                          {"command", command},

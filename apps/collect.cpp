@@ -69,7 +69,7 @@ using Sessions = std::vector<std::unique_ptr<experiments::Collection>>;
 
 /// The policy that was trained on the first round drives the second one.
 experiments::Teleoperator policy_teleoperator(const CollectConfig& config, std::int64_t session) {
-  const nets::Policy policy = nets::load_policy(config.policy);
+  const inference::Policy policy = inference::load_policy(config.policy);
   if (policy.goal != "point")
     throw common::ConfigError(config.policy + " was trained for goal \"" + policy.goal +
                               "\"; exploring needs a policy for points");

@@ -13,9 +13,9 @@
 #include "lodestone/common/run_folder.h"
 #include "lodestone/experiments/deployment.h"
 #include "lodestone/experiments/recorder.h"
+#include "lodestone/inference/dynamics.h"
+#include "lodestone/inference/policy.h"
 #include "lodestone/nets/blas.h"
-#include "lodestone/nets/dynamics.h"
-#include "lodestone/nets/policy.h"
 #include "models.h"
 #include "verb.h"
 
@@ -99,7 +99,7 @@ void choose_tasks(const DeployConfig& config, Job& job) {
 }
 
 /// A policy can do what it was trained for, and no other task.
-void check_goal(const DeployConfig& config, const nets::Policy& policy, Job& job) {
+void check_goal(const DeployConfig& config, const inference::Policy& policy, Job& job) {
   const std::string name = policy.goal;
   if (config.task == "all") {
     if (name != "point") job.tasks = {name};
@@ -122,8 +122,8 @@ Job plan_job(const DeployConfig& config) {
   if (config.on_rig != "unseen") job.rigs.push_back(experiments::RigKind::kExplored);
   if (config.on_rig != "explored") job.rigs.push_back(experiments::RigKind::kUnseen);
   const bool by_policy = config.controller == "policy" || config.controller == "both";
-  std::optional<nets::Policy> policy;
-  if (!config.policy.empty()) policy = nets::load_policy(config.policy);
+  std::optional<inference::Policy> policy;
+  if (!config.policy.empty()) policy = inference::load_policy(config.policy);
   if (by_policy) {
     if (!policy)
       throw common::ConfigError(
@@ -137,8 +137,8 @@ Job plan_job(const DeployConfig& config) {
     if (config.dynamics.empty())
       throw common::ConfigError(
           "controller = planner: --set dynamics=DIR is missing; name a dynamics checkpoint");
-    job.sources.push_back(experiments::planner_source(config.deployment, nets::load_dynamics(config.dynamics),
-                                                      config.dynamics));
+    job.sources.push_back(experiments::planner_source(
+        config.deployment, inference::load_dynamics(config.dynamics), config.dynamics));
   }
   if (config.controller == "baseline" || config.controller == "both")
     job.sources.push_back(experiments::baseline_source(config.deployment));

@@ -17,8 +17,8 @@
 #include "lodestone/emulation/lockstep_port.h"
 #include "lodestone/experiments/deployment.h"
 #include "lodestone/experiments/fault_injection.h"
+#include "lodestone/inference/policy.h"
 #include "lodestone/nets/blas.h"
-#include "lodestone/nets/policy.h"
 #include "models.h"
 
 namespace lodestone::apps {
@@ -59,7 +59,7 @@ struct HilConfig {
 
 experiments::ControllerSource source_of(const HilConfig& config) {
   if (config.policy.empty()) return experiments::baseline_source(config.deployment);
-  return experiments::policy_source(config.deployment, nets::load_policy(config.policy), config.policy);
+  return experiments::policy_source(config.deployment, inference::load_policy(config.policy), config.policy);
 }
 
 using common::percentile;

@@ -12,11 +12,13 @@
 #include "lodestone/control/policy_controller.h"
 #include "lodestone/env/mbs_env.h"
 #include "lodestone/imaging/scene_renderer.h"
-#include "lodestone/nets/dynamics.h"
-#include "lodestone/nets/gemm.h"
+#include "lodestone/nets/actor_critic.h"
+#include "lodestone/nets/checkpoint.h"
+#include "lodestone/nets/dynamics_network.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/rig_batch.h"
 #include "lodestone/rl/policy_learner.h"
+#include "lodestone/rl/td3.h"
 #include "lodestone/task/action.h"
 #include "lodestone/vision/localiser.h"
 #include "lodestone/vision/segmenter_evaluation.h"
@@ -55,12 +57,14 @@ double layer_flop(const std::vector<std::int64_t>& sizes) {
   return flop;
 }
 
-nets::DynamicsModel drawn_model(const SpeedConfig& config) {
-  torch::manual_seed(config.seed);
-  nets::DynamicsModel model;
-  model.members.emplace_back(nets::DynamicsNetwork(model.config, model.info.layout));
-  model.members.front()->eval();
-  model.start_states = 0.02 * (torch::rand({1000, 3}, torch::kFloat64) - 0.5);
+inference::DynamicsModel drawn_model(const SpeedConfig& config) {
+  const auto seed = static_cast<std::uint64_t>(config.seed);
+  inference::DynamicsModel model;
+  model.members.push_back(
+      nets::fold(*nets::make_dynamics_members(model.config, model.info.layout, seed).front()));
+  common::RandomStream random(seed, "bench starts");
+  model.start_states.resize(3 * 1000);
+  for (double& number : model.start_states) number = random.uniform(-0.01, 0.01);
   return model;
 }
 
@@ -85,7 +89,7 @@ struct Operands {
   torch::Tensor a = torch::randn({kSize, kSize});
   torch::Tensor b = torch::randn({kSize, kSize});
   torch::Tensor c = torch::empty({kSize, kSize});
-  nets::CacheAligned<float> scratch;
+  inference::CacheAligned<float> scratch;
 };
 
 /// FLOP/s of `product`, which multiplies one thread's operands.
@@ -111,8 +115,8 @@ RateFigure sgemm_rate(const SpeedConfig& config, std::int64_t threads) {
 
 RateFigure gemm_rate(const SpeedConfig& config, std::int64_t threads) {
   return product_rate(config, threads, [](Operands& my) {
-    nets::multiply<float>({my.a.data_ptr<float>(), kSize, kSize}, {my.b.data_ptr<float>(), kSize, kSize},
-                          my.scratch, my.c.data_ptr<float>(), {my.b.data_ptr<float>(), true, nullptr});
+    inference::multiply<float>({my.a.data_ptr<float>(), kSize, kSize}, {my.b.data_ptr<float>(), kSize, kSize},
+                               my.scratch, my.c.data_ptr<float>(), {my.b.data_ptr<float>(), true, nullptr});
   });
 }
 
@@ -148,7 +152,7 @@ RateFigure td3_rate(const SpeedConfig& config, const rl::Td3Config& td3, std::in
 }
 
 double mbs_step_flop() {
-  const nets::DynamicsConfig paper;
+  const inference::DynamicsConfig paper;
   std::vector<std::int64_t> sizes{5};
   sizes.insert(sizes.end(), paper.hidden.begin(), paper.hidden.end());
   sizes.push_back(3);
@@ -159,7 +163,9 @@ RateFigure mbs_rate(const SpeedConfig& config, std::int64_t environments, std::i
   constexpr int kSteps = 10;
   auto env = drawn_environments(config, environments, threads);
   env->reset();
-  const torch::Tensor actions = 2.0 * torch::rand({environments, kActionSize}) - 1.0;
+  std::vector<float> actions(static_cast<std::size_t>(environments * kActionSize));
+  common::RandomStream random(static_cast<std::uint64_t>(config.seed), "bench actions");
+  for (float& action : actions) action = static_cast<float>(random.uniform(-1.0, 1.0));
   return rate_of(config, static_cast<double>(kSteps * environments), [env, actions] {
     for (int i = 0; i < kSteps; ++i) env->step(actions);
   });
@@ -209,7 +215,8 @@ struct ImageLatency::Bench {
         random(static_cast<std::uint64_t>(config.seed), "bench images") {
     policy.encoder.length_scale_m = config.rig.dish.radius_m;
     policy.action.scale = config.rig.coils.max_current_A;
-    policy.actor = nets::Actor(task::ObservationEncoder(policy.encoder).size(), policy.hidden);
+    const nets::Actor actor(task::ObservationEncoder(policy.encoder).size(), policy.hidden);
+    policy.weights = nets::to_arrays(nets::module_tensors(*actor));
     controller = std::make_unique<control::PolicyController>(policy);
   }
   static imaging::SceneConfig scenes_of(const SpeedConfig& config) {
@@ -220,7 +227,7 @@ struct ImageLatency::Bench {
   imaging::SceneConfig scenes;
   imaging::SceneRenderer renderer;
   vision::Localiser localiser;
-  nets::Policy policy;
+  inference::Policy policy;
   std::unique_ptr<control::PolicyController> controller;
   common::RandomStream random;
   std::int64_t image = 0;

@@ -8,7 +8,7 @@
 
 #include "lodestone/common/config.h"
 #include "lodestone/rig/rig_config.h"
-#include "lodestone/rl/td3.h"
+#include "lodestone/rl/td3_config.h"
 
 namespace lodestone::apps {
 

@@ -6,9 +6,9 @@
 #include "lodestone/common/files.h"
 #include "lodestone/common/log.h"
 #include "lodestone/common/run_folder.h"
+#include "lodestone/inference/checkpoint.h"
+#include "lodestone/inference/policy.h"
 #include "lodestone/nets/blas.h"
-#include "lodestone/nets/checkpoint.h"
-#include "lodestone/nets/policy.h"
 #include "lodestone/rl/policy_environments.h"
 #include "lodestone/rl/policy_trainer.h"
 #include "verb.h"
@@ -26,7 +26,7 @@ common::Json provenance(const TrainPolicyConfig& config, const rl::PolicyRunResu
                           {"train_seconds", result.train_seconds}}}};
   if (config.simulator != "mbs") return facts;
   const common::Json metrics =
-      nets::load_checkpoint(config.dynamics, "dynamics").facts.value("metrics", common::Json::object());
+      inference::load_checkpoint(config.dynamics, "dynamics").facts.value("metrics", common::Json::object());
   if (metrics.contains("transitions")) facts["collect"]["transitions"] = metrics["transitions"];
   if (metrics.contains("position_rms_mm")) facts["dynamics"]["position_rms_mm"] = metrics["position_rms_mm"];
   return facts;
@@ -48,7 +48,7 @@ void train_policy(const CommonOptions& options) {
   const rl::PolicyRunResult result =
       rl::train_policy(config, *environments.training, *environments.evaluation, options.out, options.resume,
                        environments.region.get());
-  nets::set_policy_provenance(options.out + "/checkpoint", provenance(config, result));
+  inference::set_policy_provenance(options.out + "/checkpoint", provenance(config, result));
   common::write_file_atomically(result_file, result.json().dump(2) + "\n");
   common::log_info("wrote " + options.out + "/checkpoint and result.json");
   std::printf("%s\n", result.json().dump().c_str());

@@ -24,12 +24,12 @@ void PlannerConfig::validate() const {
                               " must not exceed planner.candidates = " + std::to_string(candidates));
 }
 
-PlannerModel::PlannerModel(const nets::DynamicsModel& model)
-    : state_size(static_cast<std::size_t>(data::state_size(model.info.layout))),
+PlannerModel::PlannerModel(const inference::DynamicsModel& model)
+    : members(model.members),
+      state_size(static_cast<std::size_t>(data::state_size(model.info.layout))),
       sampled(model.config.components > 0),
       dish_radius_m(model.info.workspace_radius_m) {
-  LODESTONE_CHECK(!model.members.empty(), "the ensemble has no member");
-  for (nets::DynamicsNetwork member : model.members) members.emplace_back(member);
+  LODESTONE_CHECK(!members.empty(), "the ensemble has no member");
   action.scale = model.info.action_scale;
   action.one_axis_at_a_time = model.info.one_axis_at_a_time;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "lodestone/common/error.h"
-#include "lodestone/nets/tensors.h"
 
 namespace lodestone::env {
 namespace {
@@ -12,10 +11,9 @@ constexpr int kStartTries = 16;
 constexpr std::int64_t kSlotNumbers = 13;
 
 /// The numbers of a slot that outlive a step, in the order checkpoints hold them.
-template <class Visit>
-void visit_numbers(geometry::Pose2& pose, task::Observation& seen, double& target_heading_rad,
-                   Visit&& visit) {
-  for (double* value :
+template <class Pose, class Observation, class Number, class Visit>
+void visit_numbers(Pose& pose, Observation& seen, Number& target_heading_rad, Visit&& visit) {
+  for (auto* value :
        {&pose.x_m, &pose.y_m, &pose.heading_rad, &seen.pose.x_m, &seen.pose.y_m, &seen.pose.heading_rad,
         &seen.target_m.x(), &seen.target_m.y(), &target_heading_rad, &seen.last_action.x(),
         &seen.last_action.y(), &seen.last_displacement_m.x(), &seen.last_displacement_m.y()}) {
@@ -25,19 +23,11 @@ void visit_numbers(geometry::Pose2& pose, task::Observation& seen, double& targe
 
 }  // namespace
 
-const torch::Tensor& state_tensor(const EnvState& state, const std::string& name, const torch::Tensor& like) {
-  const auto found = state.tensors.find(name);
-  if (found == state.tensors.end() || found->second.sizes() != like.sizes() ||
-      found->second.scalar_type() != like.scalar_type()) {
-    throw common::CheckpointError(
-        "state of the environments: tensor \"" + name +
-        "\" is missing or of another shape; resume with the same number of environments");
-  }
-  return found->second;
-}
-
 EpisodeBatch::EpisodeBatch(const EpisodeSettings& settings, const SensorNoise& noise, const std::string& name)
-    : settings_(settings), noise_(noise), encoder_(settings.encoder), columns_(encoder_.size()) {
+    : settings_(settings),
+      noise_(noise),
+      encoder_(settings.encoder),
+      columns_(static_cast<std::size_t>(encoder_.size())) {
   if (settings.count < 1) {
     throw common::ConfigError("the number of environments must be at least 1, not " +
                               std::to_string(settings.count));
@@ -47,18 +37,20 @@ EpisodeBatch::EpisodeBatch(const EpisodeSettings& settings, const SensorNoise& n
     slots_.push_back(
         {{}, {}, 0, 0, common::RandomStream(settings.seed, name, static_cast<std::uint64_t>(i))});
   }
-  result_.observation = torch::zeros({settings.count, columns_});
-  result_.final_observation = torch::zeros({settings.count, columns_});
-  result_.reward = torch::zeros({settings.count});
-  result_.terminated = torch::zeros({settings.count}, torch::kUInt8);
-  result_.truncated = torch::zeros({settings.count}, torch::kUInt8);
-  result_.success = torch::zeros({settings.count}, torch::kUInt8);
+  result_.observation.resize(slots_.size() * columns_);
+  result_.final_observation.resize(slots_.size() * columns_);
+  result_.reward.resize(slots_.size());
+  result_.terminated.resize(slots_.size());
+  result_.truncated.resize(slots_.size());
+  result_.success.resize(slots_.size());
 }
 
-EnvSpec EpisodeBatch::spec() const { return {settings_.count, columns_, 2}; }
+EnvSpec EpisodeBatch::spec() const { return {settings_.count, encoder_.size(), 2}; }
 
-void EpisodeBatch::check_actions(const torch::Tensor& actions) const {
-  nets::check_tensor(actions, "actions", {settings_.count, 2}, torch::kFloat32);
+void EpisodeBatch::check_actions(const std::vector<float>& actions) const {
+  LODESTONE_CHECK(actions.size() == 2 * slots_.size(),
+                  "two numbers of action for each of " + std::to_string(slots_.size()) +
+                      " environments, not " + std::to_string(actions.size()) + " in all");
 }
 
 geometry::Pose2 EpisodeBatch::sense(Slot& slot) const {
@@ -83,12 +75,12 @@ void EpisodeBatch::begin(std::size_t i,
     slot.pose = draw_start(slot.random);
     const task::Goal goal = task::draw_goal(task, slot.random, settings_.region.get());
     slot.seen.target_m = goal.position_m;
-    if (task.goal == "pose") slot.seen.target_heading_rad = goal.heading_rad;
+    slot.seen.target_heading_rad = goal.heading_rad;
     const double distance_m = (slot.pose.position_m() - slot.seen.target_m).norm();
     if (!task.end_on_success || distance_m >= task.success_radius_m) break;
   }
   slot.seen.pose = sense(slot);
-  encoder_.encode(slot.seen, result_.observation.data_ptr<float>() + static_cast<std::int64_t>(i) * columns_);
+  encoder_.encode(slot.seen, &result_.observation[i * columns_]);
 }
 
 geometry::Vector2 EpisodeBatch::drive(std::size_t i, const float* action) {
@@ -105,7 +97,7 @@ bool EpisodeBatch::finish(std::size_t i, const geometry::Pose2& next, const Step
   task::Step step;
   step.before = slot.pose;
   step.after = next;
-  step.goal = {slot.seen.target_m, slot.seen.target_heading_rad.value_or(0.0)};
+  step.goal = {slot.seen.target_m, slot.seen.target_heading_rad};
   step.action = slot.seen.last_action;
   step.index = slot.step;
   if (settings_.shrink_steps > 0)
@@ -119,59 +111,48 @@ bool EpisodeBatch::finish(std::size_t i, const geometry::Pose2& next, const Step
   slot.seen.pose = sense(slot);
   slot.seen.last_displacement_m = slot.seen.pose.position_m() - before_m;
 
-  result_.reward.data_ptr<float>()[i] = static_cast<float>(outcome.reward);
-  result_.terminated.data_ptr<std::uint8_t>()[i] = outcome.terminated ? 1 : 0;
-  result_.truncated.data_ptr<std::uint8_t>()[i] = outcome.truncated ? 1 : 0;
-  result_.success.data_ptr<std::uint8_t>()[i] = outcome.success ? 1 : 0;
-  const std::int64_t row = static_cast<std::int64_t>(i) * columns_;
-  float* final_row = result_.final_observation.data_ptr<float>() + row;
+  result_.reward[i] = static_cast<float>(outcome.reward);
+  result_.terminated[i] = outcome.terminated ? 1 : 0;
+  result_.truncated[i] = outcome.truncated ? 1 : 0;
+  result_.success[i] = outcome.success ? 1 : 0;
+  float* final_row = &result_.final_observation[i * columns_];
   encoder_.encode(slot.seen, final_row);
   if (outcome.terminated || outcome.truncated) return true;
-  std::copy_n(final_row, columns_, result_.observation.data_ptr<float>() + row);
+  std::copy_n(final_row, columns_, &result_.observation[i * columns_]);
   return false;
 }
 
-void EpisodeBatch::exchange_state(EnvState& state, bool load) {
-  const auto count = static_cast<std::int64_t>(slots_.size());
-  torch::Tensor numbers = torch::empty({count, kSlotNumbers}, torch::kFloat64);
-  torch::Tensor steps = torch::empty({count, 2}, torch::kInt64);  // of the episode, of all
-  if (load) {
-    numbers.copy_(state_tensor(state, "episodes", numbers));
-    steps.copy_(state_tensor(state, "steps", steps));
-    if (!state.facts.contains("random") || state.facts.at("random").size() != slots_.size()) {
-      throw common::CheckpointError("state of the environments: random streams are missing");
-    }
-  } else {
-    state.facts["random"] = common::Json::array();
+Snapshot EpisodeBatch::save() const {
+  Snapshot snapshot;
+  snapshot.facts["random"] = common::Json::array();
+  std::vector<double> numbers;
+  std::vector<std::int64_t> steps;  // of the episode, of all
+  for (const Slot& slot : slots_) {
+    const double heading_rad = slot.seen.target_heading_rad.value_or(0.0);
+    visit_numbers(slot.pose, slot.seen, heading_rad, [&](double value) { numbers.push_back(value); });
+    steps.insert(steps.end(), {slot.step, slot.age});
+    snapshot.facts["random"].push_back(slot.random.save());
   }
-  double* number = numbers.data_ptr<double>();
+  snapshot.arrays["episodes"] = {std::move(numbers), {settings_.count, kSlotNumbers}};
+  snapshot.arrays["steps"] = {std::move(steps), {settings_.count, 2}};
+  return snapshot;
+}
+
+void EpisodeBatch::load(const Snapshot& snapshot) {
+  const auto* number = snapshot_numbers<double>(snapshot, "episodes", {settings_.count, kSlotNumbers});
+  const auto* step = snapshot_numbers<std::int64_t>(snapshot, "steps", {settings_.count, 2});
+  if (!snapshot.facts.contains("random") || snapshot.facts.at("random").size() != slots_.size())
+    throw common::CheckpointError("state of the environments: random streams are missing");
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     Slot& slot = slots_[i];
-    std::int64_t* step = steps.data_ptr<std::int64_t>() + 2 * i;
-    double heading_rad = slot.seen.target_heading_rad.value_or(0.0);
-    visit_numbers(slot.pose, slot.seen, heading_rad, [&](double& value) {
-      if (load) {
-        value = *number++;
-      } else {
-        *number++ = value;
-      }
-    });
-    if (load) {
-      if (settings_.task.goal == "pose") slot.seen.target_heading_rad = heading_rad;
-      slot.step = step[0];
-      slot.age = step[1];
-      slot.random.restore(state.facts.at("random").at(i).get<std::string>());
-      encoder_.encode(slot.seen,
-                      result_.observation.data_ptr<float>() + static_cast<std::int64_t>(i) * columns_);
-    } else {
-      step[0] = slot.step;
-      step[1] = slot.age;
-      state.facts["random"].push_back(slot.random.save());
-    }
+    double heading_rad = 0.0;
+    visit_numbers(slot.pose, slot.seen, heading_rad, [&](double& value) { value = *number++; });
+    if (settings_.task.goal == "pose") slot.seen.target_heading_rad = heading_rad;
+    slot.step = *step++;
+    slot.age = *step++;
+    slot.random.restore(snapshot.facts.at("random").at(i).get<std::string>());
+    encoder_.encode(slot.seen, &result_.observation[i * columns_]);
   }
-  if (load) return;
-  state.tensors["episodes"] = numbers;
-  state.tensors["steps"] = steps;
 }
 
 }  // namespace lodestone::env

@@ -3,12 +3,16 @@
 #include <string>
 
 #include "lodestone/common/error.h"
-#include "lodestone/nets/tensors.h"
 
 namespace lodestone::env {
 namespace {
 
 std::string prefix(std::size_t part) { return "part_" + std::to_string(part) + "/"; }
+
+template <class Number>
+void append(std::vector<Number>& all, const std::vector<Number>& part) {
+  all.insert(all.end(), part.begin(), part.end());
+}
 
 }  // namespace
 
@@ -24,47 +28,54 @@ JoinedEnv::JoinedEnv(std::vector<std::unique_ptr<VecEnv>> parts) : parts_(std::m
   }
 }
 
-torch::Tensor JoinedEnv::reset() {
-  std::vector<torch::Tensor> observations;
-  for (const auto& part : parts_) observations.push_back(part->reset());
-  return torch::cat(observations);
+const std::vector<float>& JoinedEnv::reset() {
+  result_.observation.clear();
+  for (const auto& part : parts_) append(result_.observation, part->reset());
+  return result_.observation;
 }
 
-StepResult JoinedEnv::step(const torch::Tensor& actions) {
-  nets::check_tensor(actions, "actions", {spec_.count, spec_.action_size}, torch::kFloat32);
-  std::vector<StepResult> results;
-  std::int64_t first = 0;
+const StepResult& JoinedEnv::step(const std::vector<float>& actions) {
+  LODESTONE_CHECK(actions.size() == static_cast<std::size_t>(spec_.count * spec_.action_size),
+                  "actions of all joined environments");
+  result_ = {};
+  auto next = actions.begin();
   for (const auto& part : parts_) {
-    const torch::Tensor asked = actions.narrow(0, first, part->spec().count);
-    first += part->spec().count;
-    results.push_back(part->step(asked));
-    if (!results.back().action.defined()) results.back().action = asked;
+    const auto end = next + part->spec().count * spec_.action_size;
+    const std::vector<float> asked(next, end);
+    next = end;
+    const StepResult& result = part->step(asked);
+    append(result_.observation, result.observation);
+    append(result_.reward, result.reward);
+    append(result_.terminated, result.terminated);
+    append(result_.truncated, result.truncated);
+    append(result_.success, result.success);
+    append(result_.final_observation, result.final_observation);
+    append(result_.action, result.action.empty() ? asked : result.action);
   }
-  const auto join = [&results](torch::Tensor StepResult::*field) {
-    std::vector<torch::Tensor> rows;
-    for (const StepResult& result : results) rows.push_back(result.*field);
-    return torch::cat(rows);
-  };
-  return {join(&StepResult::observation), join(&StepResult::reward),  join(&StepResult::terminated),
-          join(&StepResult::truncated),   join(&StepResult::success), join(&StepResult::final_observation),
-          join(&StepResult::action)};
+  return result_;
 }
 
-void JoinedEnv::exchange_state(EnvState& state, bool load) {
-  if (load && !state.facts.contains("parts"))
-    throw common::CheckpointError("state of the environments: it is not one of joined environments");
+Snapshot JoinedEnv::save() const {
+  Snapshot snapshot;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
-    EnvState part;
-    if (load) {
-      if (k < state.facts["parts"].size()) part.facts = state.facts["parts"][k];
-      for (const auto& [name, tensor] : state.tensors) {
-        if (name.rfind(prefix(k), 0) == 0) part.tensors[name.substr(prefix(k).size())] = tensor;
-      }
+    const Snapshot part = parts_[k]->save();
+    snapshot.facts["parts"].push_back(part.facts);
+    for (const auto& [name, array] : part.arrays) snapshot.arrays[prefix(k) + name] = array;
+  }
+  return snapshot;
+}
+
+void JoinedEnv::load(const Snapshot& snapshot) {
+  if (!snapshot.facts.contains("parts"))
+    throw common::CheckpointError("state of the environments: it is not one of joined environments");
+  const common::Json& facts = snapshot.facts.at("parts");
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    Snapshot part;
+    if (k < facts.size()) part.facts = facts.at(k);
+    for (const auto& [name, array] : snapshot.arrays) {
+      if (name.rfind(prefix(k), 0) == 0) part.arrays[name.substr(prefix(k).size())] = array;
     }
-    parts_[k]->exchange_state(part, load);
-    if (load) continue;
-    state.facts["parts"].push_back(part.facts);
-    for (const auto& [name, tensor] : part.tensors) state.tensors[prefix(k) + name] = tensor;
+    parts_[k]->load(part);
   }
 }
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "lodestone/common/error.h"
-#include "lodestone/nets/tensors.h"
 
 namespace lodestone::env {
 namespace {
@@ -12,9 +11,9 @@ namespace {
 /// Fixed, so that results do not depend on the number of threads; its activations fit a core's cache.
 constexpr std::size_t kShardRows = 512;
 
-std::vector<geometry::Pose2> starts_within(const nets::DynamicsModel& model, double radius_m,
+std::vector<geometry::Pose2> starts_within(const inference::DynamicsModel& model, double radius_m,
                                            const task::Region* region) {
-  const std::vector<double> states = nets::to_vector(model.start_states);
+  const std::vector<double>& states = model.start_states;
   const auto size = static_cast<std::size_t>(data::state_size(model.info.layout));
   std::vector<geometry::Pose2> starts;
   for (std::size_t i = 0; i + size <= states.size(); i += size) {
@@ -29,28 +28,25 @@ std::vector<geometry::Pose2> starts_within(const nets::DynamicsModel& model, dou
   return starts;
 }
 
-std::vector<nets::FoldedDynamics> fold(const nets::DynamicsModel& model) {
-  LODESTONE_CHECK(!model.members.empty(), "the ensemble has no member");
-  std::vector<nets::FoldedDynamics> folded;
-  for (nets::DynamicsNetwork member : model.members) folded.emplace_back(member);
-  return folded;
-}
-
 }  // namespace
 
-MbsEnv::MbsEnv(const nets::DynamicsModel& model, const EpisodeSettings& settings, const MbsConfig& config,
-               std::int64_t threads)
+MbsEnv::MbsEnv(const inference::DynamicsModel& model, const EpisodeSettings& settings,
+               const MbsConfig& config, std::int64_t threads)
     : config_(config),
-      mean_(config.ensemble == "mean" && model.members.size() > 1),
+      ensemble_(config.ensemble == "per_episode" ? Ensemble::kPerEpisode
+                : config.ensemble == "per_step"  ? Ensemble::kPerStep
+                : model.members.size() > 1       ? Ensemble::kMean
+                                                 : Ensemble::kOne),
       sample_(config.outcome == "sample"),
       disagreement_(config.disagreement_penalty > 0.0 || config.disagreement_stop_m > 0.0),
-      members_(fold(model)),
+      members_(model.members),
       state_size_(static_cast<std::size_t>(data::state_size(model.info.layout))),
       starts_(starts_within(model, settings.task.start_radius_m(), settings.region.get())),
       episodes_(settings, {config.pose_noise_m, config.heading_noise_rad}, "mbs"),
       member_(static_cast<std::size_t>(settings.count), 0),
       drive_factor_(static_cast<std::size_t>(settings.count), 1.0),
       pool_(static_cast<std::size_t>(threads)) {
+  LODESTONE_CHECK(!members_.empty(), "the ensemble has no member");
   if (state_size_ == 2 && settings.encoder.heading != "none") {
     throw common::ConfigError("encoder.heading = \"" + settings.encoder.heading +
                               "\", but the model's state has no heading; set it to \"none\"");
@@ -59,7 +55,7 @@ MbsEnv::MbsEnv(const nets::DynamicsModel& model, const EpisodeSettings& settings
     throw common::ConfigError(
         "mbs.outcome = \"sample\", but the dynamics predict single values; train them with "
         "model.components of 1 or more");
-  if (sample_ && mean_)
+  if (sample_ && ensemble_ == Ensemble::kMean)
     throw common::ConfigError(
         "mbs.outcome = \"sample\" needs one member at a time: set mbs.ensemble to per_episode or "
         "per_step");
@@ -75,13 +71,13 @@ std::size_t MbsEnv::shards() const { return (member_.size() + kShardRows - 1) / 
 void MbsEnv::begin(std::size_t i) {
   episodes_.begin(i, [this](common::RandomStream& random) { return starts_[random.below(starts_.size())]; });
   common::RandomStream& random = episodes_.random(i);
-  if (config_.ensemble == "per_episode")
+  if (ensemble_ == Ensemble::kPerEpisode)
     member_[i] = static_cast<std::int64_t>(random.below(members_.size()));
   if (config_.breakaway_scatter > 0.0)
     drive_factor_[i] = std::exp(config_.breakaway_scatter * random.normal());
 }
 
-torch::Tensor MbsEnv::reset() {
+const std::vector<float>& MbsEnv::reset() {
   pool_.for_each(shards(), [this](std::size_t shard) {
     const std::size_t last = std::min(member_.size(), (shard + 1) * kShardRows);
     for (std::size_t i = shard * kShardRows; i < last; ++i) begin(i);
@@ -89,9 +85,9 @@ torch::Tensor MbsEnv::reset() {
   return episodes_.observation();
 }
 
-StepResult MbsEnv::step(const torch::Tensor& actions) {
+const StepResult& MbsEnv::step(const std::vector<float>& actions) {
   episodes_.check_actions(actions);
-  const float* values = actions.data_ptr<float>();
+  const float* values = actions.data();
   pool_.for_each(shards(), [this, values](std::size_t shard) { step_shard(shard, values); });
   return episodes_.result();
 }
@@ -102,7 +98,7 @@ void MbsEnv::step_shard(std::size_t shard, const float* actions) {
   std::unique_ptr<Scratch> scratch = borrow_scratch();
   choose_drives(first, last, actions, *scratch);
   gather(first, last, *scratch);
-  if (mean_) {
+  if (ensemble_ == Ensemble::kMean) {
     predict_mean(*scratch);
   } else {
     predict(*scratch);
@@ -139,7 +135,8 @@ void MbsEnv::choose_drives(std::size_t first, std::size_t last, const float* act
     }
     common::RandomStream& random = episodes_.random(i);
     if (config_.stall_probability > 0.0 && random.uniform() < config_.stall_probability) drive.setZero();
-    if (config_.ensemble == "per_step") member_[i] = static_cast<std::int64_t>(random.below(members_.size()));
+    if (ensemble_ == Ensemble::kPerStep)
+      member_[i] = static_cast<std::int64_t>(random.below(members_.size()));
     scratch.drive[2 * (i - first)] = drive.x();
     scratch.drive[2 * (i - first) + 1] = drive.y();
   }
@@ -148,13 +145,14 @@ void MbsEnv::choose_drives(std::size_t first, std::size_t last, const float* act
 /// Orders the shard's rows: those at rest, then those of member 0, 1, ... (a counting sort), and copies state
 /// and drive of the moving ones together. first_of_member[m] is where member m begins in `row`.
 void MbsEnv::gather(std::size_t first, std::size_t last, Scratch& scratch) const {
-  const std::size_t groups = mean_ ? 1 : members_.size();
+  const bool mean = ensemble_ == Ensemble::kMean;
+  const std::size_t groups = mean ? 1 : members_.size();
   const bool rest_rule =
       episodes_.settings().task.zero_current_moves_nothing || config_.stall_probability > 0.0;
   const auto group_of = [&](std::size_t i) -> std::size_t {
     const double* drive = &scratch.drive[2 * (i - first)];
     if (rest_rule && drive[0] == 0.0 && drive[1] == 0.0) return 0;
-    return mean_ ? 1 : 1 + static_cast<std::size_t>(member_[i]);
+    return mean ? 1 : 1 + static_cast<std::size_t>(member_[i]);
   };
   std::vector<std::size_t>& start = scratch.first_of_member;
   start.assign(groups + 2, 0);  // shifted by one while counting
@@ -207,7 +205,7 @@ void MbsEnv::predict_mean(Scratch& scratch) const {
   const double fraction = 1.0 / static_cast<double>(members_.size());
   std::fill(scratch.next.begin(), scratch.next.end(), 0.0);
   scratch.one_member.resize(scratch.next.size());
-  for (const nets::FoldedDynamics& member : members_) {
+  for (const inference::FoldedDynamics& member : members_) {
     member.predict(scratch.state.data(), scratch.gathered_drive.data(), static_cast<std::int64_t>(rows),
                    scratch.one_member.data(), scratch.workspace);
     for (std::size_t k = 0; k < scratch.next.size(); ++k) {
@@ -230,7 +228,7 @@ void MbsEnv::measure_disagreement(Scratch& scratch) const {
   if (rows == 0) return;
   scratch.mean_position.assign(2 * rows, 0.0);
   scratch.one_member.resize(rows * state_size_);
-  for (const nets::FoldedDynamics& member : members_) {
+  for (const inference::FoldedDynamics& member : members_) {
     member.predict(scratch.state.data(), scratch.gathered_drive.data(), static_cast<std::int64_t>(rows),
                    scratch.one_member.data(), scratch.workspace);
     for (std::size_t row = 0; row < rows; ++row) {
@@ -263,19 +261,19 @@ void MbsEnv::give_back(std::unique_ptr<Scratch> scratch) {
   scratch_.push_back(std::move(scratch));
 }
 
-void MbsEnv::exchange_state(EnvState& state, bool load) {
-  episodes_.exchange_state(state, load);
-  torch::Tensor member = nets::tensor_from(member_);
-  torch::Tensor factor = nets::tensor_from(drive_factor_, {episodes_.spec().count});
-  if (!load) {
-    state.tensors["member"] = member;
-    state.tensors["drive_factor"] = factor;
-    return;
-  }
-  member.copy_(state_tensor(state, "member", member));
-  factor.copy_(state_tensor(state, "drive_factor", factor));
-  std::copy_n(member.data_ptr<std::int64_t>(), member_.size(), member_.begin());
-  std::copy_n(factor.data_ptr<double>(), drive_factor_.size(), drive_factor_.begin());
+Snapshot MbsEnv::save() const {
+  Snapshot snapshot = episodes_.save();
+  snapshot.arrays["member"] = {member_, {episodes_.spec().count}};
+  snapshot.arrays["drive_factor"] = {drive_factor_, {episodes_.spec().count}};
+  return snapshot;
+}
+
+void MbsEnv::load(const Snapshot& snapshot) {
+  episodes_.load(snapshot);
+  std::copy_n(snapshot_numbers<std::int64_t>(snapshot, "member", {episodes_.spec().count}), member_.size(),
+              member_.begin());
+  std::copy_n(snapshot_numbers<double>(snapshot, "drive_factor", {episodes_.spec().count}),
+              drive_factor_.size(), drive_factor_.begin());
   for (const std::int64_t k : member_) {
     if (k < 0 || k >= static_cast<std::int64_t>(members_.size())) {
       throw common::CheckpointError("state of the environments names member " + std::to_string(k) +

@@ -60,24 +60,26 @@ physics::PlainSimulator PhysicsEnv::simulator_with(const Drawn& drawn) const {
   return physics::PlainSimulator(rig, config_.simulator);
 }
 
-void PhysicsEnv::exchange_state(EnvState& state, bool load) {
-  episodes_.exchange_state(state, load);
+Snapshot PhysicsEnv::save() const {
+  Snapshot snapshot = episodes_.save();
+  if (!config_.randomise.enabled) return snapshot;
+  std::vector<double> numbers;
+  for (const Drawn& drawn : drawn_) numbers.insert(numbers.end(), drawn.begin(), drawn.end());
+  snapshot.arrays["drawn"] = {std::move(numbers), {episodes_.spec().count, 3}};
+  return snapshot;
+}
+
+void PhysicsEnv::load(const Snapshot& snapshot) {
+  episodes_.load(snapshot);
   if (!config_.randomise.enabled) return;
-  torch::Tensor numbers = torch::empty({episodes_.spec().count, 3}, torch::kFloat64);
-  double* number = numbers.data_ptr<double>();
-  if (!load) {
-    for (const Drawn& drawn : drawn_) number = std::copy(drawn.begin(), drawn.end(), number);
-    state.tensors["drawn"] = numbers;
-    return;
-  }
-  numbers.copy_(state_tensor(state, "drawn", numbers));
+  const auto* number = snapshot_numbers<double>(snapshot, "drawn", {episodes_.spec().count, 3});
   for (std::size_t i = 0; i < drawn_.size(); ++i, number += 3) {
     std::copy_n(number, 3, drawn_[i].begin());
     simulators_[i] = simulator_with(drawn_[i]);
   }
 }
 
-torch::Tensor PhysicsEnv::reset() {
+const std::vector<float>& PhysicsEnv::reset() {
   for (std::size_t i = 0; i < static_cast<std::size_t>(episodes_.spec().count); ++i) begin(i);
   return episodes_.observation();
 }
@@ -93,9 +95,9 @@ void PhysicsEnv::step_one(std::size_t i, const float* action) {
   if (episodes_.finish(i, next)) begin(i);
 }
 
-StepResult PhysicsEnv::step(const torch::Tensor& actions) {
+const StepResult& PhysicsEnv::step(const std::vector<float>& actions) {
   episodes_.check_actions(actions);
-  const float* values = actions.data_ptr<float>();
+  const float* values = actions.data();
   const auto count = static_cast<std::size_t>(episodes_.spec().count);
   pool_.for_each(shards(), [this, values, count](std::size_t shard) {
     const std::size_t last = std::min(count, (shard + 1) * kShardRows);

@@ -19,8 +19,7 @@ ReplayEnv::ReplayEnv(const data::Dataset& dataset, const EpisodeSettings& settin
       action_scale_(dataset.info.action_scale),
       state_size_(static_cast<std::size_t>(data::state_size(dataset.info.layout))),
       episodes_(settings, {}, "replay"),
-      stretches_(static_cast<std::size_t>(settings.count)),
-      action_(torch::zeros({settings.count, 2})) {
+      stretches_(static_cast<std::size_t>(settings.count)) {
   config.validate();
   for (const data::Episode& episode : dataset.episodes) {
     if (episode.length() >= config.shortest) recorded_.push_back(episode);
@@ -55,14 +54,14 @@ void ReplayEnv::begin(std::size_t i) {
   });
 }
 
-torch::Tensor ReplayEnv::reset() {
+const std::vector<float>& ReplayEnv::reset() {
   for (std::size_t i = 0; i < stretches_.size(); ++i) begin(i);
   return episodes_.observation();
 }
 
-StepResult ReplayEnv::step(const torch::Tensor& actions) {
+const StepResult& ReplayEnv::step(const std::vector<float>& actions) {
   episodes_.check_actions(actions);
-  float* done = action_.data_ptr<float>();
+  std::vector<float> done(2 * stretches_.size());
   for (std::size_t i = 0; i < stretches_.size(); ++i) {
     Stretch& stretch = stretches_[i];
     const data::Episode& episode = recorded_[static_cast<std::size_t>(stretch.episode)];
@@ -77,30 +76,30 @@ StepResult ReplayEnv::step(const torch::Tensor& actions) {
     extra.truncated = stretch.next == stretch.end;
     if (episodes_.finish(i, pose(stretch.episode, stretch.next), extra)) begin(i);
   }
-  StepResult result = episodes_.result();
-  result.action = action_;
-  return result;
+  result_ = episodes_.result();
+  result_.action = std::move(done);
+  return result_;
 }
 
-void ReplayEnv::exchange_state(EnvState& state, bool load) {
-  episodes_.exchange_state(state, load);
-  torch::Tensor numbers = torch::empty({episodes_.spec().count, 3}, torch::kInt64);
-  if (load) numbers.copy_(state_tensor(state, "stretches", numbers));
-  std::int64_t* number = numbers.data_ptr<std::int64_t>();
+Snapshot ReplayEnv::save() const {
+  Snapshot snapshot = episodes_.save();
+  std::vector<std::int64_t> numbers;
+  for (const Stretch& stretch : stretches_)
+    numbers.insert(numbers.end(), {stretch.episode, stretch.next, stretch.end});
+  snapshot.arrays["stretches"] = {std::move(numbers), {episodes_.spec().count, 3}};
+  return snapshot;
+}
+
+void ReplayEnv::load(const Snapshot& snapshot) {
+  episodes_.load(snapshot);
+  const auto* number = snapshot_numbers<std::int64_t>(snapshot, "stretches", {episodes_.spec().count, 3});
   for (Stretch& stretch : stretches_) {
-    for (std::int64_t* value : {&stretch.episode, &stretch.next, &stretch.end}) {
-      if (load) {
-        *value = *number++;
-      } else {
-        *number++ = *value;
-      }
-    }
+    for (std::int64_t* value : {&stretch.episode, &stretch.next, &stretch.end}) *value = *number++;
     const bool known = stretch.episode >= 0 && stretch.episode < static_cast<std::int64_t>(recorded_.size());
     if (!known || stretch.next < 0 || stretch.next >= stretch.end ||
         stretch.end > recorded_[static_cast<std::size_t>(stretch.episode)].length())
       throw common::CheckpointError("state of the environments names steps that the recording does not have");
   }
-  if (!load) state.tensors["stretches"] = numbers;
 }
 
 }  // namespace lodestone::env

@@ -113,7 +113,7 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
   return plan;
 }
 
-ControllerSource policy_source(const DeploymentConfig& config, const nets::Policy& policy,
+ControllerSource policy_source(const DeploymentConfig& config, const inference::Policy& policy,
                                const std::string& what) {
   warn_of_another_rig(config, policy.rig, what);
   ControllerSource source;
@@ -125,7 +125,7 @@ ControllerSource policy_source(const DeploymentConfig& config, const nets::Polic
   return source;
 }
 
-ControllerSource planner_source(const DeploymentConfig& config, const nets::DynamicsModel& model,
+ControllerSource planner_source(const DeploymentConfig& config, const inference::DynamicsModel& model,
                                 const std::string& what) {
   warn_of_another_rig(config, model.info.rig, what);
   ControllerSource source;

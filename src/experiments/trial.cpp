@@ -60,15 +60,15 @@ TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control
     step.target_m = plan.path ? plan.path->at(0.0) : plan.target_m;
     result.samples.push_back({step, true_pose(), plan.path.has_value()});
   }
-  const auto evaluate = [&](bool truth) {
+  const auto scored_by = [&](bool truth) {
     const std::vector<ScoredSample> samples = scored(result.samples, truth);
     TrialScore out = plan.path ? score_path(samples, *plan.path, score) : score_point(samples, score);
     if (plan.target_heading_rad) note_heading(result, *plan.target_heading_rad, truth, score, out);
     out.success = out.success && result.completed;
     return out;
   };
-  result.truth = evaluate(true);
-  result.sensed = evaluate(false);
+  result.truth = scored_by(true);
+  result.sensed = scored_by(false);
   return result;
 }
 

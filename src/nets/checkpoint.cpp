@@ -1,151 +1,70 @@
 #include "lodestone/nets/checkpoint.h"
 
-#include <filesystem>
-#include <system_error>
+#include <memory>
+#include <sstream>
+
+#include <torch/nn/module.h>
+#include <torch/types.h>
 
 #include "lodestone/common/error.h"
-#include "lodestone/common/files.h"
-#include "lodestone/common/run_folder.h"
+#include "lodestone/inference/checkpoint.h"
 
 namespace lodestone::nets {
 namespace {
 
 using common::CheckpointError;
-using common::Json;
-namespace fs = std::filesystem;
+using inference::ElementType;
 
-constexpr const char* kManifest = "manifest.json";
-constexpr const char* kSeal = "sha256";  ///< SHA-256 of the manifest without this key
-
-std::string without_trailing_slash(std::string folder) {
-  while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
-  return folder;
-}
-
-Json shapes_of(const NamedTensors& tensors) {
-  Json shapes = Json::object();
-  for (const auto& [name, tensor] : tensors) shapes[name] = tensor.sizes().vec();
-  return shapes;
-}
-
-Json read_manifest(const std::string& folder) {
-  const std::string path = folder + "/" + kManifest;
-  if (!fs::is_directory(folder)) {
-    throw CheckpointError("checkpoint " + folder + ": no such folder; give the folder that holds " +
-                          kManifest);
-  }
-  std::string text;
-  try {
-    text = common::read_file(path);
-  } catch (const common::IoError& error) {
-    throw CheckpointError("checkpoint " + folder + ": " + error.what());
-  }
-  try {
-    Json manifest = Json::parse(text);
-    if (manifest.is_object()) return manifest;
-  } catch (const Json::exception&) {
-  }
-  throw CheckpointError("checkpoint " + folder + ": " + kManifest + " is truncated or no JSON object");
-}
-
-/// Format first, so that a newer program's checkpoint is named as such; then the seal, then the kind.
-void check_manifest(Json manifest, const std::string& folder, const std::string& expected_kind) {
-  const std::string where = "checkpoint " + folder + ": " + kManifest;
-  if (!manifest.contains("format") || !manifest.at("format").is_number_integer()) {
-    throw CheckpointError(where + " names no format version");
-  }
-  if (const auto format = manifest.at("format").get<std::int64_t>(); format != kCheckpointFormat) {
-    throw CheckpointError(where + " has format version " + std::to_string(format) + ", this program reads " +
-                          std::to_string(kCheckpointFormat) + "; use the version that wrote it");
-  }
-  if (!manifest.contains(kSeal) || !manifest.at(kSeal).is_string())
-    throw CheckpointError(where + " has no seal");
-  const std::string seal = manifest.at(kSeal).get<std::string>();
-  manifest.erase(kSeal);
-  if (common::sha256(manifest.dump()) != seal) {
-    throw CheckpointError(where + " was altered: its SHA-256 differs from the one it names");
-  }
-  const std::string kind = manifest.at("kind").get<std::string>();
-  if (kind != expected_kind) {
-    throw CheckpointError("checkpoint " + folder + " is of kind \"" + kind + "\", expected \"" +
-                          expected_kind + "\"");
-  }
-}
-
-NamedTensors read_part(const std::string& folder, const std::string& file, const Json& entry) {
-  const std::string where = "checkpoint " + folder + ": " + file;
-  std::string content;
-  try {
-    content = common::read_file(folder + "/" + file);
-  } catch (const common::IoError& error) {
-    throw CheckpointError(where + " cannot be read: " + error.what());
-  }
-  const auto bytes = entry.at("bytes").get<std::uint64_t>();
-  if (content.size() != bytes) {
-    throw CheckpointError(where + " is truncated: " + std::to_string(content.size()) + " of " +
-                          std::to_string(bytes) + " bytes");
-  }
-  if (common::sha256(content) != entry.at("sha256").get<std::string>()) {
-    throw CheckpointError(where + " was altered: its SHA-256 differs from the manifest's");
-  }
-  return decode_safetensors(content, where);
-}
-
-void write_staged(const std::string& staged, const Checkpoint& checkpoint) {
-  Json manifest = Json::object();
-  manifest["format"] = kCheckpointFormat;
-  manifest["kind"] = checkpoint.kind;
-  manifest["config"] = checkpoint.config;
-  manifest["facts"] = checkpoint.facts;
-  manifest["files"] = Json::object();
-  for (const auto& [stem, tensors] : checkpoint.parts) {
-    const std::string file = stem + ".safetensors";
-    const std::string content = encode_safetensors(tensors);
-    common::write_file_atomically(staged + "/" + file, content);
-    manifest["files"][file] = {
-        {"bytes", content.size()}, {"sha256", common::sha256(content)}, {"shapes", shapes_of(tensors)}};
-  }
-  manifest["build"] = common::build_and_host_facts();
-  // A number JSON cannot hold (NaN) becomes null here, before the seal is computed.
-  manifest = Json::parse(manifest.dump());
-  manifest[kSeal] = common::sha256(manifest.dump());
-  common::write_file_atomically(staged + "/" + kManifest, manifest.dump(2) + "\n");
-  common::sync_path(staged);
-}
+constexpr std::pair<ElementType, torch::ScalarType> kTypes[] = {{ElementType::kFloat32, torch::kFloat32},
+                                                                {ElementType::kFloat64, torch::kFloat64},
+                                                                {ElementType::kInt64, torch::kInt64},
+                                                                {ElementType::kUint8, torch::kUInt8}};
 
 }  // namespace
 
-void save_checkpoint(const std::string& folder, const Checkpoint& checkpoint) {
-  const std::string target = without_trailing_slash(folder);
-  const std::string staged = target + ".staged";
-  std::error_code ignored;
-  fs::remove_all(staged, ignored);  // left there by a run that was killed
-  common::make_folders(staged);
-  try {
-    write_staged(staged, checkpoint);
-    common::replace_folder(staged, target);
-  } catch (...) {
-    fs::remove_all(staged, ignored);
-    throw;
+inference::Array to_array(const torch::Tensor& tensor) {
+  for (const auto& [element, type] : kTypes) {
+    if (type != tensor.scalar_type()) continue;
+    auto plain = std::make_shared<const torch::Tensor>(tensor.detach().cpu().contiguous());
+    return {element, plain->sizes().vec(), std::shared_ptr<const void>(plain, plain->data_ptr())};
   }
+  throw common::LogicFault(std::string("checkpoints hold float32, float64, int64 and uint8, not ") +
+                           torch::toString(tensor.scalar_type()));
+}
+
+torch::Tensor to_tensor(const inference::Array& array) {
+  for (const auto& [element, type] : kTypes) {
+    if (element != array.type()) continue;
+    if (array.size() == 0) return torch::empty(array.shape(), type);
+    return torch::from_blob(
+        const_cast<void*>(array.owner().get()), array.shape(), [owner = array.owner()](void*) {}, type);
+  }
+  throw common::LogicFault("an array of a known type");
+}
+
+inference::Arrays to_arrays(const NamedTensors& tensors) {
+  inference::Arrays arrays;
+  for (const auto& [name, tensor] : tensors) arrays[name] = to_array(tensor);
+  return arrays;
+}
+
+NamedTensors to_tensors(const inference::Arrays& arrays) {
+  NamedTensors tensors;
+  for (const auto& [name, array] : arrays) tensors[name] = to_tensor(array);
+  return tensors;
+}
+
+void save_checkpoint(const std::string& folder, const Checkpoint& checkpoint) {
+  inference::Checkpoint plain{checkpoint.kind, checkpoint.config, checkpoint.facts, {}};
+  for (const auto& [part, tensors] : checkpoint.parts) plain.parts[part] = to_arrays(tensors);
+  inference::save_checkpoint(folder, plain);
 }
 
 Checkpoint load_checkpoint(const std::string& folder, const std::string& expected_kind) {
-  const std::string source = without_trailing_slash(folder);
-  const Json manifest = read_manifest(source);
-  try {
-    check_manifest(manifest, source, expected_kind);
-    Checkpoint checkpoint;
-    checkpoint.kind = expected_kind;
-    checkpoint.config = manifest.at("config");
-    checkpoint.facts = manifest.at("facts");
-    for (const auto& [file, entry] : manifest.at("files").items()) {
-      checkpoint.parts[fs::path(file).stem().string()] = read_part(source, fs::path(file).filename(), entry);
-    }
-    return checkpoint;
-  } catch (const Json::exception& error) {
-    throw CheckpointError("checkpoint " + source + ": " + kManifest + " lacks an entry: " + error.what());
-  }
+  const inference::Checkpoint plain = inference::load_checkpoint(folder, expected_kind);
+  Checkpoint checkpoint{plain.kind, plain.config, plain.facts, {}};
+  for (const auto& [part, arrays] : plain.parts) checkpoint.parts[part] = to_tensors(arrays);
+  return checkpoint;
 }
 
 NamedTensors module_tensors(const torch::nn::Module& module) {

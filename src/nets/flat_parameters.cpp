@@ -1,5 +1,7 @@
 #include "lodestone/nets/flat_parameters.h"
 
+#include <torch/nn/module.h>
+
 #include "lodestone/common/error.h"
 
 namespace lodestone::nets {

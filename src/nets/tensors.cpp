@@ -2,6 +2,8 @@
 
 #include <sstream>
 
+#include <torch/types.h>
+
 #include "lodestone/common/error.h"
 
 namespace lodestone::nets {

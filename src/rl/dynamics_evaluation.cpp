@@ -7,6 +7,8 @@
 #include "lodestone/common/error.h"
 #include "lodestone/data/knn.h"
 #include "lodestone/geometry/pose2.h"
+#include "lodestone/nets/checkpoint.h"
+#include "lodestone/nets/dynamics_network.h"
 #include "lodestone/nets/tensors.h"
 
 namespace lodestone::rl {
@@ -61,9 +63,9 @@ StateError state_error(const std::vector<double>& predicted, const std::vector<d
 data::TransitionTable training_table(const nets::DynamicsModel& model) {
   data::TransitionTable table;
   table.state_size = data::state_size(model.info.layout);
-  table.state = nets::to_vector(model.training_rows.state);
-  table.action = nets::to_vector(model.training_rows.action);
-  table.next_state = nets::to_vector(model.training_rows.next_state);
+  table.state = model.training_rows.state.to_double();
+  table.action = model.training_rows.action.to_double();
+  table.next_state = model.training_rows.next_state.to_double();
   table.episode.assign(table.action.size() / data::kActionSize, 0);
   return table;
 }
@@ -78,7 +80,7 @@ double normalised_loss(nets::DynamicsModel& model, const data::TransitionTable& 
   for (std::int64_t first = 0; first < table.size(); first += kChunk) {
     const std::int64_t rows = std::min(kChunk, table.size() - first);
     torch::Tensor error;
-    for (nets::DynamicsNetwork& member : model.members) {
+    for (const auto& member : model.members) {
       const torch::Tensor one =
           member->normalised_output(state.narrow(0, first, rows), action.narrow(0, first, rows)) -
           member->normalised_target(state.narrow(0, first, rows), next.narrow(0, first, rows));
@@ -92,7 +94,7 @@ double normalised_loss(nets::DynamicsModel& model, const data::TransitionTable& 
 double normalised_state_loss(const nets::DynamicsModel& model, const std::vector<double>& predicted,
                              const data::TransitionTable& table) {
   const std::vector<double> spread =
-      nets::to_vector(model.training_rows.next_state.to(torch::kFloat64).std(0, false));
+      nets::to_vector(nets::to_tensor(model.training_rows.next_state).to(torch::kFloat64).std(0, false));
   const auto size = static_cast<std::size_t>(table.state_size);
   double sum = 0.0;
   for (std::size_t i = 0; i < predicted.size(); ++i) {
@@ -193,7 +195,7 @@ DynamicsEvaluation evaluate_dynamics(nets::DynamicsModel& model, const data::Dat
   }
   const data::TransitionTable table = data::flatten(dataset);
   if (table.size() == 0) throw common::DataError("there is no transition with current to evaluate on");
-  for (nets::DynamicsNetwork& member : model.members) member->eval();
+  for (const auto& member : model.members) member->eval();
 
   const std::vector<double> predicted = predict(model, table.state, table.action);
   const data::NearestNeighbours neighbours(training_table(model), kNeighbours);

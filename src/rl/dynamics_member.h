@@ -2,11 +2,11 @@
 
 #include <cstdint>
 
-#include <torch/torch.h>
+#include <ATen/core/Tensor.h>
 
 #include "lodestone/common/config.h"
 #include "lodestone/nets/checkpoint.h"
-#include "lodestone/nets/dynamics.h"
+#include "lodestone/nets/dynamics_network.h"
 #include "lodestone/nets/flat_parameters.h"
 #include "lodestone/rl/dynamics_training.h"
 
@@ -14,9 +14,9 @@ namespace lodestone::rl {
 
 /// Training rows in physical units, float64.
 struct RowTensors {
-  torch::Tensor state;       ///< [N, S]
-  torch::Tensor action;      ///< [N, 2]
-  torch::Tensor next_state;  ///< [N, S]
+  at::Tensor state;       ///< [N, S]
+  at::Tensor action;      ///< [N, 2]
+  at::Tensor next_state;  ///< [N, S]
 
   std::int64_t size() const { return state.size(0); }
 };
@@ -46,8 +46,8 @@ class DynamicsMember {
   void restore(const nets::NamedTensors& tensors, const common::Json& facts, const std::string& what);
 
  private:
-  torch::Tensor epoch_order(std::int64_t epoch) const;
-  double train_batch(const torch::Tensor& input, const torch::Tensor& target, double learning_rate);
+  at::Tensor epoch_order(std::int64_t epoch) const;
+  double train_batch(const at::Tensor& input, const at::Tensor& target, double learning_rate);
   void optimiser_step(double learning_rate);
   double learning_rate() const;
   /// Mean squared error, or negative log-likelihood where a distribution is predicted.
@@ -58,8 +58,8 @@ class DynamicsMember {
   DynamicsTrainingConfig config_;
   std::uint64_t seed_;
   nets::FlatParameters parameters_;
-  torch::Tensor input_, target_, validation_input_, validation_target_;
-  torch::Tensor first_moment_, second_moment_;
+  at::Tensor input_, target_, validation_input_, validation_target_;
+  at::Tensor first_moment_, second_moment_;
   nets::NamedTensors best_;  ///< copy of own_state() at the best validation loss
   std::int64_t steps_ = 0;
   std::int64_t steps_per_epoch_;

@@ -15,6 +15,7 @@
 #include "lodestone/common/progress.h"
 #include "lodestone/common/random.h"
 #include "lodestone/common/thread_pool.h"
+#include "lodestone/inference/checkpoint.h"
 #include "lodestone/nets/checkpoint.h"
 #include "lodestone/nets/tensors.h"
 
@@ -35,8 +36,8 @@ RowTensors row_tensors(const data::Dataset& dataset) {
 
 /// SHA-256 of the training rows: a run resumes only on the data it began with.
 std::string fingerprint(const RowTensors& rows) {
-  return common::sha256(
-      nets::encode_safetensors({{"s", rows.state}, {"a", rows.action}, {"n", rows.next_state}}));
+  return common::sha256(inference::encode_safetensors(
+      nets::to_arrays({{"s", rows.state}, {"a", rows.action}, {"n", rows.next_state}})));
 }
 
 /// The ensemble while it learns, with its files.
@@ -61,12 +62,13 @@ class Training {
           " to validate; collect more or change the fractions");
     }
     data_sha256_ = fingerprint(train);
-    model_.start_states = train.state;
-    model_.training_rows = {train.state.to(torch::kFloat32), train.action.to(torch::kFloat32),
-                            train.next_state.to(torch::kFloat32)};
+    model_.start_states = nets::to_array(train.state);
+    model_.training_rows = {nets::to_array(train.state.to(torch::kFloat32)),
+                            nets::to_array(train.action.to(torch::kFloat32)),
+                            nets::to_array(train.next_state.to(torch::kFloat32))};
     model_.members = nets::make_dynamics_members(config.model, dataset.info.layout, seed);
     std::int64_t index = 0;
-    for (nets::DynamicsNetwork& network : model_.members) {
+    for (const auto& network : model_.members) {
       network->fit_normalisers(train.state, train.action, train.next_state);
       members_.push_back(
           std::make_unique<DynamicsMember>(network, train, validation, training, seed, index++));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <torch/types.h>
+
 #include "lodestone/common/error.h"
 
 namespace lodestone::rl {
@@ -76,9 +78,9 @@ void FlatNetwork<Real>::forward(const Real* input, Workspace& workspace) const {
     const Layer& layer = layers_[i];
     const bool last = i + 1 == layers_.size();
     Real* output = data<Real>(last ? workspace.output : workspace.hidden[i]);
-    nets::multiply<Real>({input, workspace.rows, layer.in},
-                         {parameters + layer.weight, layer.in, layer.out, /*transposed=*/true},
-                         workspace.scratch->panel, output, {parameters + layer.bias, !last, nullptr});
+    inference::multiply<Real>({input, workspace.rows, layer.in},
+                              {parameters + layer.weight, layer.in, layer.out, /*transposed=*/true},
+                              workspace.scratch->panel, output, {parameters + layer.bias, !last, nullptr});
     input = output;
   }
 }
@@ -87,11 +89,11 @@ template <class Real>
 void FlatNetwork<Real>::parameter_gradient(const Layer& layer, const Real* input, const Real* delta,
                                            Workspace& workspace) const {
   Real* gradient = data<Real>(workspace.gradient);
-  const std::int64_t stride = nets::padded_stride(workspace.rows);
+  const std::int64_t stride = inference::padded_stride(workspace.rows);
   Real* transposed = workspace.scratch->transposed.at_least(layer.out * stride);
-  nets::transpose(delta, workspace.rows, layer.out, transposed, stride);
-  nets::multiply<Real>({transposed, layer.out, stride}, {input, workspace.rows, layer.in},
-                       workspace.scratch->panel, gradient + layer.weight);
+  inference::transpose(delta, workspace.rows, layer.out, transposed, stride);
+  inference::multiply<Real>({transposed, layer.out, stride}, {input, workspace.rows, layer.in},
+                            workspace.scratch->panel, gradient + layer.weight);
   Real* __restrict bias = gradient + layer.bias;
   std::fill_n(bias, layer.out, Real(0));
   for (std::int64_t row = 0; row < workspace.rows; ++row) {
@@ -111,8 +113,9 @@ void FlatNetwork<Real>::backward(const Real* input, const Real* output_gradient,
     if (wanted == Wanted::kParameters) parameter_gradient(layer, below, delta, workspace);
     if (i == 0 && wanted == Wanted::kParameters) return;
     Real* passed_on = data<Real>(i == 0 ? workspace.input_gradient : workspace.delta[i - 1]);
-    nets::multiply<Real>({delta, workspace.rows, layer.out}, {parameters + layer.weight, layer.out, layer.in},
-                         workspace.scratch->panel, passed_on, {nullptr, false, i == 0 ? nullptr : below});
+    inference::multiply<Real>({delta, workspace.rows, layer.out},
+                              {parameters + layer.weight, layer.out, layer.in}, workspace.scratch->panel,
+                              passed_on, {nullptr, false, i == 0 ? nullptr : below});
     delta = passed_on;
   }
 }

@@ -21,20 +21,19 @@ void Hindsight::check(const task::TaskConfig& task, const task::EncoderConfig& e
         "policy sees (encoder.target or encoder.relative_target)");
 }
 
-void Hindsight::add(const torch::Tensor& observation, const torch::Tensor& action,
+void Hindsight::add(const std::vector<float>& observation, const std::vector<float>& action,
                     const env::StepResult& result, ReplayBuffer& buffer) {
-  const torch::Tensor before = observation.contiguous();
-  const torch::Tensor act = action.contiguous();
-  const torch::Tensor after = result.final_observation.contiguous();
-  const auto row = [](const torch::Tensor& rows, std::size_t i) {
-    const float* first = rows.data_ptr<float>() + static_cast<std::int64_t>(i) * rows.size(1);
-    return std::vector<float>(first, first + rows.size(1));
+  const auto row = [this](const std::vector<float>& rows, std::size_t i) {
+    const auto columns = static_cast<std::ptrdiff_t>(rows.size() / episodes_.size());
+    const auto first = rows.begin() + static_cast<std::ptrdiff_t>(i) * columns;
+    return std::vector<float>(first, first + columns);
   };
   for (std::size_t i = 0; i < episodes_.size(); ++i) {
-    const bool terminated = result.terminated.data_ptr<std::uint8_t>()[i] != 0;
-    const bool truncated = result.truncated.data_ptr<std::uint8_t>()[i] != 0;
-    const bool success = result.success.data_ptr<std::uint8_t>()[i] != 0;
-    episodes_[i].push_back({row(before, i), row(act, i), row(after, i), terminated, success});
+    const bool terminated = result.terminated[i] != 0;
+    const bool truncated = result.truncated[i] != 0;
+    const bool success = result.success[i] != 0;
+    episodes_[i].push_back(
+        {row(observation, i), row(action, i), row(result.final_observation, i), terminated, success});
     if (!terminated && !truncated) continue;
     relabel(episodes_[i], buffer);
     episodes_[i].clear();
@@ -42,9 +41,6 @@ void Hindsight::add(const torch::Tensor& observation, const torch::Tensor& actio
 }
 
 void Hindsight::relabel(const std::vector<Step>& episode, ReplayBuffer& buffer) {
-  const auto floats = [](std::vector<float>& values) {
-    return torch::from_blob(values.data(), {1, static_cast<std::int64_t>(values.size())}, torch::kFloat32);
-  };
   const auto pose = [this](const std::vector<float>& row) {
     const geometry::Vector2 at_m = encoder_.position_m(row.data());
     return geometry::Pose2{at_m.x(), at_m.y(), 0.0};
@@ -64,11 +60,11 @@ void Hindsight::relabel(const std::vector<Step>& episode, ReplayBuffer& buffer) 
     // An end that was not the old goal's doing (the edge of the dish, say) stays one.
     const bool ended = step.terminated && !step.success;
     env::StepResult result;
-    result.final_observation = floats(step.next);
-    result.reward = torch::full({1}, static_cast<float>(outcome.reward));
-    result.terminated = torch::full({1}, outcome.terminated || ended ? 1 : 0, torch::kUInt8);
-    result.truncated = torch::zeros({1}, torch::kUInt8);
-    buffer.add(floats(step.observation), floats(step.action), result);
+    result.final_observation = step.next;
+    result.reward = {static_cast<float>(outcome.reward)};
+    result.terminated = {static_cast<std::uint8_t>(outcome.terminated || ended)};
+    result.truncated = {0};
+    buffer.add(step.observation, step.action, result);
   }
 }
 

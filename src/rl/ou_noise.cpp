@@ -9,46 +9,38 @@ namespace lodestone::rl {
 
 ExplorationNoise::ExplorationNoise(const NoiseConfig& config, std::int64_t environments,
                                    std::int64_t action_size, std::uint64_t seed)
-    : config_(config),
-      action_size_(action_size),
-      state_(static_cast<std::size_t>(environments * action_size), 0.0),
-      noise_(torch::zeros({environments, action_size}, torch::kFloat32)),
-      uniform_(torch::zeros({environments, action_size}, torch::kFloat32)) {
+    : keep_(config.kind == "ou" ? 1.0 - config.theta * config.dt : 0.0),
+      step_(config.kind == "ou" ? config.sigma * std::sqrt(config.dt) : config.sigma),
+      reset_with_episode_(config.reset_with_episode),
+      action_size_(static_cast<std::size_t>(action_size)),
+      state_(static_cast<std::size_t>(environments * action_size), 0.0) {
   streams_.reserve(static_cast<std::size_t>(environments));
   for (std::int64_t i = 0; i < environments; ++i) {
     streams_.emplace_back(seed, "exploration", static_cast<std::uint64_t>(i));
   }
 }
 
-const torch::Tensor& ExplorationNoise::next() {
-  float* out = noise_.data_ptr<float>();
-  const bool correlated = config_.kind == "ou";
-  const double keep = correlated ? 1.0 - config_.theta * config_.dt : 0.0;
-  const double step = correlated ? config_.sigma * std::sqrt(config_.dt) : config_.sigma;
+std::vector<float> ExplorationNoise::next() {
+  std::vector<float> noise(state_.size());
   for (std::size_t i = 0; i < state_.size(); ++i) {
-    common::RandomStream& stream = streams_[i / static_cast<std::size_t>(action_size_)];
-    state_[i] = keep * state_[i] + step * stream.normal();
-    out[i] = static_cast<float>(state_[i]);
+    common::RandomStream& stream = streams_[i / action_size_];
+    state_[i] = keep_ * state_[i] + step_ * stream.normal();
+    noise[i] = static_cast<float>(state_[i]);
   }
-  return noise_;
+  return noise;
 }
 
-const torch::Tensor& ExplorationNoise::uniform_actions() {
-  float* out = uniform_.data_ptr<float>();
+std::vector<float> ExplorationNoise::uniform_actions() {
+  std::vector<float> actions(state_.size());
   for (std::size_t i = 0; i < state_.size(); ++i) {
-    out[i] = static_cast<float>(streams_[i / static_cast<std::size_t>(action_size_)].uniform(-1.0, 1.0));
+    actions[i] = static_cast<float>(streams_[i / action_size_].uniform(-1.0, 1.0));
   }
-  return uniform_;
+  return actions;
 }
 
-void ExplorationNoise::episodes_ended(const torch::Tensor& ended) {
-  LODESTONE_CHECK(ended.numel() == static_cast<std::int64_t>(streams_.size()) &&
-                      ended.scalar_type() == torch::kUInt8 && ended.is_contiguous(),
-                  "exploration noise: expected one uint8 per environment");
-  if (!config_.reset_with_episode) return;
-  for (std::size_t i = 0; i < state_.size(); ++i) {
-    if (ended.data_ptr<std::uint8_t>()[i / static_cast<std::size_t>(action_size_)] != 0) state_[i] = 0.0;
-  }
+void ExplorationNoise::episode_ended(std::size_t environment) {
+  if (!reset_with_episode_) return;
+  std::fill_n(state_.begin() + static_cast<std::ptrdiff_t>(environment * action_size_), action_size_, 0.0);
 }
 
 common::Json ExplorationNoise::save() const {

@@ -10,7 +10,7 @@
 #include "lodestone/env/joined_env.h"
 #include "lodestone/env/mbs_env.h"
 #include "lodestone/env/physics_env.h"
-#include "lodestone/nets/dynamics.h"
+#include "lodestone/inference/dynamics.h"
 
 namespace lodestone::rl {
 
@@ -18,19 +18,19 @@ namespace {
 
 /// Where the training data moved, as far as the task wants to know.
 std::shared_ptr<const task::Region> region_for(const TrainPolicyConfig& config,
-                                               const std::optional<nets::DynamicsModel>& model) {
+                                               const std::optional<inference::DynamicsModel>& model) {
   if (config.task.within != "reachable") return nullptr;
   if (!model) throw common::ConfigError("task.within = \"reachable\" needs data to map: --set dynamics=DIR");
-  return std::make_shared<const task::Region>(nets::recorded_moves(*model), config.region);
+  return std::make_shared<const task::Region>(model->recorded_moves, config.region);
 }
 
 }  // namespace
 
 PolicyEnvironments make_policy_environments(TrainPolicyConfig& config) {
-  std::optional<nets::DynamicsModel> model;
+  std::optional<inference::DynamicsModel> model;
   config = adopt_rig(std::move(config));
   if (!config.dynamics.empty()) {
-    model = nets::load_dynamics(config.dynamics);
+    model = inference::load_dynamics(config.dynamics);
     config = adopt_data(std::move(config), model->info);
   } else if (config.simulator == "mbs") {
     throw common::ConfigError(

@@ -34,17 +34,11 @@ common::Json PolicyScore::json() const {
 }
 
 PolicyEvaluation::PolicyEvaluation(env::VecEnv& environments, const task::EncoderConfig& encoder)
-    : environments_(environments), encoder_(encoder) {
-  environments_.exchange_state(start_, false);
-  for (auto& [name, tensor] : start_.tensors) tensor = tensor.clone();
-}
+    : environments_(environments), encoder_(encoder), start_(environments.save()) {}
 
-PolicyScore PolicyEvaluation::run(Td3& policy) {
-  const torch::NoGradGuard no_grad;
-  env::EnvState start{start_.facts, {}};
-  for (const auto& [name, tensor] : start_.tensors) start.tensors[name] = tensor.clone();
-  environments_.exchange_state(start, true);
-  torch::Tensor observation = environments_.reset().clone();
+PolicyScore PolicyEvaluation::run(const inference::Actor& policy) {
+  environments_.load(start_);
+  std::vector<float> observation = environments_.reset();
   const std::int64_t count = environments_.spec().count;
   const std::int64_t columns = environments_.spec().observation_size;
   std::vector<std::uint8_t> done(static_cast<std::size_t>(count), 0);
@@ -53,29 +47,27 @@ PolicyScore PolicyEvaluation::run(Td3& policy) {
   double returns = 0.0;
   double steps = 0.0;
   double saturated = 0.0;
+  const std::int64_t width = environments_.spec().action_size;
+  std::vector<float> action(static_cast<std::size_t>(count * width));
+  inference::Actor::Workspace workspace;
   for (std::int64_t left = count; left > 0;) {
-    const torch::Tensor action = policy.act(observation);
-    const env::StepResult result = environments_.step(action);
-    const float* chosen = action.data_ptr<float>();
-    const std::int64_t width = action.size(1);
+    policy.act(observation.data(), count, action.data(), workspace);
+    const env::StepResult& result = environments_.step(action);
+    const float* chosen = action.data();
     for (std::int64_t i = 0; i < count; ++i) {
       const auto k = static_cast<std::size_t>(i);
       if (done[k] != 0) continue;
-      returns += result.reward.data_ptr<float>()[i];
+      returns += result.reward[k];
       steps += 1.0;
       for (std::int64_t j = 0; j < width; ++j)
         saturated += std::abs(chosen[i * width + j]) > kSaturated ? 1.0 : 0.0;
-      if (result.success.data_ptr<std::uint8_t>()[i] != 0) reached[k] = 1;
-      if (result.terminated.data_ptr<std::uint8_t>()[i] == 0 &&
-          result.truncated.data_ptr<std::uint8_t>()[i] == 0) {
-        continue;
-      }
+      if (result.success[k] != 0) reached[k] = 1;
+      if (result.terminated[k] == 0 && result.truncated[k] == 0) continue;
       done[k] = 1;
       --left;
-      error_mm[k] =
-          1e3 * encoder_.target_distance_m(result.final_observation.data_ptr<float>() + i * columns);
+      error_mm[k] = 1e3 * encoder_.target_distance_m(result.final_observation.data() + i * columns);
     }
-    observation.copy_(result.observation);
+    observation = result.observation;
   }
   const auto episodes = static_cast<double>(count);
   PolicyScore score;

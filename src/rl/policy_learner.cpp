@@ -1,7 +1,11 @@
 #include "lodestone/rl/policy_learner.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
+
+#include <torch/types.h>
+#include <torch/utils.h>
 
 #include "lodestone/common/error.h"
 
@@ -15,15 +19,19 @@ std::int64_t buffer_capacity(const LearningConfig& learning, std::int64_t enviro
   return std::min(learning.buffer_size, learning.env_steps + environments);
 }
 
-void load_same_shape(torch::Tensor& target, const nets::NamedTensors& stored, const char* name) {
+torch::Tensor rows_of(const std::vector<float>& numbers, std::int64_t columns) {
+  return torch::tensor(numbers).view({-1, columns});
+}
+
+void load_same_size(std::vector<float>& target, const nets::NamedTensors& stored, const char* name) {
   const auto found = stored.find(name);
-  if (found == stored.end() || found->second.sizes() != target.sizes() ||
-      found->second.scalar_type() != target.scalar_type()) {
+  if (found == stored.end() || found->second.scalar_type() != torch::kFloat32 ||
+      static_cast<std::size_t>(found->second.numel()) != target.size()) {
     throw common::CheckpointError(std::string("training checkpoint: tensor \"") + name +
-                                  "\" is missing or not of shape " + c10::str(target.sizes()) +
-                                  ": resume with the configuration it was made with");
+                                  "\" is missing or does not hold " + std::to_string(target.size()) +
+                                  " numbers: resume with the configuration it was made with");
   }
-  target.copy_(found->second);
+  std::copy_n(found->second.data_ptr<float>(), target.size(), target.begin());
 }
 
 }  // namespace
@@ -41,43 +49,48 @@ PolicyLearner::PolicyLearner(const LearningConfig& learning, const Td3Config& td
       noise_(noise, environments.spec().count, environments.spec().action_size, seed),
       hindsight_(std::move(hindsight)),
       overlap_(learning.overlap && threads > 1 ? 2 : 1) {
-  observation_ = environments_.reset().clone();
-  returns_ = torch::zeros({environments_.spec().count}, torch::kFloat32);
-  lengths_ = torch::zeros({environments_.spec().count}, torch::kFloat32);
+  observation_ = environments_.reset();
+  returns_.resize(static_cast<std::size_t>(environments_.spec().count));
+  lengths_.resize(returns_.size());
 }
 
-torch::Tensor PolicyLearner::choose_actions() {
+std::vector<float> PolicyLearner::choose_actions() {
   if (env_steps_ < learning_.warm_up_steps) return noise_.uniform_actions();
-  torch::Tensor action = td3_->act(observation_);
-  saturation_.add((action.abs() > kSaturated).to(torch::kFloat32).mean().item<double>());
+  std::vector<float> action = td3_->act(observation_);
+  const auto saturated =
+      std::count_if(action.begin(), action.end(), [](float a) { return std::abs(a) > kSaturated; });
+  saturation_.add(static_cast<float>(saturated) / static_cast<float>(action.size()));
   const double done = static_cast<double>(env_steps_) / static_cast<double>(learning_.env_steps);
-  const double scale = 1.0 - (1.0 - learning_.final_noise) * std::min(1.0, done);
-  return action.add_(noise_.next(), scale).clamp_(-1.0, 1.0);
+  const auto scale = static_cast<float>(1.0 - (1.0 - learning_.final_noise) * std::min(1.0, done));
+  const std::vector<float> noise = noise_.next();
+  for (std::size_t i = 0; i < action.size(); ++i)
+    action[i] = std::clamp(std::fma(noise[i], scale, action[i]), -1.0F, 1.0F);
+  return action;
 }
 
 void PolicyLearner::step() {
   const torch::NoGradGuard no_grad;
   const bool warming_up = env_steps_ < learning_.warm_up_steps;
-  const torch::Tensor action = choose_actions();
-  env::StepResult result;
+  const std::vector<float> action = choose_actions();
+  const env::StepResult* stepped = nullptr;
   if (learning_.overlap) {
     overlap_.for_each(2, [&](std::size_t part) {
       const torch::NoGradGuard guard;  // thread-local
       if (part == 0) {
         make_due_updates();
       } else {
-        result = environments_.step(action);
+        stepped = &environments_.step(action);
       }
     });
   } else {
-    result = environments_.step(action);
+    stepped = &environments_.step(action);
   }
-  const torch::Tensor& done = result.action.defined() ? result.action : action;
+  const env::StepResult& result = *stepped;
+  const std::vector<float>& done = result.action.empty() ? action : result.action;
   buffer_.add(observation_, done, result);
   if (hindsight_) hindsight_->add(observation_, done, result, buffer_);
-  noise_.episodes_ended(result.terminated.bitwise_or(result.truncated));
   count_episodes(result);
-  observation_.copy_(result.observation);
+  observation_ = result.observation;
   env_steps_ += environments_.spec().count;
   if (warming_up) return;
   due_updates_ += learning_.updates_per_step * static_cast<double>(environments_.spec().count);
@@ -97,20 +110,16 @@ void PolicyLearner::make_due_updates() {
 }
 
 void PolicyLearner::count_episodes(const env::StepResult& result) {
-  returns_.add_(result.reward);
-  lengths_.add_(1.0);
-  const auto* terminated = result.terminated.data_ptr<std::uint8_t>();
-  const auto* truncated = result.truncated.data_ptr<std::uint8_t>();
-  const auto* success = result.success.data_ptr<std::uint8_t>();
-  float* returns = returns_.data_ptr<float>();
-  float* lengths = lengths_.data_ptr<float>();
-  for (std::int64_t i = 0; i < returns_.numel(); ++i) {
-    if (terminated[i] == 0 && truncated[i] == 0) continue;
-    return_.add(returns[i]);
-    length_.add(lengths[i]);
-    success_.add(success[i] != 0 ? 1.0 : 0.0);
-    returns[i] = 0.0F;
-    lengths[i] = 0.0F;
+  for (std::size_t i = 0; i < returns_.size(); ++i) {
+    returns_[i] += result.reward[i];
+    lengths_[i] += 1.0F;
+    if (result.terminated[i] == 0 && result.truncated[i] == 0) continue;
+    noise_.episode_ended(i);
+    return_.add(returns_[i]);
+    length_.add(lengths_[i]);
+    success_.add(result.success[i] != 0 ? 1.0 : 0.0);
+    returns_[i] = 0.0F;
+    lengths_[i] = 0.0F;
   }
 }
 
@@ -133,12 +142,13 @@ common::Scalars PolicyLearner::take_statistics() {
 void PolicyLearner::save(nets::Checkpoint& checkpoint) {
   td3_->save(checkpoint);
   checkpoint.parts["buffer"] = buffer_.save();
-  env::EnvState state;
-  environments_.exchange_state(state, false);
-  checkpoint.facts["environments"] = state.facts;
-  for (const auto& [name, tensor] : state.tensors) checkpoint.parts["environments"][name] = tensor.clone();
+  const env::Snapshot snapshot = environments_.save();
+  checkpoint.facts["environments"] = snapshot.facts;
+  if (!snapshot.arrays.empty()) checkpoint.parts["environments"] = nets::to_tensors(snapshot.arrays);
   checkpoint.parts["running"] = {
-      {"observation", observation_.clone()}, {"returns", returns_.clone()}, {"lengths", lengths_.clone()}};
+      {"observation", rows_of(observation_, environments_.spec().observation_size)},
+      {"returns", torch::tensor(returns_)},
+      {"lengths", torch::tensor(lengths_)}};
   checkpoint.facts["noise"] = noise_.save();
   if (hindsight_) checkpoint.facts["hindsight"] = hindsight_->save();
   checkpoint.facts["env_steps"] = env_steps_;
@@ -161,13 +171,14 @@ void PolicyLearner::load(const nets::Checkpoint& checkpoint) {
   noise_.load(checkpoint.facts["noise"]);
   if (hindsight_) hindsight_->load(checkpoint.facts.value("hindsight", common::Json()));
   const nets::NamedTensors& running = checkpoint.parts.at("running");
-  load_same_shape(observation_, running, "observation");
-  load_same_shape(returns_, running, "returns");
-  load_same_shape(lengths_, running, "lengths");
-  env::EnvState state;
-  state.facts = checkpoint.facts["environments"];
-  if (checkpoint.parts.count("environments") != 0) state.tensors = checkpoint.parts.at("environments");
-  environments_.exchange_state(state, true);
+  load_same_size(observation_, running, "observation");
+  load_same_size(returns_, running, "returns");
+  load_same_size(lengths_, running, "lengths");
+  env::Snapshot snapshot;
+  snapshot.facts = checkpoint.facts["environments"];
+  if (checkpoint.parts.count("environments") != 0)
+    snapshot.arrays = nets::to_arrays(checkpoint.parts.at("environments"));
+  environments_.load(snapshot);
   env_steps_ = checkpoint.facts["env_steps"].get<std::int64_t>();
   due_updates_ = checkpoint.facts["due_updates"].get<double>();
 }

@@ -14,8 +14,9 @@
 #include "lodestone/common/memory.h"
 #include "lodestone/common/metrics.h"
 #include "lodestone/common/progress.h"
+#include "lodestone/inference/policy.h"
 #include "lodestone/nets/checkpoint.h"
-#include "lodestone/nets/policy.h"
+#include "lodestone/rl/policy_learner.h"
 
 namespace lodestone::rl {
 namespace {
@@ -139,7 +140,7 @@ class Run {
 
  private:
   PolicyScore evaluate() {
-    const PolicyScore score = evaluation_.run(learner_.td3());
+    const PolicyScore score = evaluation_.run(learner_.td3().actor());
     common::Scalars scalars = learner_.take_statistics();
     for (const auto& [key, value] : score.scalars()) scalars.emplace_back(key, value);
     scalars.emplace_back("train/updates", static_cast<double>(learner_.updates()));
@@ -167,19 +168,17 @@ class Run {
   }
 
   void save_best() {
-    const nets::NamedTensors weights = learner_.td3().actor();
-    nets::Policy policy;
+    inference::Policy policy;
+    policy.weights = nets::to_arrays(learner_.td3().actor_weights());
     policy.hidden = config_.td3.hidden;
     policy.encoder = config_.encoder;
     policy.action = config_.action;
     policy.rig = config_.learned_rig;
     policy.goal = config_.task.goal;
     policy.region = region_;
-    policy.actor = nets::Actor(weights.at("l1.weight").size(1), policy.hidden);
-    nets::load_module_tensors(*policy.actor, weights, "trained actor");
     common::Json metrics = score_to_json(result_.evaluation);
     metrics["env_steps"] = result_.best_env_steps;
-    nets::save_policy(folder_ + "/checkpoint", policy, common::config_to_json(config_), metrics);
+    inference::save_policy(folder_ + "/checkpoint", policy, common::config_to_json(config_), metrics);
   }
 
   void save() {

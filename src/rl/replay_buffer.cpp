@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include <torch/types.h>
+
 #include "lodestone/common/error.h"
 
 namespace lodestone::rl {
@@ -33,29 +35,33 @@ ReplayBuffer::ReplayBuffer(std::int64_t capacity, std::int64_t observation_size,
   rows_ = torch::zeros({capacity, row_size()}, torch::kFloat32);
 }
 
-void ReplayBuffer::add(const torch::Tensor& observation, const torch::Tensor& action,
+void ReplayBuffer::add(const std::vector<float>& observation, const std::vector<float>& action,
                        const env::StepResult& result) {
-  const std::int64_t count = observation.size(0);
-  check_rows(observation, {count, observation_size_}, torch::kFloat32, "observation");
-  check_rows(action, {count, action_size_}, torch::kFloat32, "action");
-  check_rows(result.final_observation, {count, observation_size_}, torch::kFloat32, "final observation");
-  check_rows(result.reward, {count}, torch::kFloat32, "reward");
-  check_rows(result.terminated, {count}, torch::kUInt8, "terminated");
-  check_rows(result.truncated, {count}, torch::kUInt8, "truncated");
-  const torch::Tensor before = observation.contiguous();
-  const torch::Tensor act = action.contiguous();
-  const torch::Tensor after = result.final_observation.contiguous();
-  const torch::Tensor reward = result.reward.contiguous();
-  const torch::Tensor terminated = result.terminated.contiguous();
-  const torch::Tensor truncated = result.truncated.contiguous();
-  for (std::int64_t i = 0; i < count; ++i) {
+  const std::size_t count = result.reward.size();
+  const auto check = [count](std::size_t size, std::int64_t columns, const char* name) {
+    LODESTONE_CHECK(size == count * static_cast<std::size_t>(columns),
+                    std::string("replay buffer: ") + name + " holds " + std::to_string(size) +
+                        " numbers for " + std::to_string(count) + " rows of " + std::to_string(columns));
+  };
+  check(observation.size(), observation_size_, "observation");
+  check(action.size(), action_size_, "action");
+  check(result.final_observation.size(), observation_size_, "final observation");
+  check(result.terminated.size(), 1, "terminated");
+  check(result.truncated.size(), 1, "truncated");
+  const float* before = observation.data();
+  const float* act = action.data();
+  const float* after = result.final_observation.data();
+  for (std::size_t i = 0; i < count; ++i) {
     float* row = rows_.data_ptr<float>() + next_ * row_size();
-    row = std::copy_n(before.data_ptr<float>() + i * observation_size_, observation_size_, row);
-    row = std::copy_n(act.data_ptr<float>() + i * action_size_, action_size_, row);
-    row = std::copy_n(after.data_ptr<float>() + i * observation_size_, observation_size_, row);
-    row[0] = reward.data_ptr<float>()[i];
-    row[1] = terminated.data_ptr<std::uint8_t>()[i] != 0 ? 1.0F : 0.0F;
-    row[2] = truncated.data_ptr<std::uint8_t>()[i] != 0 ? 1.0F : 0.0F;
+    row = std::copy_n(before, observation_size_, row);
+    row = std::copy_n(act, action_size_, row);
+    row = std::copy_n(after, observation_size_, row);
+    before += observation_size_;
+    act += action_size_;
+    after += observation_size_;
+    row[0] = result.reward[i];
+    row[1] = result.terminated[i] != 0 ? 1.0F : 0.0F;
+    row[2] = result.truncated[i] != 0 ? 1.0F : 0.0F;
     next_ = (next_ + 1) % capacity_;
     size_ = std::min(size_ + 1, capacity_);
   }

@@ -2,6 +2,9 @@
 
 #include <string>
 
+#include <torch/types.h>
+#include <torch/utils.h>
+
 #include "lodestone/common/error.h"
 #include "td3_autograd.h"
 #include "td3_fused.h"
@@ -41,13 +44,20 @@ Td3::Td3(const Td3Config& config, std::int64_t observation_size, std::int64_t ac
   LODESTONE_CHECK(config.batch_size >= 2, "TD3 needs a batch of at least 2");
 }
 
-torch::Tensor Td3::act(const torch::Tensor& observation) {
+std::vector<float> Td3::act(const std::vector<float>& observation) {
   const torch::NoGradGuard no_grad;
-  LODESTONE_CHECK(observation.dim() == 2 && observation.size(1) == observation_size_ &&
-                      observation.scalar_type() == type_,
-                  "TD3 policy: observation is " + c10::str(observation.sizes()) + ", expected [N, " +
-                      std::to_string(observation_size_) + "]");
-  return policy(observation.contiguous());
+  const auto rows = static_cast<std::int64_t>(observation.size()) / observation_size_;
+  LODESTONE_CHECK(static_cast<std::int64_t>(observation.size()) == rows * observation_size_,
+                  "TD3 policy: " + std::to_string(observation.size()) + " numbers are no rows of " +
+                      std::to_string(observation_size_));
+  const torch::Tensor input =
+      torch::from_blob(const_cast<float*>(observation.data()), {rows, observation_size_}, torch::kFloat32);
+  const torch::Tensor action = policy(input.to(type_)).to(torch::kFloat32).contiguous();
+  return {action.data_ptr<float>(), action.data_ptr<float>() + action.numel()};
+}
+
+inference::Actor Td3::actor() const {
+  return {nets::to_arrays(actor_weights()), observation_size_, config_.hidden, action_size_};
 }
 
 UpdateResult Td3::update(const ReplayBuffer& buffer) {
@@ -81,7 +91,7 @@ void Td3::check_batch(const Batch& batch, const torch::Tensor& noise) const {
   check(noise, {rows, action_size_}, "smoothing noise");
 }
 
-nets::NamedTensors Td3::actor() const {
+nets::NamedTensors Td3::actor_weights() const {
   nets::NamedTensors result;
   for (const auto& [name, tensor] : networks()) {
     if (name.rfind(kActorPrefix, 0) == 0)

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <memory>
 
-#include <torch/torch.h>
+#include <torch/optim/adam.h>
 
-#include "lodestone/nets/policy.h"
+#include "lodestone/nets/actor_critic.h"
 #include "lodestone/rl/td3.h"
 
 namespace lodestone::rl {

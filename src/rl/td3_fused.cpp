@@ -106,7 +106,11 @@ template <class Real>
 torch::Tensor FusedTd3<Real>::policy(const torch::Tensor& observation) {
   if (act_work_.rows != observation.size(0)) act_work_ = actor_.network.workspace(observation.size(0));
   actor_.network.forward(data<Real>(observation), act_work_);
-  return act_work_.output.tanh();
+  torch::Tensor action = torch::empty_like(act_work_.output);
+  const Real* output = data<Real>(act_work_.output);
+  // As inference::Actor, and not by LibTorch's own tanh, whose last bit depends on the processor.
+  std::transform(output, output + action.numel(), data<Real>(action), [](Real x) { return std::tanh(x); });
+  return action;
 }
 
 /// The critics' inputs of one half: (s, a), and (s', a') with the target policy's smoothed action.

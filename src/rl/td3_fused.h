@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <torch/torch.h>
+#include <torch/types.h>
 
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/rl/flat_network.h"

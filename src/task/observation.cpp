@@ -18,6 +18,12 @@ EncoderConfig encoder_from_json(common::Json json, const std::string& what) {
   return config;
 }
 
+ObservationEncoder::ObservationEncoder(const EncoderConfig& config)
+    : config_(config),
+      heading_(config.heading == "none"    ? Heading::kNone
+               : config.heading == "angle" ? Heading::kAngle
+                                           : Heading::kSineCosine) {}
+
 int ObservationEncoder::size() const {
   return 2 + heading_size() + (config_.target ? 2 : 0) + (config_.relative_target ? 2 : 0) +
          (config_.target_heading ? 2 : 0) + (config_.memory ? 4 : 0);
@@ -30,9 +36,9 @@ void ObservationEncoder::encode(const Observation& observation, float* out) cons
   };
   const geometry::Vector2 position_m = observation.pose.position_m();
   put(position_m, config_.length_scale_m);
-  if (config_.heading == "angle") {
+  if (heading_ == Heading::kAngle) {
     *out++ = static_cast<float>(observation.pose.heading_rad);
-  } else if (config_.heading == "sine_cosine") {
+  } else if (heading_ == Heading::kSineCosine) {
     *out++ = static_cast<float>(std::sin(observation.pose.heading_rad));
     *out++ = static_cast<float>(std::cos(observation.pose.heading_rad));
   }

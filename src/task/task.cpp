@@ -33,9 +33,9 @@ StepOutcome evaluate_step(const TaskConfig& config, const Step& step) {
   outcome.success = distance_after < success_radius_m(config, step.progress);
   outcome.reward = config.alpha * (distance_after - distance_before) / config.dish_radius_m + config.tau -
                    config.current_cost * step.action.squaredNorm();
-  if (config.goal == "pose") {
+  if (step.goal.heading_rad) {
     const auto error = [&](const geometry::Pose2& pose) {
-      return std::abs(geometry::wrap_angle(pose.heading_rad - step.goal.heading_rad)) / M_PI;
+      return std::abs(geometry::wrap_angle(pose.heading_rad - *step.goal.heading_rad)) / M_PI;
     };
     outcome.reward += config.heading_alpha * (error(step.after) - error(step.before));
     outcome.success = outcome.success && 180.0 * error(step.after) < config.success_heading_deg;

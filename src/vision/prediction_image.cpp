@@ -2,6 +2,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include <torch/types.h>
+
 namespace lodestone::vision {
 
 namespace {

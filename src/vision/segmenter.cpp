@@ -2,6 +2,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/nets/checkpoint.h"
+#include "lodestone/nets/unet.h"
 
 namespace lodestone::vision {
 
@@ -19,8 +20,10 @@ cv::Mat to_mat(const torch::Tensor& map) {
 
 }  // namespace
 
-Segmenter::Segmenter(const SegmenterConfig& config, nets::UNet& network)
-    : config_(config), network_(nets::folded(network)) {
+Segmenter::Segmenter(const SegmenterConfig& config, const std::shared_ptr<nets::UNetImpl>& network)
+    : config_(config) {
+  nets::UNet whole(network);
+  network_ = nets::folded(whole).ptr();
   for (std::size_t c = 0; c < 3; ++c) {
     const auto index = static_cast<std::int64_t>(c);
     const float spread = network_->colour_std[0][index][0][0].item<float>();
@@ -35,7 +38,7 @@ std::shared_ptr<const Segmenter> Segmenter::load(const std::string& folder) {
   try {
     const auto config =
         common::config_from_json<SegmenterConfig>(checkpoint.facts.at("segmenter"), what + ", segmenter");
-    nets::UNet network(config.network);
+    const auto network = std::make_shared<nets::UNetImpl>(config.network);
     nets::load_module_tensors(*network, checkpoint.parts.at(kPart), what);
     return std::make_shared<const Segmenter>(config, network);
   } catch (const common::Json::exception& error) {
@@ -75,8 +78,9 @@ MaskGrid Segmenter::grid_of(const imaging::DishView& view, const cv::Rect& area)
   return {view.to_dish(area.x + offset, area.y + offset), covers * view.pixel_m()};
 }
 
-void save_segmenter(const std::string& folder, const SegmenterConfig& config, const nets::UNet& network,
-                    const common::Json& training, const common::Json& metrics) {
+void save_segmenter(const std::string& folder, const SegmenterConfig& config,
+                    const std::shared_ptr<nets::UNetImpl>& network, const common::Json& training,
+                    const common::Json& metrics) {
   nets::Checkpoint checkpoint;
   checkpoint.kind = kKind;
   checkpoint.config = training;

@@ -5,6 +5,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include <torch/types.h>
+
 #include "lodestone/common/error.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/imaging/scene_renderer.h"

@@ -6,6 +6,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include <torch/torch.h>
+
 #include "lodestone/common/clock.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/interrupt.h"
@@ -14,6 +16,8 @@
 #include "lodestone/common/progress.h"
 #include "lodestone/nets/checkpoint.h"
 #include "lodestone/nets/flat_parameters.h"
+#include "lodestone/nets/unet.h"
+#include "lodestone/vision/segmenter_samples.h"
 #include "prediction_image.h"
 
 namespace lodestone::vision {
@@ -141,7 +145,7 @@ class Training {
     progress.finish(note());
     SegmenterTrainingResult result;
     nets::load_module_tensors(*networks_[0], best_, "best weights");
-    result.network = networks_[0];
+    result.network = networks_[0].ptr();
     result.epochs = epoch_;
     result.train_loss = train_loss_;
     result.validation_loss = best_loss_;

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fails when an include points up the ladder of modules, sideways, or to LibTorch from a module without it.
+"""Fails when an include or a link line points up the ladder of modules, sideways, or to LibTorch where that is left out.
 
 usage: check_arrows.py ROOT    checks the tree; `--self-test` checks that the checker finds planted faults.
 """
@@ -16,20 +16,26 @@ LADDER = {
     "data": {"geometry"},
     "task": {"geometry"},
     "imaging": {"geometry"},
-    "nets": {"geometry", "data", "task"},
+    "inference": {"geometry", "data", "task"},
+    "nets": {"geometry", "data", "task", "inference"},
     "vision": {"nets", "imaging", "geometry"},
     "rig": {"physics", "imaging", "data", "geometry"},
-    "env": {"physics", "task", "data", "nets", "geometry"},
-    "rl": {"env", "nets", "data", "task", "physics", "geometry"},
+    "env": {"physics", "task", "data", "inference", "geometry"},
+    "rl": {"env", "nets", "inference", "data", "task", "physics", "geometry"},
     "emulation": {"rig", "physics", "imaging", "geometry"},
-    "control": {"rig", "physics", "data", "task", "nets", "geometry"},
+    "control": {"rig", "physics", "data", "task", "inference", "geometry"},
     "safety": {"control", "rig", "physics", "geometry"},
     "session": {"safety", "control", "rig", "vision", "imaging", "physics", "geometry"},
-    "experiments": {"session", "safety", "control", "emulation", "rig", "vision", "imaging", "physics", "data", "task", "nets",
-                    "geometry"},
+    "experiments": {"session", "safety", "control", "emulation", "rig", "vision", "imaging", "physics", "data", "task",
+                    "inference", "geometry"},
     "report": {"data", "geometry"},
 }
-WITHOUT_TORCH = {"common", "geometry", "physics", "data", "task", "imaging", "rig", "emulation", "safety", "report"}
+# Modules whose files may include LibTorch's headers, and of those a public header that describes networks.
+SEES_TORCH = {"nets", "rl", "vision"}
+# Modules that a program can be linked from without LibTorch.
+LINKS_WITHOUT_TORCH = {"common", "geometry", "physics", "data", "task", "imaging", "inference", "rig", "env", "emulation", "control",
+                       "safety", "report"}
+MAY_SEE_TORCH = {"apps/speed_figures.cpp"}  # times LibTorch itself
 # Who may see where the needle really is: the virtual rig with its rendered camera and simulated sensor, the emulation, and
 # scoring with whatever hands the truth to it.
 SEES_TRUTH = re.compile(
@@ -48,8 +54,6 @@ def faults(root):
                     continue
                 for include in INCLUDE.findall(path.read_text()):
                     name = path.relative_to(root)
-                    if include.startswith(("torch/", "ATen/", "c10/")) and module in WITHOUT_TORCH:
-                        found.append(f"{name}: includes {include}, but {module} builds without LibTorch")
                     parts = include.split("/")
                     if parts[0] != "lodestone" or len(parts) < 3:
                         continue
@@ -72,6 +76,69 @@ def faults(root):
     for folder in sorted((root / "src").iterdir()):
         if folder.is_dir() and folder.name not in LADDER:
             found.append(f"src/{folder.name} is not on the ladder of modules")
+    return found + torch_faults(root) + link_faults(root)
+
+
+def torch_header(path, root, known):
+    """A LibTorch header that `path` sees, however many headers away, or None."""
+    if path not in known:
+        known[path] = None  # until it is known, so that a circle ends
+        for include in INCLUDE.findall(path.read_text()):
+            if include.startswith(("torch/", "ATen/", "c10/")):
+                known[path] = include
+                break
+            for place in (root / "include" / include, path.parent / include):
+                if place.is_file():
+                    known[path] = torch_header(place, root, known)
+                    break
+            if known[path]:
+                break
+    return known[path]
+
+
+def torch_faults(root):
+    """Files of the modules without LibTorch, and of the program, that see one of its headers."""
+    found = []
+    known = {}
+    folders = [root / "apps"]
+    for module in set(LADDER) - SEES_TORCH:
+        folders += [root / "include" / "lodestone" / module, root / "src" / module]
+    for folder in folders:
+        for path in sorted(folder.rglob("*")):
+            if path.suffix not in (".h", ".cpp") or str(path.relative_to(root)) in MAY_SEE_TORCH:
+                continue
+            header = torch_header(path, root, known)
+            if header:
+                found.append(f"{path.relative_to(root)}: sees {header}, which only {', '.join(sorted(SEES_TORCH))} may")
+    return found
+
+
+def link_faults(root):
+    """Link lines that go up the ladder, or to LibTorch where that is left out."""
+    found = []
+    links = {}
+    torch = set()
+    for module, allowed in LADDER.items():
+        path = root / "src" / module / "CMakeLists.txt"
+        text = path.read_text() if path.is_file() else ""
+        links[module] = set(re.findall(r"lodestone::(\w+)", text))
+        for call in re.findall(r"lodestone_module\(([^)]*)\)", text):
+            words = call.split()
+            if "TORCH" in words or "TORCH_LIBRARIES" in call:
+                torch.add(module)
+            if "DEPENDS" in words:
+                links[module] |= set(words[words.index("DEPENDS") + 1:]) & set(LADDER)
+        for target in sorted(links[module] - allowed - {module, "common"}):
+            found.append(f"src/{module}/CMakeLists.txt: {module} may not link {target}")
+    for module in sorted(LINKS_WITHOUT_TORCH):
+        reached, todo = {module}, [module]
+        while todo:
+            for target in links.get(todo.pop(), ()):
+                if target not in reached:
+                    reached.add(target)
+                    todo.append(target)
+        for target in sorted(reached & torch):
+            found.append(f"src/{module}/CMakeLists.txt: {module} links LibTorch by way of {target}")
     return found
 
 
@@ -85,11 +152,23 @@ def self_test():
             ("#include <vector>\n#include \"lodestone/common/error.h\"\n", 0),
             ("#include \"lodestone/rl/td3.h\"\n", 1),
             ("#include <torch/torch.h>\n", 1),
+            ("#include \"lodestone/task/b.h\"\n", 2),  # both headers see it
             ("#include \"lodestone/nowhere/x.h\"\n", 1),
             ("void f() { rig.true_pose(); }\n", 1),
             ("// nobody sees the true_pose() here\n", 0),
         ):
             header.write_text(text)
+            (root / "include/lodestone/task/b.h").write_text("#include <ATen/core/Tensor.h>\n" if "b.h" in text else "")
+            if len(faults(root)) != count:
+                sys.exit(f"the checker found {faults(root)} in {text!r}, expected {count} faults")
+        header.write_text("")
+        (root / "src/rl/CMakeLists.txt").write_text("lodestone_module(rl TORCH\n  SOURCES x.cpp\n  DEPENDS task)\n")
+        for text, count in (
+            ("lodestone_module(task SOURCES a.cpp DEPENDS common geometry)\n", 0),
+            ("lodestone_module(task SOURCES a.cpp DEPENDS common rl)\n", 2),  # up the ladder, and to LibTorch
+            ("lodestone_module(task TORCH SOURCES a.cpp)\n", 1),
+        ):
+            (root / "src/task/CMakeLists.txt").write_text(text)
             if len(faults(root)) != count:
                 sys.exit(f"the checker found {faults(root)} in {text!r}, expected {count} faults")
     print("the checker finds planted faults")

@@ -3,6 +3,7 @@
 
 #include "control/controller_conformance.h"
 #include "control/fakes.h"
+#include "inference/random_policy.h"
 #include "lodestone/control/decorators.h"
 #include "lodestone/control/dipole_pull.h"
 #include "lodestone/control/policy_controller.h"
@@ -25,12 +26,11 @@ task::Observation after(const Vector2& action, double moved_m, const Vector2& po
   return observation;
 }
 
-nets::Policy small_policy() {
-  nets::Policy policy;
+inference::Policy small_policy() {
+  inference::Policy policy;
   policy.encoder.memory = true;
   policy.hidden = {16, 16};
-  torch::manual_seed(4);
-  policy.actor = nets::Actor(task::ObservationEncoder(policy.encoder).size(), policy.hidden);
+  tests::draw_weights(policy, 4);
   return policy;
 }
 
@@ -124,17 +124,18 @@ TEST_CASE("controllers keep the contract") {
 }
 
 TEST_CASE("the policy controller computes what the network computes") {
-  const nets::Policy policy = small_policy();
+  const inference::Policy policy = small_policy();
   control::PolicyController controller(policy);
   const task::Observation observation = after({0.2, -0.1}, 0.001);
   const task::ObservationEncoder encoder(policy.encoder);
-  torch::Tensor input = torch::zeros({1, encoder.size()});
-  encoder.encode(observation, input.data_ptr<float>());
-  nets::Actor actor = policy.actor;
-  const torch::Tensor expected = actor->forward(input);
+  std::vector<float> input(static_cast<std::size_t>(encoder.size()));
+  encoder.encode(observation, input.data());
+  float expected[2];
+  inference::Actor::Workspace workspace;
+  policy.actor().act(input.data(), 1, expected, workspace);
   const Vector2 action = controller.act(observation);
-  CHECK(action.x() == Approx(expected[0][0].item<double>()));
-  CHECK(action.y() == Approx(expected[0][1].item<double>()));
+  CHECK(action.x() == expected[0]);
+  CHECK(action.y() == expected[1]);
 }
 
 TEST_CASE("a full command that moves nothing is dithered from side to side until something moves") {

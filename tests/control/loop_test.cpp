@@ -2,6 +2,7 @@
 
 #include "control/fakes.h"
 #include "lodestone/control/control_loop.h"
+#include "lodestone/safety/supervisor.h"
 #include "paper_rig.h"
 
 using namespace lodestone;

@@ -38,15 +38,14 @@ TEST_CASE("the environment moves the needle as the simulator does", "[unit]") {
   settings.task.success_radius_m = 1e-5;
   const PhysicsEnvConfig config;
   PhysicsEnv environments(settings, tests::paper_rig(), config, 1);
-  const torch::Tensor start = environments.reset().clone();
-  const geometry::Pose2 pose{0.0425 * start[0][0].item<double>(), 0.0425 * start[0][1].item<double>(),
-                             start[0][2].item<double>()};
+  const std::vector<float> start = environments.reset();
+  const geometry::Pose2 pose{0.0425 * start[0], 0.0425 * start[1], start[2]};
   const geometry::Pose2 expected = physics::PlainSimulator(tests::paper_rig(), config.simulator)
                                        .step(pose, {3.0, 0.0, 0.0, 1.5}, config.pulse_s, config.rest_s);
-  const torch::Tensor next = environments.step(torch::tensor({{0.5F, -0.25F}})).final_observation;
-  CHECK(0.0425 * next[0][0].item<double>() == Approx(expected.x_m).margin(2e-5));
-  CHECK(0.0425 * next[0][1].item<double>() == Approx(expected.y_m).margin(2e-5));
-  CHECK(std::abs(geometry::wrap_angle(next[0][2].item<double>() - expected.heading_rad)) < 5e-3);
+  const std::vector<float> next = environments.step({0.5F, -0.25F}).final_observation;
+  CHECK(0.0425 * next[0] == Approx(expected.x_m).margin(2e-5));
+  CHECK(0.0425 * next[1] == Approx(expected.y_m).margin(2e-5));
+  CHECK(std::abs(geometry::wrap_angle(next[2] - expected.heading_rad)) < 5e-3);
 }
 
 TEST_CASE("randomised simulators keep the promises too, and differ from episode to episode", "[unit]") {
@@ -67,19 +66,18 @@ TEST_CASE("randomised simulators keep the promises too, and differ from episode 
   one.encoder.heading = "angle";
   one.task.success_radius_m = 1e-5;
   PhysicsEnv fixed(one, tests::paper_rig(), config, 1);
-  const torch::Tensor start = fixed.reset().clone();
+  const std::vector<float> start = fixed.reset();
   physics::RigDescription expected = tests::paper_rig();
   expected.needle.moment_A_m2 *= 1.1;
   expected.fluid.viscosity_Pa_s *= 0.9;
   expected.friction.static_coefficient *= 1.2;
   expected.friction.kinetic_coefficient *= 1.2;
-  const geometry::Pose2 next = physics::PlainSimulator(expected, config.simulator)
-                                   .step({0.0425 * start[0][0].item<double>(),
-                                          0.0425 * start[0][1].item<double>(), start[0][2].item<double>()},
-                                         {3.0, 0.0, 0.0, 1.5}, config.pulse_s, config.rest_s);
-  const torch::Tensor seen = fixed.step(torch::tensor({{0.5F, -0.25F}})).final_observation;
-  CHECK(0.0425 * seen[0][0].item<double>() == Approx(next.x_m).margin(2e-5));
-  CHECK(0.0425 * seen[0][1].item<double>() == Approx(next.y_m).margin(2e-5));
+  const geometry::Pose2 next =
+      physics::PlainSimulator(expected, config.simulator)
+          .step({0.0425 * start[0], 0.0425 * start[1], start[2]}, {3.0, 0.0, 0.0, 1.5}, config.pulse_s, config.rest_s);
+  const std::vector<float> seen = fixed.step({0.5F, -0.25F}).final_observation;
+  CHECK(0.0425 * seen[0] == Approx(next.x_m).margin(2e-5));
+  CHECK(0.0425 * seen[1] == Approx(next.y_m).margin(2e-5));
 }
 
 }  // namespace

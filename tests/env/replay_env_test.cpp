@@ -47,27 +47,26 @@ EpisodeSettings settings_for(std::int64_t count) {
 
 TEST_CASE("recorded steps come back as they were, in stretches of 10 to 15", "[unit]") {
   ReplayEnv replay(recording(), settings_for(30), {});
-  torch::Tensor before = replay.reset().clone();
+  std::vector<float> before = replay.reset();
   std::vector<int> length(30, 0);
   for (std::uint64_t step = 0; step < 60; ++step) {
-    const StepResult result = replay.step(tests::random_actions(replay.spec(), step));
-    REQUIRE(result.action.defined());
-    for (std::int64_t i = 0; i < 30; ++i) {
-      const float* from = before.data_ptr<float>() + 4 * i;
-      const float* to = result.final_observation.data_ptr<float>() + 4 * i;
+    const StepResult& result = replay.step(tests::random_actions(replay.spec(), step));
+    REQUIRE(result.action.size() == 60);
+    for (std::size_t i = 0; i < 30; ++i) {
+      const float* from = &before[4 * i];
+      const float* to = &result.final_observation[4 * i];
       // 1 mm to the right in every step, and the action that the episode and the step say
       REQUIRE(0.0425 * (to[0] - from[0]) == Approx(1e-3).epsilon(1e-3));
-      REQUIRE(result.action[i][0].item<double>() == Approx(std::round(42.5 * from[1]) / 100.0).margin(1e-6));
-      REQUIRE(result.action[i][1].item<double>() ==
-              Approx(std::round(42.5 * from[0] + 10.0) / 100.0).margin(1e-6));
-      ++length[static_cast<std::size_t>(i)];
-      CHECK_FALSE(result.terminated[i].item<bool>());
-      if (!result.truncated[i].item<bool>()) continue;
-      CHECK(length[static_cast<std::size_t>(i)] >= 10);
-      CHECK(length[static_cast<std::size_t>(i)] <= 15);
-      length[static_cast<std::size_t>(i)] = 0;
+      REQUIRE(result.action[2 * i] == Approx(std::round(42.5 * from[1]) / 100.0).margin(1e-6));
+      REQUIRE(result.action[2 * i + 1] == Approx(std::round(42.5 * from[0] + 10.0) / 100.0).margin(1e-6));
+      ++length[i];
+      CHECK_FALSE(result.terminated[i] != 0);
+      if (result.truncated[i] == 0) continue;
+      CHECK(length[i] >= 10);
+      CHECK(length[i] <= 15);
+      length[i] = 0;
     }
-    before = result.observation.clone();
+    before = result.observation;
   }
 }
 
@@ -81,7 +80,7 @@ TEST_CASE("a recording without a long enough episode is refused", "[unit]") {
 }
 
 TEST_CASE("joined environments are their parts, one after the other, and resume bitwise", "[unit]") {
-  const nets::DynamicsModel model = tests::linear_model(data::StateLayout::kPose, {1e-3}, {0.0});
+  const inference::DynamicsModel model = tests::linear_model(data::StateLayout::kPose, {1e-3}, {0.0});
   const auto make = [&] {
     std::vector<std::unique_ptr<VecEnv>> parts;
     parts.push_back(std::make_unique<MbsEnv>(model, settings_for(3), MbsConfig(), 1));
@@ -93,18 +92,15 @@ TEST_CASE("joined environments are their parts, one after the other, and resume 
   CHECK(joined.spec().count == 5);
   joined.reset();
   for (std::uint64_t step = 0; step < 7; ++step) joined.step(tests::random_actions(joined.spec(), step));
-  EnvState state;
-  joined.exchange_state(state, false);
-  other.exchange_state(state, true);
+  other.load(joined.save());
   for (std::uint64_t step = 7; step < 40; ++step) {
-    const torch::Tensor actions = tests::random_actions(joined.spec(), step);
-    const StepResult result = joined.step(actions);
+    const std::vector<float> actions = tests::random_actions(joined.spec(), step);
+    const StepResult& result = joined.step(actions);
     REQUIRE(tests::same(result, other.step(actions)));
-    CHECK(torch::equal(result.action.narrow(0, 0, 3), actions.narrow(0, 0, 3)));
-    CHECK_FALSE(torch::equal(result.action.narrow(0, 3, 2), actions.narrow(0, 3, 2)));
+    CHECK(std::equal(actions.begin(), actions.begin() + 6, result.action.begin()));
+    CHECK_FALSE(std::equal(actions.begin() + 6, actions.end(), result.action.begin() + 6));
   }
-  EnvState foreign;
-  CHECK_THROWS_AS(other.exchange_state(foreign, true), common::CheckpointError);
+  CHECK_THROWS_AS(other.load({}), common::CheckpointError);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include "inference/random_policy.h"
 #include "lodestone/control/policy_controller.h"
 #include "lodestone/experiments/deployment.h"
 #include "lodestone/experiments/recorder.h"
@@ -58,10 +59,9 @@ TEST_CASE("trials depend neither on threads nor on the trials beside them") {
 TEST_CASE("one policy drives trials in several threads with the same results") {
   const auto config = quick_config();
   const experiments::Deployment deployment(config);
-  nets::Policy policy;
+  inference::Policy policy;
   policy.encoder.memory = true;
-  torch::manual_seed(7);
-  policy.actor = nets::Actor(task::ObservationEncoder(policy.encoder).size(), policy.hidden);
+  tests::draw_weights(policy, 7);
   experiments::ControllerSource source;
   source.name = "policy";
   source.make = [policy] { return std::make_unique<control::PolicyController>(policy); };

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <torch/torch.h>
+
 using namespace lodestone;
 
 namespace {

@@ -2,7 +2,11 @@
 
 #include <catch2/catch.hpp>
 
+#include <torch/torch.h>
+
 #include "lodestone/common/error.h"
+#include "lodestone/nets/checkpoint.h"
+#include "lodestone/nets/dynamics_network.h"
 #include "lodestone/nets/tensors.h"
 #include "rl/synthetic_motion.h"
 
@@ -22,9 +26,11 @@ nets::DynamicsModel constant_model(data::StateLayout layout, const std::vector<d
   for (auto& parameter : model.members[0]->parameters()) parameter.zero_();
   const data::TransitionTable table = data::flatten(training);
   const auto rows = table.size();
-  model.training_rows = {nets::tensor_from(table.state, {rows, table.state_size}, torch::kFloat32),
-                         nets::tensor_from(table.action, {rows, 2}, torch::kFloat32),
-                         nets::tensor_from(table.next_state, {rows, table.state_size}, torch::kFloat32)};
+  const auto narrow = [rows](const std::vector<double>& numbers, std::int64_t columns) {
+    return nets::to_array(nets::tensor_from(numbers, {rows, columns}, torch::kFloat32));
+  };
+  model.training_rows = {narrow(table.state, table.state_size), narrow(table.action, 2),
+                         narrow(table.next_state, table.state_size)};
   const auto size = static_cast<std::int64_t>(change.size());
   model.members[0]->output_mean.copy_(nets::tensor_from(change, {size}));
   return model;

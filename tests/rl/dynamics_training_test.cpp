@@ -4,10 +4,12 @@
 #include <fstream>
 #include <limits>
 
+#include <torch/torch.h>
+
 #include "lodestone/common/error.h"
 #include "lodestone/common/random.h"
 #include "lodestone/nets/checkpoint.h"
-#include "lodestone/nets/folded_dynamics.h"
+#include "lodestone/nets/dynamics_network.h"
 #include "lodestone/rl/dynamics_evaluation.h"
 #include "rl/synthetic_motion.h"
 #include "temporary_folder.h"
@@ -195,9 +197,8 @@ TEST_CASE("a mixture learns that the robot stays or jumps, which a mean hides", 
   config.model.components = 2;
   config.training.epochs = 60;
   const DynamicsTrainingResult result = train_dynamics(dataset, config, "", false);
-  nets::DynamicsNetwork network = result.model.members.front();
-  const nets::FoldedDynamics folded(network);
-  nets::FoldedDynamics::Workspace workspace;
+  const inference::FoldedDynamics folded = nets::fold(*result.model.members.front());
+  inference::FoldedDynamics::Workspace workspace;
   int stayed = 0;
   int jumped = 0;
   constexpr int kDraws = 1000;

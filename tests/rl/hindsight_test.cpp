@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <torch/types.h>
+
 #include "lodestone/common/error.h"
 #include "paper_rig.h"
 
@@ -17,12 +19,12 @@ task::EncoderConfig encoder() {
 }
 
 /// Row of a needle at `x_m` on the x axis whose target lies at (0, 30 mm).
-torch::Tensor row(double x_m) {
+std::vector<float> row(double x_m) {
   task::Observation seen;
   seen.pose.x_m = x_m;
   seen.target_m = {0.0, 0.03};
-  torch::Tensor out = torch::empty({1, 6});
-  task::ObservationEncoder(encoder()).encode(seen, out.data_ptr<float>());
+  std::vector<float> out(6);
+  task::ObservationEncoder(encoder()).encode(seen, out.data());
   return out;
 }
 
@@ -31,11 +33,11 @@ void play(rl::Hindsight& hindsight, rl::ReplayBuffer& buffer, bool left_dish) {
   for (int t = 0; t < 4; ++t) {
     env::StepResult result;
     result.final_observation = row(0.004 * (t + 1));
-    result.reward = torch::zeros({1});
-    result.terminated = torch::full({1}, t == 3 && left_dish ? 1 : 0, torch::kUInt8);
-    result.truncated = torch::full({1}, t == 3 && !left_dish ? 1 : 0, torch::kUInt8);
-    result.success = torch::zeros({1}, torch::kUInt8);
-    hindsight.add(row(0.004 * t), torch::tensor({{0.5F, 0.0F}}), result, buffer);
+    result.reward = {0.0F};
+    result.terminated = {static_cast<std::uint8_t>(t == 3 && left_dish)};
+    result.truncated = {static_cast<std::uint8_t>(t == 3 && !left_dish)};
+    result.success = {0};
+    hindsight.add(row(0.004 * t), {0.5F, 0.0F}, result, buffer);
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <torch/types.h>
+
 #include "lodestone/common/error.h"
 #include "lodestone/rl/policy_evaluation.h"
 #include "rl/toy_environments.h"
@@ -62,9 +64,9 @@ TEST_CASE("A bandit's best action is found, and its value", "[rl]") {
   BanditEnv bandit(8, 0.6F, -0.3F, 1, true);
   PolicyLearner learner(short_learning(6000, 0.25), small_td3(), gaussian(0.4), 1, 1, bandit);
   while (!learner.finished()) learner.step();
-  const torch::Tensor action = learner.td3().act(torch::ones({1, 1}));
-  const double off_x = action[0][0].item<double>() - 0.6;
-  const double off_y = action[0][1].item<double>() + 0.3;
+  const std::vector<float> action = learner.td3().act({1.0F});
+  const double off_x = action[0] - 0.6;
+  const double off_y = action[1] + 0.3;
   CHECK(off_x * off_x + off_y * off_y < 0.02);  // lost reward, of 1
   CHECK(learner.updates() == 1450);
 }
@@ -122,14 +124,14 @@ TEST_CASE("The point task is solved to within 7 % of its best return", "[rl][slo
   Td3Config td3 = small_td3();
   td3.policy_noise = 0.1;  // smoothing costs return here, where the best action changes within a stride
   PolicyLearner learner(short_learning(80000, 0.4), td3, gaussian(0.2), 3, 2, training);
-  const double before = evaluate.run(learner.td3()).episode_return;
+  const double before = evaluate.run(learner.td3().actor()).episode_return;
   while (!learner.finished()) learner.step();
-  const PolicyScore score = evaluate.run(learner.td3());
+  const PolicyScore score = evaluate.run(learner.td3().actor());
   PointEnv same(200, 77);
-  const torch::Tensor starts = same.reset();
+  const std::vector<float>& starts = same.reset();
   double best = 0.0;
-  for (int i = 0; i < 200; ++i) {
-    best += PointEnv::best_return(starts[i][0].item<double>(), starts[i][1].item<double>()) / 200.0;
+  for (std::size_t i = 0; i < 200; ++i) {
+    best += PointEnv::best_return(starts[2 * i], starts[2 * i + 1]) / 200.0;
   }
   INFO("best " << best << ", reached " << score.episode_return << ", untrained " << before);
   CHECK(score.episode_return <= best + 1e-4);
@@ -184,8 +186,8 @@ TEST_CASE("Evaluation repeats itself and leaves training alone", "[rl]") {
   PolicyLearner learner(short_learning(400, 0.1), small_td3(), NoiseConfig{}, 3, 1, training);
   PointEnv training_twin(4, 1);
   PolicyLearner twin(short_learning(400, 0.1), small_td3(), NoiseConfig{}, 3, 1, training_twin);
-  const PolicyScore first = evaluate.run(learner.td3());
-  const PolicyScore second = evaluate.run(learner.td3());
+  const PolicyScore first = evaluate.run(learner.td3().actor());
+  const PolicyScore second = evaluate.run(learner.td3().actor());
   CHECK(first.json() == second.json());
   CHECK(first.episodes == 50);
   CHECK(first.episode_length == PointEnv::kLength);
@@ -194,7 +196,7 @@ TEST_CASE("Evaluation repeats itself and leaves training alone", "[rl]") {
   for (int i = 0; i < 100; ++i) {
     learner.step();
     twin.step();
-    if (i % 10 == 0) evaluate.run(learner.td3());
+    if (i % 10 == 0) evaluate.run(learner.td3().actor());
   }
   CHECK(same_state(learner, twin));
   CHECK(learner.finished());

@@ -1,12 +1,15 @@
 #include "lodestone/rl/policy_trainer.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <filesystem>
+
+#include <torch/types.h>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/inference/policy.h"
 #include "lodestone/nets/checkpoint.h"
-#include "lodestone/nets/policy.h"
 #include "rl/toy_environments.h"
 #include "temporary_folder.h"
 
@@ -79,12 +82,14 @@ TEST_CASE("A run leaves its best policy, its curves and its figures", "[rl]") {
     INFO(key);
     CHECK(count_lines_with(folder + "/metrics.jsonl", std::string("\"") + key + "\"") >= 4);
   }
-  const lodestone::nets::Policy policy = lodestone::nets::load_policy(folder + "/checkpoint");
+  const lodestone::inference::Policy policy = lodestone::inference::load_policy(folder + "/checkpoint");
   CHECK(policy.goal == "centre");
   CHECK_FALSE(policy.encoder.target);
-  lodestone::nets::Actor actor = policy.actor;
-  const torch::Tensor action = actor->forward(torch::full({1, 2}, 0.9F));
-  CHECK(action.abs().max().item<float>() <= 1.0F);
+  const std::vector<float> observation = {0.9F, 0.9F};
+  float action[2];
+  lodestone::inference::Actor::Workspace workspace;
+  policy.actor().act(observation.data(), 1, action, workspace);
+  for (const float component : action) CHECK(std::abs(component) <= 1.0F);
 }
 
 TEST_CASE("An interrupted run goes on to the same weights", "[rl]") {

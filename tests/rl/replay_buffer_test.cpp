@@ -1,6 +1,9 @@
 #include "lodestone/rl/replay_buffer.h"
 
 #include <catch2/catch.hpp>
+#include <set>
+
+#include <torch/types.h>
 
 #include "lodestone/common/error.h"
 
@@ -15,12 +18,12 @@ namespace {
 void add_numbered(ReplayBuffer& buffer, int k, bool terminated, bool truncated) {
   StepResult result;
   const float number = static_cast<float>(k);
-  result.final_observation = torch::full({1, 3}, number + 0.5F);
-  result.observation = torch::full({1, 3}, -1.0F);
-  result.reward = torch::full({1}, 10.0F * number);
-  result.terminated = torch::full({1}, terminated ? 1 : 0, torch::kUInt8);
-  result.truncated = torch::full({1}, truncated ? 1 : 0, torch::kUInt8);
-  buffer.add(torch::full({1, 3}, number), torch::full({1, 2}, -number), result);
+  result.final_observation.assign(3, number + 0.5F);
+  result.observation.assign(3, -1.0F);
+  result.reward = {10.0F * number};
+  result.terminated = {static_cast<std::uint8_t>(terminated)};
+  result.truncated = {static_cast<std::uint8_t>(truncated)};
+  buffer.add(std::vector<float>(3, number), std::vector<float>(2, -number), result);
 }
 
 }  // namespace

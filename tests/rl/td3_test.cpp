@@ -3,9 +3,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include <torch/torch.h>
+
 #include "lodestone/common/config.h"
 #include "lodestone/common/error.h"
-#include "lodestone/nets/policy.h"
+#include "lodestone/nets/actor_critic.h"
 #include "lodestone/rl/flat_network.h"
 
 using lodestone::common::Json;
@@ -64,18 +66,17 @@ ReplayBuffer random_buffer(std::int64_t count, std::int64_t observation_size) {
   ReplayBuffer buffer(count, observation_size, 2);
   RandomStream random(5, "buffer");
   const auto draw = [&](std::int64_t columns) {
-    torch::Tensor tensor = torch::empty({count, columns});
-    for (std::int64_t i = 0; i < tensor.numel(); ++i)
-      tensor.data_ptr<float>()[i] = static_cast<float>(random.uniform(-1, 1));
-    return tensor;
+    std::vector<float> numbers(static_cast<std::size_t>(count * columns));
+    for (float& number : numbers) number = static_cast<float>(random.uniform(-1, 1));
+    return numbers;
   };
   lodestone::env::StepResult result;
-  const torch::Tensor observation = draw(observation_size);
-  const torch::Tensor action = draw(2);
+  const std::vector<float> observation = draw(observation_size);
+  const std::vector<float> action = draw(2);
   result.final_observation = draw(observation_size);
-  result.reward = draw(1).view({-1});
-  result.terminated = (draw(1).view({-1}) > 0.8).to(torch::kUInt8);
-  result.truncated = torch::zeros({count}, torch::kUInt8);
+  result.reward = draw(1);
+  for (const float number : draw(1)) result.terminated.push_back(number > 0.8F ? 1 : 0);
+  result.truncated.assign(static_cast<std::size_t>(count), 0);
   buffer.add(observation, action, result);
   return buffer;
 }
@@ -329,9 +330,15 @@ TEST_CASE("The policy and the targets move with every second update only, by the
 TEST_CASE("The learner's actor is the deployable actor", "[rl]") {
   const auto td3 = make_td3(Td3Config{}, 6, 2, 2);
   lodestone::nets::Actor actor(6, std::vector<std::int64_t>{256, 256});
-  lodestone::nets::load_module_tensors(*actor, td3->actor(), "actor");
+  lodestone::nets::load_module_tensors(*actor, td3->actor_weights(), "actor");
   const torch::Tensor observation = wave(1, {10, 6}).to(torch::kFloat32);
-  CHECK(torch::allclose(td3->act(observation), actor->forward(observation), 0, 1e-6));
+  const std::vector<float> rows(observation.data_ptr<float>(), observation.data_ptr<float>() + 60);
+  const std::vector<float> acted = td3->act(rows);
+  CHECK(torch::allclose(torch::tensor(acted).view({10, 2}), actor->forward(observation), 0, 1e-6));
+  std::vector<float> plain(20);
+  lodestone::inference::Actor::Workspace workspace;
+  td3->actor().act(rows.data(), 10, plain.data(), workspace);
+  CHECK(plain == acted);
 }
 
 TEST_CASE("An update refuses tensors of another shape or type", "[rl]") {
@@ -341,5 +348,5 @@ TEST_CASE("An update refuses tensors of another shape or type", "[rl]") {
   CHECK_THROWS_AS(td3->update(Batch(7, 4, 2), torch::zeros({8, 2})), lodestone::common::LogicFault);
   CHECK_THROWS_AS(td3->update(Batch(8, 4, 2, torch::kFloat64), torch::zeros({8, 2})),
                   lodestone::common::LogicFault);
-  CHECK_THROWS_AS(td3->act(torch::zeros({3, 5})), lodestone::common::LogicFault);
+  CHECK_THROWS_AS(td3->act(std::vector<float>(15)), lodestone::common::LogicFault);
 }

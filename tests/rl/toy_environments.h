@@ -17,11 +17,9 @@ class PointEnv final : public env::VecEnv {
   static constexpr int kLength = 8;
   static constexpr double kStride = 0.25;
 
-  PointEnv(std::int64_t count, std::uint64_t seed) : count_(count) {
-    for (std::int64_t i = 0; i < count; ++i)
-      streams_.emplace_back(seed, "point", static_cast<std::uint64_t>(i));
-    position_ = torch::zeros({count, 2}, torch::kFloat32);
-    steps_ = torch::zeros({count}, torch::kInt64);
+  PointEnv(std::int64_t count, std::uint64_t seed)
+      : count_(static_cast<std::size_t>(count)), position_(2 * count_), steps_(count_) {
+    for (std::size_t i = 0; i < count_; ++i) streams_.emplace_back(seed, "point", i);
   }
 
   /// Return of the best policy from a start, by arithmetic.
@@ -33,56 +31,64 @@ class PointEnv final : public env::VecEnv {
     return total;
   }
 
-  env::EnvSpec spec() const override { return {count_, 2, 2}; }
+  env::EnvSpec spec() const override { return {static_cast<std::int64_t>(count_), 2, 2}; }
 
-  torch::Tensor reset() override {
-    for (std::int64_t i = 0; i < count_; ++i) restart(i);
-    return position_.clone();
+  const std::vector<float>& reset() override {
+    for (std::size_t i = 0; i < count_; ++i) restart(i);
+    return position_;
   }
 
-  env::StepResult step(const torch::Tensor& actions) override {
-    env::StepResult result;
-    position_.add_(actions.clamp(-1.0, 1.0), kStride).clamp_(-1.0, 1.0);
-    result.reward = -position_.abs().sum(1);
-    result.final_observation = position_.clone();
-    result.terminated = torch::zeros({count_}, torch::kUInt8);
-    result.truncated = torch::zeros({count_}, torch::kUInt8);
-    result.success = (position_.abs().amax(1) < 0.05).to(torch::kUInt8);
-    for (std::int64_t i = 0; i < count_; ++i) {
-      std::int64_t& taken = steps_.data_ptr<std::int64_t>()[i];
-      if (++taken < kLength) continue;
-      result.truncated[i] = 1;
+  const env::StepResult& step(const std::vector<float>& actions) override {
+    for (std::size_t k = 0; k < position_.size(); ++k) {
+      const float stride = static_cast<float>(kStride) * std::clamp(actions[k], -1.0F, 1.0F);
+      position_[k] = std::clamp(position_[k] + stride, -1.0F, 1.0F);
+    }
+    result_.final_observation = position_;
+    result_.terminated.assign(count_, 0);
+    result_.truncated.assign(count_, 0);
+    result_.success.assign(count_, 0);
+    result_.reward.assign(count_, 0.0F);
+    for (std::size_t i = 0; i < count_; ++i) {
+      const float x = std::abs(position_[2 * i]);
+      const float y = std::abs(position_[2 * i + 1]);
+      result_.reward[i] = -(x + y);
+      result_.success[i] = std::max(x, y) < 0.05F ? 1 : 0;
+      if (++steps_[i] < kLength) continue;
+      result_.truncated[i] = 1;
       restart(i);
     }
-    result.observation = position_.clone();
-    return result;
+    result_.observation = position_;
+    return result_;
   }
 
-  void exchange_state(env::EnvState& state, bool load) override {
-    if (load) {
-      position_.copy_(state.tensors.at("position"));
-      steps_.copy_(state.tensors.at("steps"));
-      for (std::size_t i = 0; i < streams_.size(); ++i)
-        streams_[i].restore(state.facts[i].get<std::string>());
-      return;
-    }
-    state.tensors = {{"position", position_.clone()}, {"steps", steps_.clone()}};
-    state.facts = common::Json::array();
-    for (const common::RandomStream& stream : streams_) state.facts.push_back(stream.save());
+  env::Snapshot save() const override {
+    env::Snapshot snapshot;
+    const auto count = static_cast<std::int64_t>(count_);
+    snapshot.arrays = {{"position", {position_, {count, 2}}}, {"steps", {steps_, {count}}}};
+    snapshot.facts = common::Json::array();
+    for (const common::RandomStream& stream : streams_) snapshot.facts.push_back(stream.save());
+    return snapshot;
+  }
+
+  void load(const env::Snapshot& snapshot) override {
+    position_ = snapshot.arrays.at("position").to_vector<float>();
+    steps_ = snapshot.arrays.at("steps").to_vector<std::int64_t>();
+    for (std::size_t i = 0; i < streams_.size(); ++i)
+      streams_[i].restore(snapshot.facts[i].get<std::string>());
   }
 
  private:
-  void restart(std::int64_t i) {
-    common::RandomStream& stream = streams_[static_cast<std::size_t>(i)];
-    position_[i][0] = stream.uniform(-1.0, 1.0);
-    position_[i][1] = stream.uniform(-1.0, 1.0);
+  void restart(std::size_t i) {
+    for (std::size_t axis = 0; axis < 2; ++axis)
+      position_[2 * i + axis] = static_cast<float>(streams_[i].uniform(-1.0, 1.0));
     steps_[i] = 0;
   }
 
-  std::int64_t count_;
+  std::size_t count_;
   std::vector<common::RandomStream> streams_;
-  torch::Tensor position_;
-  torch::Tensor steps_;
+  std::vector<float> position_;
+  std::vector<std::int64_t> steps_;
+  env::StepResult result_;
 };
 
 /// One state. Each step pays 1 - |a - best|^2 and every `length`-th step ends the episode, by termination or
@@ -91,36 +97,44 @@ class PointEnv final : public env::VecEnv {
 class BanditEnv final : public env::VecEnv {
  public:
   BanditEnv(std::int64_t count, float best_x, float best_y, int length, bool terminates)
-      : count_(count), best_(torch::tensor({best_x, best_y})), length_(length), terminates_(terminates) {}
+      : count_(static_cast<std::size_t>(count)),
+        best_{best_x, best_y},
+        length_(length),
+        terminates_(terminates) {
+    result_.observation.assign(count_, 1.0F);
+    result_.final_observation.assign(count_, 1.0F);
+    result_.success.assign(count_, 0);
+    result_.reward.resize(count_);
+  }
 
-  env::EnvSpec spec() const override { return {count_, 1, 2}; }
-  torch::Tensor reset() override { return torch::ones({count_, 1}); }
+  env::EnvSpec spec() const override { return {static_cast<std::int64_t>(count_), 1, 2}; }
+  const std::vector<float>& reset() override { return result_.observation; }
 
-  env::StepResult step(const torch::Tensor& actions) override {
+  const env::StepResult& step(const std::vector<float>& actions) override {
     const bool ends = ++taken_ % length_ == 0;
-    env::StepResult result;
-    result.observation = torch::ones({count_, 1});
-    result.final_observation = torch::ones({count_, 1});
-    result.reward = 1.0 - (actions - best_).square().sum(1);
-    result.terminated = torch::full({count_}, ends && terminates_ ? 1 : 0, torch::kUInt8);
-    result.truncated = torch::full({count_}, ends && !terminates_ ? 1 : 0, torch::kUInt8);
-    result.success = torch::zeros({count_}, torch::kUInt8);
-    return result;
-  }
-  void exchange_state(env::EnvState& state, bool load) override {
-    if (load) {
-      taken_ = state.facts["taken"].get<int>();
-    } else {
-      state.facts["taken"] = taken_;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const float x = actions[2 * i] - best_[0];
+      const float y = actions[2 * i + 1] - best_[1];
+      result_.reward[i] = 1.0F - (x * x + y * y);
     }
+    result_.terminated.assign(count_, ends && terminates_ ? 1 : 0);
+    result_.truncated.assign(count_, ends && !terminates_ ? 1 : 0);
+    return result_;
   }
+  env::Snapshot save() const override {
+    env::Snapshot snapshot;
+    snapshot.facts["taken"] = taken_;
+    return snapshot;
+  }
+  void load(const env::Snapshot& snapshot) override { taken_ = snapshot.facts["taken"].get<int>(); }
 
  private:
-  std::int64_t count_;
-  torch::Tensor best_;
+  std::size_t count_;
+  float best_[2];
   int length_;
   bool terminates_;
   int taken_ = 0;
+  env::StepResult result_;
 };
 
 }  // namespace lodestone::rl::testing

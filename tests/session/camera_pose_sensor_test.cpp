@@ -4,11 +4,12 @@
 #include <functional>
 
 #include "control/fakes.h"
-#include "control/pose_sensor_conformance.h"
 #include "lodestone/common/error.h"
 #include "lodestone/control/control_loop.h"
+#include "lodestone/safety/supervisor.h"
 #include "lodestone/session/sensing.h"
 #include "paper_scenes.h"
+#include "session/pose_sensor_conformance.h"
 
 using namespace lodestone;
 

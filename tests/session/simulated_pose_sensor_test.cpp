@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "control/fakes.h"
-#include "control/pose_sensor_conformance.h"
+#include "session/pose_sensor_conformance.h"
 #include "lodestone/session/simulated_pose_sensor.h"
 
 using namespace lodestone;

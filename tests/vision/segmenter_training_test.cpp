@@ -4,10 +4,15 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 
+#include <torch/types.h>
+
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/inference/checkpoint.h"
 #include "lodestone/nets/checkpoint.h"
+#include "lodestone/nets/unet.h"
 #include "lodestone/vision/segmenter_evaluation.h"
+#include "lodestone/vision/segmenter_samples.h"
 #include "paper_scenes.h"
 #include "temporary_folder.h"
 
@@ -30,8 +35,8 @@ vision::TrainSegmenterConfig small_config() {
   return config;
 }
 
-std::string weights(nets::UNet& network) {
-  return common::sha256(nets::encode_safetensors(nets::module_tensors(*network)));
+std::string weights(const std::shared_ptr<nets::UNetImpl>& network) {
+  return common::sha256(inference::encode_safetensors(nets::to_arrays(nets::module_tensors(*network))));
 }
 
 }  // namespace
@@ -83,7 +88,7 @@ TEST_CASE("sizes that do not fit the network are named") {
 TEST_CASE("a segmenter survives its checkpoint, and another kind is refused") {
   const tests::TemporaryFolder folder;
   const vision::TrainSegmenterConfig config = small_config();
-  nets::UNet network(config.segmenter.network);
+  const auto network = std::make_shared<nets::UNetImpl>(config.segmenter.network);
   common::RandomStream random(1, "weights");
   network->initialise(random);
   network->eval();

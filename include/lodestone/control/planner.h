@@ -6,8 +6,7 @@
 
 #include "lodestone/common/random.h"
 #include "lodestone/control/controller.h"
-#include "lodestone/nets/dynamics.h"
-#include "lodestone/nets/folded_dynamics.h"
+#include "lodestone/inference/dynamics.h"
 #include "lodestone/task/action.h"
 
 namespace lodestone::control {
@@ -41,9 +40,9 @@ struct PlannerConfig {
 
 /// A learned simulator ready for planning: shared by planners, read only.
 struct PlannerModel {
-  explicit PlannerModel(const nets::DynamicsModel& model);
+  explicit PlannerModel(const inference::DynamicsModel& model);
 
-  std::vector<nets::FoldedDynamics> members;
+  std::vector<inference::FoldedDynamics> members;
   std::size_t state_size;
   bool sampled;  ///< a distribution is predicted, so outcomes are drawn from it
   double dish_radius_m;
@@ -73,7 +72,7 @@ class Planner final : public Controller {
   std::vector<double> cost_mm_;                // [candidates]
   std::vector<double> state_, drive_, next_;   // rows by member, then candidate
   std::vector<common::RandomStream*> streams_;
-  nets::FoldedDynamics::Workspace workspace_;
+  inference::FoldedDynamics::Workspace workspace_;
 };
 
 }  // namespace lodestone::control

@@ -1,23 +1,26 @@
 #pragma once
 
+#include <vector>
+
 #include "lodestone/control/controller.h"
-#include "lodestone/nets/policy.h"
+#include "lodestone/inference/policy.h"
 
 namespace lodestone::control {
 
-/// A trained policy behind the same encoder as in training. Controllers made from copies of one policy share
-/// its weights, which are only read, so each thread may have its own.
+/// A trained policy behind the same encoder as in training.
 class PolicyController final : public Controller {
  public:
-  explicit PolicyController(const nets::Policy& policy);
+  /// Throws CheckpointError when the weights do not fit the policy's encoder.
+  explicit PolicyController(const inference::Policy& policy);
   void reset() override {}
   /// Throws LogicFault when the network answers with something that is not a finite number.
   geometry::Vector2 act(const task::Observation& observation) override;
 
  private:
-  nets::Actor actor_;
+  inference::Actor actor_;
   task::ObservationEncoder encoder_;
-  torch::Tensor input_;  // [1, D] float32
+  std::vector<float> input_;
+  inference::Actor::Workspace workspace_;
 };
 
 }  // namespace lodestone::control

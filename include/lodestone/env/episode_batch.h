@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <torch/torch.h>
-
+#include "lodestone/common/error.h"
 #include "lodestone/common/random.h"
 #include "lodestone/env/vec_env.h"
 #include "lodestone/geometry/pose2.h"
@@ -55,8 +54,8 @@ class EpisodeBatch {
   common::RandomStream& random(std::size_t i) { return slots_[i].random; }
   const geometry::Pose2& pose(std::size_t i) const { return slots_[i].pose; }
 
-  /// Throws LogicFault unless `actions` is [N, 2] float32.
-  void check_actions(const torch::Tensor& actions) const;
+  /// Throws LogicFault unless `actions` are [N, 2].
+  void check_actions(const std::vector<float>& actions) const;
 
   /// A new episode in environment i. Start and goal are drawn again (a few times at most) when the start
   /// already counts as reached and reaching ends an episode.
@@ -69,9 +68,10 @@ class EpisodeBatch {
   /// caller then calls begin().
   bool finish(std::size_t i, const geometry::Pose2& next, const StepEnd& extra = {});
 
-  torch::Tensor observation() const { return result_.observation; }
+  const std::vector<float>& observation() const { return result_.observation; }
   const StepResult& result() const { return result_; }
-  void exchange_state(EnvState& state, bool load);
+  Snapshot save() const;
+  void load(const Snapshot& snapshot);
 
  private:
   struct Slot {
@@ -87,12 +87,24 @@ class EpisodeBatch {
   EpisodeSettings settings_;
   SensorNoise noise_;
   task::ObservationEncoder encoder_;
-  std::int64_t columns_;
+  std::size_t columns_;
   std::vector<Slot> slots_;
   StepResult result_;
 };
 
-/// Throws CheckpointError unless `state` holds tensor `name` of the shape and type of `like`; returns it.
-const torch::Tensor& state_tensor(const EnvState& state, const std::string& name, const torch::Tensor& like);
+/// Throws CheckpointError unless the snapshot holds array `name` of `shape`, of that type; returns its
+/// numbers.
+template <class Number>
+const Number* snapshot_numbers(const Snapshot& snapshot, const std::string& name,
+                               const std::vector<std::int64_t>& shape) {
+  const auto found = snapshot.arrays.find(name);
+  if (found == snapshot.arrays.end() || found->second.shape() != shape ||
+      found->second.type() != inference::element_type<Number>()) {
+    throw common::CheckpointError(
+        "state of the environments: array \"" + name +
+        "\" is missing or of another shape; resume with the same number of environments");
+  }
+  return found->second.data<Number>();
+}
 
 }  // namespace lodestone::env

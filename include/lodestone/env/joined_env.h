@@ -14,13 +14,15 @@ class JoinedEnv final : public VecEnv {
   explicit JoinedEnv(std::vector<std::unique_ptr<VecEnv>> parts);
 
   EnvSpec spec() const override { return spec_; }
-  torch::Tensor reset() override;
-  StepResult step(const torch::Tensor& actions) override;
-  void exchange_state(EnvState& state, bool load) override;
+  const std::vector<float>& reset() override;
+  const StepResult& step(const std::vector<float>& actions) override;
+  Snapshot save() const override;
+  void load(const Snapshot& snapshot) override;
 
  private:
   std::vector<std::unique_ptr<VecEnv>> parts_;
   EnvSpec spec_;
+  StepResult result_;
 };
 
 }  // namespace lodestone::env

@@ -9,8 +9,7 @@
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/env/episode_batch.h"
 #include "lodestone/env/vec_env.h"
-#include "lodestone/nets/dynamics.h"
-#include "lodestone/nets/folded_dynamics.h"
+#include "lodestone/inference/dynamics.h"
 
 namespace lodestone::env {
 
@@ -61,13 +60,14 @@ class MbsEnv final : public VecEnv {
   /// Copies what it needs from `model`. threads: 0 means one per processor.
   /// Throws ConfigError when no training state lies within the start radius, when the encoder wants a heading
   /// that the model does not have, or when the configuration wants more of the ensemble than there is.
-  MbsEnv(const nets::DynamicsModel& model, const EpisodeSettings& settings, const MbsConfig& config,
+  MbsEnv(const inference::DynamicsModel& model, const EpisodeSettings& settings, const MbsConfig& config,
          std::int64_t threads);
 
   EnvSpec spec() const override { return episodes_.spec(); }
-  torch::Tensor reset() override;
-  StepResult step(const torch::Tensor& actions) override;
-  void exchange_state(EnvState& state, bool load) override;
+  const std::vector<float>& reset() override;
+  const StepResult& step(const std::vector<float>& actions) override;
+  Snapshot save() const override;
+  void load(const Snapshot& snapshot) override;
 
  private:
   /// Rows of a shard that move, gathered by ensemble member.
@@ -78,7 +78,7 @@ class MbsEnv final : public VecEnv {
     std::vector<double> disagreement_m;  ///< of each gathered row; empty unless it is wanted
     std::vector<common::RandomStream*> random;
     std::vector<std::size_t> first_of_member;
-    nets::FoldedDynamics::Workspace workspace;
+    inference::FoldedDynamics::Workspace workspace;
   };
 
   std::size_t shards() const;
@@ -93,10 +93,11 @@ class MbsEnv final : public VecEnv {
   void give_back(std::unique_ptr<Scratch> scratch);
 
   MbsConfig config_;
-  bool mean_;
+  enum class Ensemble { kOne, kMean, kPerEpisode, kPerStep };
+  Ensemble ensemble_;
   bool sample_;
   bool disagreement_;
-  std::vector<nets::FoldedDynamics> members_;
+  std::vector<inference::FoldedDynamics> members_;
   std::size_t state_size_;
   std::vector<geometry::Pose2> starts_;
   EpisodeBatch episodes_;

@@ -63,9 +63,10 @@ class PhysicsEnv final : public VecEnv {
              const PhysicsEnvConfig& config, std::int64_t threads);
 
   EnvSpec spec() const override { return episodes_.spec(); }
-  torch::Tensor reset() override;
-  StepResult step(const torch::Tensor& actions) override;
-  void exchange_state(EnvState& state, bool load) override;
+  const std::vector<float>& reset() override;
+  const StepResult& step(const std::vector<float>& actions) override;
+  Snapshot save() const override;
+  void load(const Snapshot& snapshot) override;
 
  private:
   std::size_t shards() const;

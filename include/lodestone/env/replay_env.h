@@ -37,9 +37,10 @@ class ReplayEnv final : public VecEnv {
   ReplayEnv(const data::Dataset& dataset, const EpisodeSettings& settings, const ReplayConfig& config);
 
   EnvSpec spec() const override { return episodes_.spec(); }
-  torch::Tensor reset() override;
-  StepResult step(const torch::Tensor& actions) override;
-  void exchange_state(EnvState& state, bool load) override;
+  const std::vector<float>& reset() override;
+  const StepResult& step(const std::vector<float>& actions) override;
+  Snapshot save() const override;
+  void load(const Snapshot& snapshot) override;
 
  private:
   struct Stretch {
@@ -56,7 +57,7 @@ class ReplayEnv final : public VecEnv {
   std::vector<data::Episode> recorded_;  // those that are long enough
   EpisodeBatch episodes_;
   std::vector<Stretch> stretches_;
-  torch::Tensor action_;  // [N, 2]
+  StepResult result_;
 };
 
 }  // namespace lodestone::env

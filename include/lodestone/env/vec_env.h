@@ -1,12 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
-#include <string>
-
-#include <torch/torch.h>
+#include <vector>
 
 #include "lodestone/common/config.h"
+#include "lodestone/inference/array.h"
 
 namespace lodestone::env {
 
@@ -16,21 +14,21 @@ struct EnvSpec {
   std::int64_t action_size = 2;       ///< A, each in [-1, 1]
 };
 
-/// One step of all environments. The tensors belong to the environment and are valid until the next call.
+/// One step of all environments, row after row.
 struct StepResult {
-  torch::Tensor observation;  ///< [N, D] float32; already that of the next episode where one ended
-  torch::Tensor reward;       ///< [N] float32
-  torch::Tensor terminated;   ///< [N] uint8: the episode ended by the task's rules (no bootstrap)
-  torch::Tensor truncated;    ///< [N] uint8: it was cut by the step limit (bootstrap from final_observation)
-  torch::Tensor success;      ///< [N] uint8: within the success radius
-  torch::Tensor final_observation;  ///< [N, D] float32: the true next observation of every environment
-  torch::Tensor action;  ///< [N, A] float32: what was done, where that is not what was asked; else undefined
+  std::vector<float> observation;        ///< [N, D]; already that of the next episode where one ended
+  std::vector<float> reward;             ///< [N]
+  std::vector<std::uint8_t> terminated;  ///< [N] 1: the episode ended by the task's rules (no bootstrap)
+  std::vector<std::uint8_t> truncated;   ///< [N] 1: cut by the step limit (bootstrap from final_observation)
+  std::vector<std::uint8_t> success;     ///< [N] 1: within the success radius
+  std::vector<float> final_observation;  ///< [N, D]: the true next observation of every environment
+  std::vector<float> action;  ///< [N, A]: what was done, where that is not what was asked; else empty
 };
 
 /// State of an environment for bitwise resumption.
-struct EnvState {
+struct Snapshot {
   common::Json facts;  ///< RNG states, counters
-  std::map<std::string, torch::Tensor> tensors;
+  inference::Arrays arrays;
 };
 
 /// N environments stepped as one batch, with automatic reset in the same step.
@@ -38,12 +36,14 @@ class VecEnv {
  public:
   virtual ~VecEnv() = default;
   virtual EnvSpec spec() const = 0;
-  /// Starts new episodes everywhere; returns [N, D] observations.
-  virtual torch::Tensor reset() = 0;
-  /// actions: [N, A] float32; throws LogicFault on another shape or type.
-  virtual StepResult step(const torch::Tensor& actions) = 0;
-  /// Saves into `state`, or with `load` takes it up; after loading, steps go on bitwise as they would have.
-  virtual void exchange_state(EnvState& state, bool load) = 0;
+  /// Starts new episodes everywhere; returns [N, D] observations, valid until the next call.
+  virtual const std::vector<float>& reset() = 0;
+  /// `actions` [N, A]; throws LogicFault on another number of them. The result belongs to the environments
+  /// and is valid until the next call.
+  virtual const StepResult& step(const std::vector<float>& actions) = 0;
+  virtual Snapshot save() const = 0;
+  /// Afterwards, steps go on bitwise as they would have after save(). Throws CheckpointError.
+  virtual void load(const Snapshot& snapshot) = 0;
 };
 
 }  // namespace lodestone::env

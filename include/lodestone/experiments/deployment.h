@@ -18,7 +18,7 @@
 #include "lodestone/experiments/score.h"
 #include "lodestone/experiments/trial.h"
 #include "lodestone/experiments/trial_video.h"
-#include "lodestone/nets/policy.h"
+#include "lodestone/inference/policy.h"
 #include "lodestone/rig/rig_config.h"
 #include "lodestone/session/rig_session.h"
 #include "lodestone/session/sensing.h"
@@ -126,11 +126,11 @@ ControllerSource baseline_source(const DeploymentConfig& config);
 
 /// A trained policy. Throws ConfigError when its actions go beyond the rig's largest current; `what` names
 /// it.
-ControllerSource policy_source(const DeploymentConfig& config, const nets::Policy& policy,
+ControllerSource policy_source(const DeploymentConfig& config, const inference::Policy& policy,
                                const std::string& what);
 
 /// A planner on a learned simulator.
-ControllerSource planner_source(const DeploymentConfig& config, const nets::DynamicsModel& model,
+ControllerSource planner_source(const DeploymentConfig& config, const inference::DynamicsModel& model,
                                 const std::string& what);
 
 /// What drives a virtual rig: its own coils and clock, or a whole emulated bench around it, which `keep`

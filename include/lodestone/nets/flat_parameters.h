@@ -1,6 +1,10 @@
 #pragma once
 
-#include <torch/torch.h>
+#include <ATen/core/Tensor.h>
+
+namespace torch::nn {
+class Module;
+}
 
 namespace lodestone::nets {
 
@@ -13,14 +17,14 @@ class FlatParameters {
   explicit FlatParameters(torch::nn::Module& module);
 
   /// [P] float32, every parameter in the module's order.
-  torch::Tensor& values() { return values_; }
+  at::Tensor& values() { return values_; }
   /// [P] float32, filled by backward().
-  torch::Tensor& gradient() { return gradient_; }
+  at::Tensor& gradient() { return gradient_; }
   void zero_gradient() { gradient_.zero_(); }
 
  private:
-  torch::Tensor values_;
-  torch::Tensor gradient_;
+  at::Tensor values_;
+  at::Tensor gradient_;
 };
 
 }  // namespace lodestone::nets

@@ -1,40 +1,18 @@
 #pragma once
 
-#include <cstdint>
+#include <ATen/core/Tensor.h>
 
-#include <torch/torch.h>
-
-#include "lodestone/common/random.h"
+#include "lodestone/inference/mixture.h"
 
 namespace lodestone::nets {
 
-/// A mixture of K Gaussians with diagonal covariance over S numbers, as the last layer of a network gives it:
-/// [K logits of the weights][K x S means][K x S raw spreads]. One component may sit on "did not move" while
-/// the others spread over how far: what stick-slip does, and what a mean hides (Bishop, Mixture density
-/// networks, 1994).
-struct MixtureLayout {
-  std::int64_t components = 1;
-  std::int64_t size = 1;
-
-  std::int64_t outputs() const { return components * (1 + 2 * size); }
-};
-
-/// Bounds of a logarithm of a standard deviation, in units of the normalised output; a raw spread is squeezed
-/// between them, so that neither a likelihood nor a sample can run away.
-constexpr double kLeastLogSpread = -5.5;
-constexpr double kMostLogSpread = 1.5;
+using inference::MixtureLayout;
 
 /// Mean negative log-likelihood of `target` [N, S] under `raw` [N, outputs()], per number, without the
 /// constant.
-torch::Tensor mixture_loss(const torch::Tensor& raw, const torch::Tensor& target,
-                           const MixtureLayout& layout);
+at::Tensor mixture_loss(const at::Tensor& raw, const at::Tensor& target, const MixtureLayout& layout);
 
 /// Mean of the mixture, [N, S].
-torch::Tensor mixture_mean(const torch::Tensor& raw, const MixtureLayout& layout);
-
-/// The same for one row of floats: writes S numbers.
-void mixture_mean(const float* raw, const MixtureLayout& layout, float* out);
-/// One draw: writes S numbers. Takes one uniform number and S normal ones from `random`.
-void mixture_draw(const float* raw, const MixtureLayout& layout, common::RandomStream& random, float* out);
+at::Tensor mixture_mean(const at::Tensor& raw, const MixtureLayout& layout);
 
 }  // namespace lodestone::nets

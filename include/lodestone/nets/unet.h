@@ -3,30 +3,13 @@
 #include <cstdint>
 #include <vector>
 
-#include <torch/torch.h>
+#include <torch/nn/modules/batchnorm.h>
+#include <torch/nn/modules/conv.h>
 
 #include "lodestone/common/random.h"
+#include "lodestone/nets/unet_config.h"
 
 namespace lodestone::nets {
-
-/// Shape of the segmentation network.
-struct UNetConfig {
-  std::int64_t width = 16;   ///< channels at the finest level; each level below has twice as many
-  std::int64_t depth = 3;    ///< levels below the finest
-  std::int64_t stem = 4;     ///< the first layer shrinks the image by this
-  std::int64_t upscale = 2;  ///< the last layer enlarges the mask by this
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("width", width, "channels", "channels at the finest level; every level below has twice as many",
-            {2, 256});
-    v.field("depth", depth, "levels", "levels below the finest", {1, 6});
-    v.field("stem", stem, "", "the first layer shrinks the image by this factor", {1, 16});
-    v.field("upscale", upscale, "", "the last layer enlarges the mask by this factor", {1, 16});
-  }
-  /// Sides of an image must be multiples of this.
-  std::int64_t multiple() const { return stem << depth; }
-};
 
 /// U-Net (Ronneberger, Fischer, Brox, 2015) with a strided first layer and a sub-pixel last one (Shi et al.,
 /// 2016), because the needle is thin and the crop has to be segmented in a few milliseconds. Every level is

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include <torch/torch.h>
+#include <ATen/core/Tensor.h>
 
 #include "lodestone/common/random.h"
+#include "lodestone/inference/gemm.h"
 #include "lodestone/nets/checkpoint.h"
-#include "lodestone/nets/gemm.h"
 
 namespace lodestone::rl {
 
@@ -21,17 +21,17 @@ class FlatNetwork {
  public:
   /// What does not outlive a layer. Workspaces that are used one after the other may share it.
   struct Scratch {
-    nets::CacheAligned<Real> panel;
-    nets::CacheAligned<Real> transposed;  ///< a layer's gradient, turned for the product with its input
+    inference::CacheAligned<Real> panel;
+    inference::CacheAligned<Real> transposed;  ///< a layer's gradient, turned for the product with its input
   };
   /// Buffers of one thread for a fixed number of rows.
   struct Workspace {
     std::int64_t rows = 0;
-    std::vector<torch::Tensor> hidden;  ///< outputs of the hidden layers after ReLU, [rows, w]
-    std::vector<torch::Tensor> delta;   ///< gradients there
-    torch::Tensor output;               ///< [rows, out], linear
-    torch::Tensor input_gradient;       ///< [rows, in]
-    torch::Tensor gradient;             ///< of the parameters, laid out like them
+    std::vector<at::Tensor> hidden;  ///< outputs of the hidden layers after ReLU, [rows, w]
+    std::vector<at::Tensor> delta;   ///< gradients there
+    at::Tensor output;               ///< [rows, out], linear
+    at::Tensor input_gradient;       ///< [rows, in]
+    at::Tensor gradient;             ///< of the parameters, laid out like them
     std::shared_ptr<Scratch> scratch;
   };
   /// What backward() computes.
@@ -53,11 +53,11 @@ class FlatNetwork {
   void backward(const Real* input, const Real* output_gradient, Workspace& workspace, Wanted wanted) const;
 
   /// One row of numbers, with gaps of zeros that stay zero.
-  torch::Tensor& parameters() { return parameters_; }
-  const torch::Tensor& parameters() const { return parameters_; }
+  at::Tensor& parameters() { return parameters_; }
+  const at::Tensor& parameters() const { return parameters_; }
   /// Views of any tensor laid out like the parameters: "<prefix>l<first>.weight", "<prefix>l<first>.bias",
   /// ...
-  nets::NamedTensors named(const torch::Tensor& flat, const std::string& prefix, int first = 1) const;
+  nets::NamedTensors named(const at::Tensor& flat, const std::string& prefix, int first = 1) const;
 
  private:
   struct Layer {
@@ -69,7 +69,7 @@ class FlatNetwork {
 
   std::vector<std::int64_t> widths_;
   std::vector<Layer> layers_;
-  torch::Tensor parameters_;
+  at::Tensor parameters_;
 };
 
 extern template class FlatNetwork<float>;

@@ -25,8 +25,8 @@ class Hindsight {
             std::int64_t environments, std::uint64_t seed);
 
   /// Takes in a step of all environments, as ReplayBuffer::add does, and adds relabelled steps to `buffer`.
-  void add(const torch::Tensor& observation, const torch::Tensor& action, const env::StepResult& result,
-           ReplayBuffer& buffer);
+  void add(const std::vector<float>& observation, const std::vector<float>& action,
+           const env::StepResult& result, ReplayBuffer& buffer);
 
   /// The episodes under way, and back. load throws CheckpointError.
   common::Json save() const;

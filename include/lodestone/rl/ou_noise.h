@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <torch/torch.h>
-
 #include "lodestone/common/config.h"
 #include "lodestone/common/random.h"
 
@@ -40,25 +38,24 @@ class ExplorationNoise {
   ExplorationNoise(const NoiseConfig& config, std::int64_t environments, std::int64_t action_size,
                    std::uint64_t seed);
 
-  /// Next noise [N, A] float32; valid until the next call.
-  const torch::Tensor& next();
-  /// Uniform actions in [-1, 1] from the same streams, for the warm-up [N, A] float32; valid until the next
-  /// call.
-  const torch::Tensor& uniform_actions();
-  /// Tells which episodes ended: `ended` [N] uint8.
-  void episodes_ended(const torch::Tensor& ended);
+  /// Next noise [N, A].
+  std::vector<float> next();
+  /// Uniform actions in [-1, 1] from the same streams, for the warm-up [N, A].
+  std::vector<float> uniform_actions();
+  /// The episode of an environment ended.
+  void episode_ended(std::size_t environment);
 
   common::Json save() const;
   /// Throws CheckpointError when it does not fit.
   void load(const common::Json& state);
 
  private:
-  NoiseConfig config_;
-  std::int64_t action_size_;
+  double keep_;  // part of the state that stays from step to step
+  double step_;  // standard deviation of what is added
+  bool reset_with_episode_;
+  std::size_t action_size_;
   std::vector<common::RandomStream> streams_;
   std::vector<double> state_;  // [N * A]
-  torch::Tensor noise_;
-  torch::Tensor uniform_;
 };
 
 }  // namespace lodestone::rl

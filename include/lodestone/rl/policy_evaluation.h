@@ -5,7 +5,7 @@
 #include "lodestone/common/config.h"
 #include "lodestone/common/metrics.h"
 #include "lodestone/env/vec_env.h"
-#include "lodestone/rl/td3.h"
+#include "lodestone/inference/actor_critic.h"
 #include "lodestone/task/observation.h"
 
 namespace lodestone::rl {
@@ -31,12 +31,12 @@ struct PolicyScore {
 class PolicyEvaluation {
  public:
   PolicyEvaluation(env::VecEnv& environments, const task::EncoderConfig& encoder);
-  PolicyScore run(Td3& policy);
+  PolicyScore run(const inference::Actor& policy);
 
  private:
   env::VecEnv& environments_;
   task::ObservationEncoder encoder_;
-  env::EnvState start_;
+  env::Snapshot start_;
 };
 
 }  // namespace lodestone::rl

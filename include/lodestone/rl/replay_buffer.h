@@ -1,8 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
-#include <torch/torch.h>
+#include <ATen/core/Tensor.h>
 
 #include "lodestone/common/random.h"
 #include "lodestone/env/vec_env.h"
@@ -13,13 +14,13 @@ namespace lodestone::rl {
 /// Transitions for one update, preallocated by the caller and filled by ReplayBuffer::sample.
 struct Batch {
   Batch(std::int64_t size, std::int64_t observation_size, std::int64_t action_size,
-        torch::ScalarType type = torch::kFloat32);
+        at::ScalarType type = at::kFloat);
 
-  torch::Tensor observation;       ///< [B, D]
-  torch::Tensor action;            ///< [B, A]
-  torch::Tensor reward;            ///< [B]
-  torch::Tensor next_observation;  ///< [B, D]
-  torch::Tensor not_done;  ///< [B] 0 where the episode terminated, 1 otherwise (truncated ones bootstrap)
+  at::Tensor observation;       ///< [B, D]
+  at::Tensor action;            ///< [B, A]
+  at::Tensor reward;            ///< [B]
+  at::Tensor next_observation;  ///< [B, D]
+  at::Tensor not_done;  ///< [B] 0 where the episode terminated, 1 otherwise (truncated ones bootstrap)
 };
 
 /// Ring of the last `capacity` transitions, stored as one row each. Truncation is stored beside termination
@@ -28,9 +29,10 @@ class ReplayBuffer {
  public:
   ReplayBuffer(std::int64_t capacity, std::int64_t observation_size, std::int64_t action_size);
 
-  /// Adds one transition per environment: `observation` [N, D] and `action` [N, A] float32 as they were
-  /// before `result`. Throws LogicFault on another shape or type.
-  void add(const torch::Tensor& observation, const torch::Tensor& action, const env::StepResult& result);
+  /// Adds one transition per environment: `observation` [N, D] and `action` [N, A] as they were before
+  /// `result`. Throws LogicFault when they do not fit each other.
+  void add(const std::vector<float>& observation, const std::vector<float>& action,
+           const env::StepResult& result);
 
   /// Fills a float32 batch with rows drawn uniformly with replacement. Throws LogicFault when the buffer is
   /// empty.
@@ -51,7 +53,7 @@ class ReplayBuffer {
   std::int64_t action_size_;
   std::int64_t size_ = 0;
   std::int64_t next_ = 0;
-  torch::Tensor
+  at::Tensor
       rows_;  // [capacity, row_size]: observation, action, next observation, reward, terminated, truncated
 };
 

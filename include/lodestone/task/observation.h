@@ -51,7 +51,7 @@ EncoderConfig encoder_from_json(common::Json json, const std::string& what);
 
 class ObservationEncoder {
  public:
-  explicit ObservationEncoder(const EncoderConfig& config) : config_(config) {}
+  explicit ObservationEncoder(const EncoderConfig& config);
 
   /// Numbers per observation: 2 + heading (0, 1, 2) + target 2 + relative target 2 + target heading 2 +
   /// memory 4.
@@ -68,9 +68,11 @@ class ObservationEncoder {
   void retarget(const geometry::Vector2& target_m, float* row) const;
 
  private:
-  int heading_size() const { return config_.heading == "none" ? 0 : config_.heading == "angle" ? 1 : 2; }
+  enum class Heading { kNone = 0, kAngle = 1, kSineCosine = 2 };  // by how many numbers it takes
+  int heading_size() const { return static_cast<int>(heading_); }
 
   EncoderConfig config_;
+  Heading heading_;
 };
 
 }  // namespace lodestone::task

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "lodestone/common/random.h"
@@ -81,7 +82,7 @@ geometry::Vector2 draw_in_disc(double radius_m, common::RandomStream& random);
 /// Where to go, and how to lie there when the task is a pose.
 struct Goal {
   geometry::Vector2 position_m = geometry::Vector2::Zero();
-  double heading_rad = 0.0;
+  std::optional<double> heading_rad;
 };
 
 /// Goal of a new episode, inside `region` when there is one.
@@ -102,7 +103,8 @@ double success_radius_m(const TaskConfig& config, double progress);
 
 /// Reward and end of one step. Eq. 3 with the distance in dish radii:
 /// alpha * (d_after - d_before) / R + beta * [d_after < r] + tau; beyond the paper, the same for the heading
-/// error in half turns (goal "pose", where both must be within their bounds), less current_cost * |action|^2.
+/// error in half turns (where the goal has one: both must be within their bounds), less current_cost *
+/// |action|^2.
 StepOutcome evaluate_step(const TaskConfig& config, const Step& step);
 
 }  // namespace lodestone::task

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "lodestone/common/config.h"
 #include "lodestone/imaging/scene.h"
-#include "lodestone/nets/unet.h"
+#include "lodestone/vision/sample_config.h"
 #include "lodestone/vision/segmenter.h"
-#include "lodestone/vision/segmenter_samples.h"
 
 namespace lodestone::vision {
 
@@ -69,7 +69,7 @@ struct TrainSegmenterConfig {
 };
 
 struct SegmenterTrainingResult {
-  nets::UNet network{nullptr};
+  std::shared_ptr<nets::UNetImpl> network;
   std::int64_t epochs = 0;
   double train_loss = 0.0;
   double validation_loss = 0.0;  ///< of the weights that were kept

@@ -1,12 +1,13 @@
-#include "lodestone/nets/policy.h"
+#include "lodestone/inference/policy.h"
 
 #include <catch2/catch.hpp>
 
+#include "inference/random_policy.h"
 #include "lodestone/common/error.h"
-#include "lodestone/nets/checkpoint.h"
+#include "lodestone/inference/checkpoint.h"
 #include "temporary_folder.h"
 
-namespace lodestone::nets {
+namespace lodestone::inference {
 namespace {
 
 Policy sample_policy() {
@@ -15,48 +16,46 @@ Policy sample_policy() {
   policy.encoder.heading = "sine_cosine";
   policy.action.dead_band = 0.05;
   policy.goal = "centre";
-  policy.actor = Actor(task::ObservationEncoder(policy.encoder).size(), policy.hidden);
+  tests::draw_weights(policy, 4);
   return policy;
 }
 
-TEST_CASE("actor and critic have the paper's shapes", "[unit]") {
-  Actor actor(5, std::vector<std::int64_t>{256, 256});
-  TwinCritic critic(5, std::vector<std::int64_t>{256, 256});
-  const NamedTensors a = module_tensors(*actor);
-  const NamedTensors c = module_tensors(*critic);
-  CHECK(a.at("l1.weight").sizes() == torch::IntArrayRef({256, 5}));
-  CHECK(a.at("l3.weight").sizes() == torch::IntArrayRef({2, 256}));
-  CHECK(c.at("l1.weight").sizes() == torch::IntArrayRef({256, 7}));
-  CHECK(c.at("l4.weight").sizes() == torch::IntArrayRef({256, 7}));
-  CHECK(c.at("l6.weight").sizes() == torch::IntArrayRef({1, 256}));
-  const torch::Tensor observation = torch::randn({9, 5});
-  const torch::Tensor action = actor->forward(10.0 * observation);
-  CHECK(action.abs().max().item<double>() <= 1.0);
-  const auto [q1, q2] = critic->forward(observation, action);
-  CHECK(torch::equal(q1, critic->first(observation, action)));
-  CHECK_FALSE(torch::equal(q1, q2));
+std::vector<float> action_of(const Policy& policy, const std::vector<float>& observation) {
+  std::vector<float> action(2);
+  Actor::Workspace workspace;
+  policy.actor().act(observation.data(), 1, action.data(), workspace);
+  return action;
 }
 
 TEST_CASE("a policy comes back with its encoder and acts the same", "[unit]") {
   const tests::TemporaryFolder temporary;
-  Policy policy = sample_policy();
+  const Policy policy = sample_policy();
   save_policy(temporary / "policy", policy, common::Json::object(), common::Json::object());
-  Policy loaded = load_policy(temporary / "policy");
+  const Policy loaded = load_policy(temporary / "policy");
   CHECK(loaded.encoder.heading == "sine_cosine");
   CHECK(loaded.action.dead_band == 0.05);
   CHECK(loaded.goal == "centre");
-  const torch::Tensor observation = torch::randn({4, task::ObservationEncoder(policy.encoder).size()});
-  CHECK(torch::equal(policy.actor->forward(observation), loaded.actor->forward(observation)));
+  const std::vector<float> observation = {0.1F, 0.2F, 0.3F, -0.4F, 0.5F, -0.6F};
+  CHECK(action_of(policy, observation) == action_of(loaded, observation));
 }
 
 TEST_CASE("a policy whose examples do not recompute is refused", "[unit]") {
   const tests::TemporaryFolder temporary;
   save_policy(temporary / "policy", sample_policy(), common::Json::object(), common::Json::object());
   Checkpoint checkpoint = load_checkpoint(temporary / "policy", "policy");
-  checkpoint.parts.at("examples").at("action") += 1e-3;
+  std::vector<float> action = checkpoint.at("examples", "action", "test").to_vector<float>();
+  action[3] += 1e-3F;
+  checkpoint.parts["examples"]["action"] = {action, {16, 2}};
   save_checkpoint(temporary / "policy", checkpoint);
   CHECK_THROWS_WITH(load_policy(temporary / "policy"), Catch::Contains("recomputed example actions differ"));
   CHECK_THROWS_AS(load_policy(temporary / "none"), common::CheckpointError);
+}
+
+TEST_CASE("what was noted about a policy's making comes back with it", "[unit]") {
+  const tests::TemporaryFolder temporary;
+  save_policy(temporary / "policy", sample_policy(), common::Json::object(), common::Json::object());
+  set_policy_provenance(temporary / "policy", {{"dynamics", {{"rms_mm", 0.5}}}});
+  CHECK(load_policy(temporary / "policy").provenance["dynamics"]["rms_mm"] == 0.5);
 }
 
 TEST_CASE("a policy keeps the region it was trained in", "[unit]") {
@@ -73,5 +72,13 @@ TEST_CASE("a policy keeps the region it was trained in", "[unit]") {
   CHECK_FALSE(loaded.region->contains({0.02, 0.001}));
 }
 
+TEST_CASE("the released policies load, and their examples recompute", "[unit]") {
+  for (const char* name : {"target", "centre", "simulator_target", "simulator_centre"}) {
+    INFO(name);
+    const Policy policy = load_policy(std::string(LODESTONE_SOURCE_DIR) + "/models/" + name);
+    CHECK(policy.actor().observation_size() == task::ObservationEncoder(policy.encoder).size());
+  }
+}
+
 }  // namespace
-}  // namespace lodestone::nets
+}  // namespace lodestone::inference

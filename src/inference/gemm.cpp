@@ -1,4 +1,4 @@
-#include "lodestone/nets/gemm.h"
+#include "lodestone/inference/gemm.h"
 
 #include <algorithm>
 #include <type_traits>
@@ -6,7 +6,7 @@
 #include "gemm_kernels.h"
 #include "lodestone/common/error.h"
 
-namespace lodestone::nets {
+namespace lodestone::inference {
 namespace {
 
 std::vector<GemmKernelSet> runnable_kernels() {
@@ -152,4 +152,4 @@ template void multiply(const LeftSide<double>&, const RightSide<double>&, CacheA
 template void transpose(const float*, std::int64_t, std::int64_t, float*, std::int64_t);
 template void transpose(const double*, std::int64_t, std::int64_t, double*, std::int64_t);
 
-}  // namespace lodestone::nets
+}  // namespace lodestone::inference

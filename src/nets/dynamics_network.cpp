@@ -1,8 +1,11 @@
-#include "lodestone/nets/dynamics.h"
+#include "lodestone/nets/dynamics_network.h"
 
 #include <cmath>
 
+#include <torch/nn/modules/activation.h>
+
 #include "lodestone/common/error.h"
+#include "lodestone/nets/checkpoint.h"
 #include "lodestone/nets/mlp.h"
 
 namespace lodestone::nets {
@@ -11,12 +14,6 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kHeading = 2;               ///< column of the heading in a pose state
 constexpr double kSmallestSpread = 1e-9;  ///< a column that never varies keeps its unit
-
-std::int64_t feature_count(const std::string& form, data::StateLayout layout) {
-  const std::int64_t state = data::state_size(layout);
-  const bool with_sine_cosine = form == "delta" && layout == data::StateLayout::kPose;
-  return state + data::kActionSize + (with_sine_cosine ? 1 : 0);
-}
 
 void fit(torch::Tensor& mean, torch::Tensor& spread, const torch::Tensor& rows) {
   const torch::Tensor wide = rows.to(torch::kFloat64);
@@ -34,7 +31,7 @@ torch::Tensor wrap_angles(const torch::Tensor& angle_rad) {
 
 DynamicsNetworkImpl::DynamicsNetworkImpl(const DynamicsConfig& config, data::StateLayout layout)
     : config_(config), layout_(layout) {
-  const std::int64_t inputs = feature_count(config.form, layout);
+  const std::int64_t inputs = config.inputs(layout);
   const std::int64_t outputs = data::state_size(layout);
   input_mean = register_buffer("input_mean", torch::zeros({inputs}));
   input_std = register_buffer("input_std", torch::ones({inputs}));
@@ -55,8 +52,7 @@ DynamicsNetworkImpl::DynamicsNetworkImpl(const DynamicsConfig& config, data::Sta
 }
 
 torch::Tensor DynamicsNetworkImpl::features(const torch::Tensor& state, const torch::Tensor& action) const {
-  if (config_.form == "paper" || layout_ == data::StateLayout::kPosition)
-    return torch::cat({state, action}, 1);
+  if (!config_.sine_cosine(layout_)) return torch::cat({state, action}, 1);
   const torch::Tensor heading = state.narrow(1, kHeading, 1);
   return torch::cat({state.narrow(1, 0, kHeading), torch::sin(heading), torch::cos(heading), action}, 1);
 }
@@ -75,7 +71,7 @@ torch::Tensor DynamicsNetworkImpl::normalised_output(const torch::Tensor& state,
 torch::Tensor DynamicsNetworkImpl::normalised_target(const torch::Tensor& state,
                                                      const torch::Tensor& next_state) const {
   torch::Tensor target = next_state;
-  if (config_.form == "delta") {
+  if (config_.predicts_change()) {
     target = next_state - state;
     if (layout_ == data::StateLayout::kPose) {
       target = torch::cat({target.narrow(1, 0, kHeading), wrap_angles(target.narrow(1, kHeading, 1))}, 1);
@@ -86,7 +82,7 @@ torch::Tensor DynamicsNetworkImpl::normalised_target(const torch::Tensor& state,
 
 torch::Tensor DynamicsNetworkImpl::forward(const torch::Tensor& state, const torch::Tensor& action) {
   torch::Tensor next = normalised_output(state, action) * output_std + output_mean;
-  if (config_.form == "delta") next = state + next;
+  if (config_.predicts_change()) next = state + next;
   if (layout_ == data::StateLayout::kPosition) return next;
   return torch::cat({next.narrow(1, 0, kHeading), wrap_angles(next.narrow(1, kHeading, 1))}, 1);
 }
@@ -98,7 +94,7 @@ void DynamicsNetworkImpl::fit_normalisers(const torch::Tensor& state, const torc
   output_mean.zero_();
   output_std.fill_(1.0);
   torch::Tensor target = next_state.to(torch::kFloat64);
-  if (config_.form == "delta") {
+  if (config_.predicts_change()) {
     target = target - state.to(torch::kFloat64);
     if (layout_ == data::StateLayout::kPose)
       target.select(1, kHeading).copy_(wrap_angles(target.select(1, kHeading)));
@@ -106,33 +102,27 @@ void DynamicsNetworkImpl::fit_normalisers(const torch::Tensor& state, const torc
   fit(output_mean, output_std, target);
 }
 
-std::vector<DynamicsNetwork> make_dynamics_members(const DynamicsConfig& config, data::StateLayout layout,
-                                                   std::uint64_t seed) {
-  std::vector<DynamicsNetwork> members;
+std::vector<std::shared_ptr<DynamicsNetworkImpl>> make_dynamics_members(const DynamicsConfig& config,
+                                                                        data::StateLayout layout,
+                                                                        std::uint64_t seed) {
+  std::vector<std::shared_ptr<DynamicsNetworkImpl>> members;
   for (std::int64_t k = 0; k < config.members; ++k) {
-    members.emplace_back(config, layout);
+    members.push_back(std::make_shared<DynamicsNetworkImpl>(config, layout));
     common::RandomStream random(seed, "dynamics", static_cast<std::uint64_t>(k));
     initialise_linear_layers(*members.back(), random);
   }
   return members;
 }
 
-std::vector<task::Move> recorded_moves(const DynamicsModel& model) {
-  const torch::Tensor from = model.training_rows.state.to(torch::kFloat64).contiguous();
-  const torch::Tensor to = model.training_rows.next_state.to(torch::kFloat64).contiguous();
-  const double* before = from.data_ptr<double>();
-  const double* after = to.data_ptr<double>();
-  std::vector<task::Move> moves;
-  for (std::int64_t row = 0; row < from.size(0); ++row, before += from.size(1), after += from.size(1))
-    moves.push_back({{before[0], before[1]}, {after[0], after[1]}});
-  return moves;
+inference::FoldedDynamics fold(const DynamicsNetworkImpl& network) {
+  return {to_arrays(module_tensors(network)), network.config(), network.layout(), "dynamics network"};
 }
 
 torch::Tensor predict_mean(DynamicsModel& model, const torch::Tensor& state, const torch::Tensor& action) {
   LODESTONE_CHECK(!model.members.empty(), "the ensemble has no member");
   const torch::NoGradGuard no_grad;
   std::vector<torch::Tensor> next;
-  for (DynamicsNetwork& member : model.members) {
+  for (const auto& member : model.members) {
     member->eval();
     next.push_back(member->forward(state, action));
   }

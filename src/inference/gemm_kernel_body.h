@@ -9,7 +9,7 @@
 
 #include "gemm_kernels.h"
 
-namespace lodestone::nets {
+namespace lodestone::inference {
 namespace {
 
 /// `Lanes` numbers to a vector; a tile of `TileRows` x 2 vectors fills the registers.
@@ -186,4 +186,4 @@ struct Kernel {
 };
 
 }  // namespace
-}  // namespace lodestone::nets
+}  // namespace lodestone::inference

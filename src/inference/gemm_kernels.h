@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-#include "lodestone/nets/gemm.h"
+#include "lodestone/inference/gemm.h"
 
-namespace lodestone::nets {
+namespace lodestone::inference {
 
 /// The product of one instruction set: what gemm.cpp calls. A panel is `width` columns of B, row after row;
 /// the last one of a matrix is `width` or `width` / 2 wide, whichever suffices, and filled up with zeros.
@@ -33,4 +33,4 @@ GemmKernelSet generic_gemm_kernels();
 GemmKernelSet avx2_gemm_kernels();
 GemmKernelSet avx512_gemm_kernels();
 
-}  // namespace lodestone::nets
+}  // namespace lodestone::inference

@@ -11,10 +11,10 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/random.h"
-#include "lodestone/nets/checkpoint.h"
+#include "lodestone/inference/checkpoint.h"
 #include "temporary_folder.h"
 
-namespace lodestone::nets {
+namespace lodestone::inference {
 namespace {
 
 constexpr std::int64_t kNumbers = 20000;
@@ -23,8 +23,9 @@ Checkpoint numbered(std::int64_t n) {
   Checkpoint checkpoint;
   checkpoint.kind = "numbered";
   checkpoint.facts["n"] = n;
-  checkpoint.parts["a"] = {{"n", torch::full({kNumbers}, n, torch::kInt64)}};
-  checkpoint.parts["b"] = {{"n", torch::full({kNumbers}, n, torch::kInt64)}};
+  const Array numbers(std::vector<std::int64_t>(kNumbers, n), {kNumbers});
+  checkpoint.parts["a"] = {{"n", numbers}};
+  checkpoint.parts["b"] = {{"n", numbers}};
   return checkpoint;
 }
 
@@ -33,7 +34,8 @@ std::int64_t load_number(const std::string& folder) {
   const Checkpoint checkpoint = load_checkpoint(folder, "numbered");
   const auto n = checkpoint.facts.at("n").get<std::int64_t>();
   for (const char* part : {"a", "b"}) {
-    REQUIRE(torch::equal(checkpoint.parts.at(part).at("n"), torch::full({kNumbers}, n, torch::kInt64)));
+    REQUIRE(checkpoint.at(part, "n", "test").to_vector<std::int64_t>() ==
+            std::vector<std::int64_t>(kNumbers, n));
   }
   return n;
 }
@@ -98,4 +100,4 @@ TEST_CASE("a full disk is an error and leaves the last checkpoint as it was", "[
 }
 
 }  // namespace
-}  // namespace lodestone::nets
+}  // namespace lodestone::inference

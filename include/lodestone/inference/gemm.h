@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace lodestone::nets {
+namespace lodestone::inference {
 
 /// Matrix products of small dense networks, in float and double, by the widest vectors this processor has.
 ///
@@ -97,4 +97,4 @@ void transpose(const Real* matrix, std::int64_t rows, std::int64_t columns, Real
 /// line.
 constexpr std::int64_t padded_stride(std::int64_t columns) { return columns + 16; }
 
-}  // namespace lodestone::nets
+}  // namespace lodestone::inference

@@ -1,11 +1,13 @@
-#include "lodestone/nets/dynamics.h"
+#include "lodestone/nets/dynamics_network.h"
 
 #include <catch2/catch.hpp>
 
+#include <torch/torch.h>
+
 #include "lodestone/common/error.h"
 #include "lodestone/common/random.h"
+#include "lodestone/inference/dynamics.h"
 #include "lodestone/nets/checkpoint.h"
-#include "lodestone/nets/folded_dynamics.h"
 #include "lodestone/nets/mlp.h"
 #include "lodestone/nets/tensors.h"
 #include "temporary_folder.h"
@@ -81,8 +83,8 @@ TEST_CASE("the folded network agrees with the network", "[unit]") {
         const Rows rows = sample_rows(layout, 77, 3);
         const torch::Tensor expected = network->forward(rows.state, rows.action);
         torch::Tensor next = torch::empty_like(rows.state);
-        const FoldedDynamics folded(network);
-        FoldedDynamics::Workspace workspace;
+        const inference::FoldedDynamics folded = fold(*network);
+        inference::FoldedDynamics::Workspace workspace;
         folded.predict(rows.state.data_ptr<double>(), rows.action.data_ptr<double>(), 77,
                        next.data_ptr<double>(), workspace);
         torch::Tensor error = next - expected;
@@ -150,10 +152,10 @@ DynamicsModel sample_model(data::StateLayout layout) {
   model.members = make_dynamics_members(model.config, layout, 8);
   const Rows rows = sample_rows(layout, 100, 6);
   for (auto& member : model.members) member->fit_normalisers(rows.state, rows.action, rows.next_state);
-  model.start_states = rows.state;
+  model.start_states = to_array(rows.state);
   model.split = {9, 0.2, 0.1};
-  model.training_rows = {rows.state.to(torch::kFloat32), rows.action.to(torch::kFloat32),
-                         rows.next_state.to(torch::kFloat32)};
+  model.training_rows = {to_array(rows.state.to(torch::kFloat32)), to_array(rows.action.to(torch::kFloat32)),
+                         to_array(rows.next_state.to(torch::kFloat32))};
   return model;
 }
 
@@ -169,8 +171,22 @@ TEST_CASE("a saved ensemble predicts the same after loading", "[unit]") {
     CHECK(loaded.info.layout == layout);
     CHECK(loaded.info.source == "test");
     CHECK(loaded.split.seed == 9);
-    CHECK(torch::equal(loaded.start_states, model.start_states));
-    CHECK(torch::equal(loaded.training_rows.next_state, model.training_rows.next_state));
+    CHECK(identical(loaded.start_states, model.start_states));
+    CHECK(identical(loaded.training_rows.next_state, model.training_rows.next_state));
+    // The same file without LibTorch.
+    const inference::DynamicsModel plain = inference::load_dynamics(temporary / "model");
+    REQUIRE(plain.members.size() == 3);
+    CHECK(plain.start_states == model.start_states.to_double());
+    REQUIRE(plain.recorded_moves.size() == 100);
+    CHECK(plain.recorded_moves[7].to_m.y() ==
+          Approx(model.training_rows.next_state
+                     .to_double()[static_cast<std::size_t>(7 * data::state_size(layout) + 1)]));
+    inference::FoldedDynamics::Workspace workspace;
+    torch::Tensor next = torch::empty_like(rows.state);
+    plain.members[1].predict(rows.state.data_ptr<double>(), rows.action.data_ptr<double>(), 33,
+                             next.data_ptr<double>(), workspace);
+    const torch::Tensor expected = model.members[1]->forward(rows.state, rows.action);
+    CHECK((next - expected).narrow(1, 0, 2).abs().max().item<double>() < 1e-5);
   }
 }
 
@@ -192,7 +208,9 @@ TEST_CASE("initial weights follow the seed and PyTorch's default range", "[unit]
   auto first = make_dynamics_members(config, data::StateLayout::kPose, 1).front();
   auto again = make_dynamics_members(config, data::StateLayout::kPose, 1).front();
   auto other = make_dynamics_members(config, data::StateLayout::kPose, 2).front();
-  const auto weight = [](DynamicsNetwork& network) { return module_tensors(*network).at("layers.2.weight"); };
+  const auto weight = [](const std::shared_ptr<DynamicsNetworkImpl>& network) {
+    return module_tensors(*network).at("layers.2.weight");
+  };
   CHECK(torch::equal(weight(first), weight(again)));
   CHECK_FALSE(torch::equal(weight(first), weight(other)));
   CHECK(weight(first).abs().max().item<double>() <= 1.0 / 8.0);
@@ -208,8 +226,8 @@ TEST_CASE("a mixture's mean survives folding and saving, and its draws scatter a
     const Rows rows = sample_rows(data::StateLayout::kPose, 200, 3);
     const torch::NoGradGuard no_grad;
     const torch::Tensor expected = network->forward(rows.state, rows.action).to(torch::kFloat64).contiguous();
-    const FoldedDynamics folded(network);
-    FoldedDynamics::Workspace workspace;
+    const inference::FoldedDynamics folded = fold(*network);
+    inference::FoldedDynamics::Workspace workspace;
     std::vector<double> mean(600);
     folded.predict(rows.state.data_ptr<double>(), rows.action.data_ptr<double>(), 200, mean.data(),
                    workspace);
@@ -228,7 +246,7 @@ TEST_CASE("a mixture's mean survives folding and saving, and its draws scatter a
                     drawn.data(), workspace);
       sum += tensor_from(drawn, {200, 3}).narrow(1, 0, 2);
     }
-    const double spread_m = network->output_std[0].item<double>() * std::exp(kMostLogSpread);
+    const double spread_m = network->output_std[0].item<double>() * std::exp(inference::kMostLogSpread);
     CHECK((sum / kDraws - means.narrow(1, 0, 2)).abs().max().item<double>() < 0.1 * spread_m);
   }
 }

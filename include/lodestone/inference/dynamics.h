@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lodestone/common/config.h"
+#include "lodestone/data/dataset.h"
+#include "lodestone/inference/checkpoint.h"
+#include "lodestone/inference/folded_dynamics.h"
+#include "lodestone/task/region.h"
+
+namespace lodestone::inference {
+
+/// A learned simulator ready to be stepped: all that an MBS or a planner needs.
+struct DynamicsModel {
+  DynamicsConfig config;
+  data::DatasetInfo info;                  ///< layout, action unit and scale, workspace of the training data
+  std::vector<FoldedDynamics> members;     ///< of the ensemble
+  std::vector<double> start_states;        ///< [M, S], states seen in training: where episodes may start
+  std::vector<task::Move> recorded_moves;  ///< of the training rows
+};
+
+/// From a checkpoint of kind "dynamics", which nets::save_dynamics writes. Throws CheckpointError.
+DynamicsModel load_dynamics(const std::string& folder);
+
+/// Shape and dataset that a checkpoint's facts tell. Throws CheckpointError naming `what`.
+DynamicsConfig dynamics_config_of(const common::Json& facts, const std::string& what);
+data::DatasetInfo dataset_info_of(const common::Json& facts, const std::string& what);
+/// Dataset description as checkpoints hold it.
+common::Json dataset_info_to_json(const data::DatasetInfo& info);
+
+/// Part of a checkpoint that holds a member of the ensemble.
+std::string member_part(std::size_t member);
+
+}  // namespace lodestone::inference

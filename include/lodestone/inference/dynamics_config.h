@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lodestone/data/dataset.h"
+#include "lodestone/inference/mixture.h"
+
+namespace lodestone::inference {
+
+/// Shape of the learned dynamics.
+struct DynamicsConfig {
+  std::string form = "paper";  ///< "paper": theta in, next state out; "delta": sine and cosine in, change out
+  std::vector<std::int64_t> hidden = {256, 128, 32};
+  bool batch_norm = true;    ///< on the input and every hidden layer
+  std::int64_t members = 1;  ///< ensemble size
+  std::int64_t components =
+      0;  ///< Gaussians of the predicted distribution; 0: a single value, as in the paper
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("form", form, "", "what goes in and out", {"paper", "delta"});
+    v.field("hidden", hidden, "", "width of each hidden layer", {1, 8192});
+    v.field("batch_norm", batch_norm, "", "batch normalisation on input and hidden layers");
+    v.field("members", members, "", "networks in the ensemble", {1, 64});
+    v.field(
+        "components", components, "",
+        "Gaussians in the mixture that each network predicts (stick-slip is random, and a mean hides it); 0: "
+        "a single value, as in the paper",
+        {0, 16});
+  }
+
+  bool predicts_change() const { return form == "delta"; }
+  /// A heading goes in as sine and cosine.
+  bool sine_cosine(data::StateLayout layout) const {
+    return predicts_change() && layout == data::StateLayout::kPose;
+  }
+  std::int64_t inputs(data::StateLayout layout) const {
+    return data::state_size(layout) + data::kActionSize + (sine_cosine(layout) ? 1 : 0);
+  }
+  MixtureLayout mixture(data::StateLayout layout) const { return {components, data::state_size(layout)}; }
+};
+
+}  // namespace lodestone::inference

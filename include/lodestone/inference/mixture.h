@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+
+#include "lodestone/common/random.h"
+
+namespace lodestone::inference {
+
+/// A mixture of K Gaussians with diagonal covariance over S numbers, as the last layer of a network gives it:
+/// [K logits of the weights][K x S means][K x S raw spreads]. One component may sit on "did not move" while
+/// the others spread over how far: what stick-slip does, and what a mean hides (Bishop, Mixture density
+/// networks, 1994).
+struct MixtureLayout {
+  std::int64_t components = 1;
+  std::int64_t size = 1;
+
+  std::int64_t outputs() const { return components * (1 + 2 * size); }
+};
+
+/// Bounds of a logarithm of a standard deviation, in units of the normalised output; a raw spread is squeezed
+/// between them, so that neither a likelihood nor a sample can run away.
+constexpr double kLeastLogSpread = -5.5;
+constexpr double kMostLogSpread = 1.5;
+
+/// Mean of the mixture that one row of floats describes: writes S numbers.
+void mixture_mean(const float* raw, const MixtureLayout& layout, float* out);
+/// One draw: writes S numbers. Takes one uniform number and S normal ones from `random`.
+void mixture_draw(const float* raw, const MixtureLayout& layout, common::RandomStream& random, float* out);
+
+}  // namespace lodestone::inference

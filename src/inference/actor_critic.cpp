@@ -1,0 +1,63 @@
+#include "lodestone/inference/actor_critic.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fold.h"
+
+namespace lodestone::inference {
+namespace {
+
+std::vector<std::int64_t> widths_of(std::int64_t in, const std::vector<std::int64_t>& hidden,
+                                    std::int64_t out) {
+  std::vector<std::int64_t> widths{in};
+  widths.insert(widths.end(), hidden.begin(), hidden.end());
+  widths.push_back(out);
+  return widths;
+}
+
+}  // namespace
+
+std::vector<LinearLayer> layers_from(const Arrays& weights, const std::vector<std::int64_t>& widths,
+                                     int first, const std::string& what) {
+  std::vector<LinearLayer> layers;
+  for (std::size_t i = 0; i + 1 < widths.size(); ++i) {
+    const std::string name = "l" + std::to_string(first + static_cast<int>(i));
+    layers.push_back(
+        {weight_at(weights, name + ".weight", {widths[i + 1], widths[i]}, what).to_vector<float>(),
+         weight_at(weights, name + ".bias", {widths[i + 1]}, what).to_vector<float>()});
+  }
+  return layers;
+}
+
+Actor::Actor(const Arrays& weights, std::int64_t observation_size, const std::vector<std::int64_t>& hidden,
+             std::int64_t action_size, const std::string& what)
+    : network_(layers_from(weights, widths_of(observation_size, hidden, action_size), 1, what)) {}
+
+void Actor::act(const float* observation, std::int64_t rows, float* action, Workspace& workspace) const {
+  std::copy_n(observation, rows * observation_size(), network_.input(rows, workspace));
+  const float* output = network_.forward(rows, workspace);
+  std::transform(output, output + rows * action_size(), action, [](float x) { return std::tanh(x); });
+}
+
+TwinCritic::TwinCritic(const Arrays& weights, std::int64_t observation_size,
+                       const std::vector<std::int64_t>& hidden, std::int64_t action_size,
+                       const std::string& what)
+    : observation_size_(observation_size),
+      action_size_(action_size),
+      first_(layers_from(weights, widths_of(observation_size + action_size, hidden, 1), 1, what)),
+      second_(layers_from(weights, widths_of(observation_size + action_size, hidden, 1),
+                          static_cast<int>(hidden.size()) + 2, what)) {}
+
+void TwinCritic::evaluate(const float* observation, const float* action, std::int64_t rows, float* first,
+                          float* second, Workspace& workspace) const {
+  float* input = first_.input(rows, workspace);
+  for (std::int64_t row = 0; row < rows; ++row) {
+    input = std::copy_n(observation + row * observation_size_, observation_size_, input);
+    input = std::copy_n(action + row * action_size_, action_size_, input);
+  }
+  std::copy_n(first_.forward(rows, workspace), rows, first);
+  std::copy_n(second_.forward(rows, workspace), rows, second);
+}
+
+}  // namespace lodestone::inference

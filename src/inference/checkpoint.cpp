@@ -1,0 +1,160 @@
+#include "lodestone/inference/checkpoint.h"
+
+#include <filesystem>
+#include <system_error>
+
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+#include "lodestone/common/run_folder.h"
+
+namespace lodestone::inference {
+namespace {
+
+using common::CheckpointError;
+using common::Json;
+namespace fs = std::filesystem;
+
+constexpr const char* kManifest = "manifest.json";
+constexpr const char* kSeal = "sha256";  ///< SHA-256 of the manifest without this key
+
+std::string without_trailing_slash(std::string folder) {
+  while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
+  return folder;
+}
+
+Json shapes_of(const Arrays& arrays) {
+  Json shapes = Json::object();
+  for (const auto& [name, array] : arrays) shapes[name] = array.shape();
+  return shapes;
+}
+
+Json read_manifest(const std::string& folder) {
+  const std::string path = folder + "/" + kManifest;
+  if (!fs::is_directory(folder)) {
+    throw CheckpointError("checkpoint " + folder + ": no such folder; give the folder that holds " +
+                          kManifest);
+  }
+  std::string text;
+  try {
+    text = common::read_file(path);
+  } catch (const common::IoError& error) {
+    throw CheckpointError("checkpoint " + folder + ": " + error.what());
+  }
+  try {
+    Json manifest = Json::parse(text);
+    if (manifest.is_object()) return manifest;
+  } catch (const Json::exception&) {
+  }
+  throw CheckpointError("checkpoint " + folder + ": " + kManifest + " is truncated or no JSON object");
+}
+
+/// Format first, so that a newer program's checkpoint is named as such; then the seal, then the kind.
+void check_manifest(Json manifest, const std::string& folder, const std::string& expected_kind) {
+  const std::string where = "checkpoint " + folder + ": " + kManifest;
+  if (!manifest.contains("format") || !manifest.at("format").is_number_integer()) {
+    throw CheckpointError(where + " names no format version");
+  }
+  if (const auto format = manifest.at("format").get<std::int64_t>(); format != kCheckpointFormat) {
+    throw CheckpointError(where + " has format version " + std::to_string(format) + ", this program reads " +
+                          std::to_string(kCheckpointFormat) + "; use the version that wrote it");
+  }
+  if (!manifest.contains(kSeal) || !manifest.at(kSeal).is_string())
+    throw CheckpointError(where + " has no seal");
+  const std::string seal = manifest.at(kSeal).get<std::string>();
+  manifest.erase(kSeal);
+  if (common::sha256(manifest.dump()) != seal) {
+    throw CheckpointError(where + " was altered: its SHA-256 differs from the one it names");
+  }
+  const std::string kind = manifest.at("kind").get<std::string>();
+  if (kind != expected_kind) {
+    throw CheckpointError("checkpoint " + folder + " is of kind \"" + kind + "\", expected \"" +
+                          expected_kind + "\"");
+  }
+}
+
+Arrays read_part(const std::string& folder, const std::string& file, const Json& entry) {
+  const std::string where = "checkpoint " + folder + ": " + file;
+  std::string content;
+  try {
+    content = common::read_file(folder + "/" + file);
+  } catch (const common::IoError& error) {
+    throw CheckpointError(where + " cannot be read: " + error.what());
+  }
+  const auto bytes = entry.at("bytes").get<std::uint64_t>();
+  if (content.size() != bytes) {
+    throw CheckpointError(where + " is truncated: " + std::to_string(content.size()) + " of " +
+                          std::to_string(bytes) + " bytes");
+  }
+  if (common::sha256(content) != entry.at("sha256").get<std::string>()) {
+    throw CheckpointError(where + " was altered: its SHA-256 differs from the manifest's");
+  }
+  return decode_safetensors(content, where);
+}
+
+void write_staged(const std::string& staged, const Checkpoint& checkpoint) {
+  Json manifest = Json::object();
+  manifest["format"] = kCheckpointFormat;
+  manifest["kind"] = checkpoint.kind;
+  manifest["config"] = checkpoint.config;
+  manifest["facts"] = checkpoint.facts;
+  manifest["files"] = Json::object();
+  for (const auto& [stem, arrays] : checkpoint.parts) {
+    const std::string file = stem + ".safetensors";
+    const std::string content = encode_safetensors(arrays);
+    common::write_file_atomically(staged + "/" + file, content);
+    manifest["files"][file] = {
+        {"bytes", content.size()}, {"sha256", common::sha256(content)}, {"shapes", shapes_of(arrays)}};
+  }
+  manifest["build"] = common::build_and_host_facts();
+  // A number JSON cannot hold (NaN) becomes null here, before the seal is computed.
+  manifest = Json::parse(manifest.dump());
+  manifest[kSeal] = common::sha256(manifest.dump());
+  common::write_file_atomically(staged + "/" + kManifest, manifest.dump(2) + "\n");
+  common::sync_path(staged);
+}
+
+}  // namespace
+
+const Array& Checkpoint::at(const std::string& part, const std::string& name, const std::string& what) const {
+  const auto found = parts.find(part);
+  if (found == parts.end()) throw CheckpointError(what + ": part \"" + part + "\" is missing");
+  const auto array = found->second.find(name);
+  if (array == found->second.end())
+    throw CheckpointError(what + ": array \"" + name + "\" of part \"" + part + "\" is missing");
+  return array->second;
+}
+
+void save_checkpoint(const std::string& folder, const Checkpoint& checkpoint) {
+  const std::string target = without_trailing_slash(folder);
+  const std::string staged = target + ".staged";
+  std::error_code ignored;
+  fs::remove_all(staged, ignored);  // left there by a run that was killed
+  common::make_folders(staged);
+  try {
+    write_staged(staged, checkpoint);
+    common::replace_folder(staged, target);
+  } catch (...) {
+    fs::remove_all(staged, ignored);
+    throw;
+  }
+}
+
+Checkpoint load_checkpoint(const std::string& folder, const std::string& expected_kind) {
+  const std::string source = without_trailing_slash(folder);
+  const Json manifest = read_manifest(source);
+  try {
+    check_manifest(manifest, source, expected_kind);
+    Checkpoint checkpoint;
+    checkpoint.kind = expected_kind;
+    checkpoint.config = manifest.at("config");
+    checkpoint.facts = manifest.at("facts");
+    for (const auto& [file, entry] : manifest.at("files").items()) {
+      checkpoint.parts[fs::path(file).stem().string()] = read_part(source, fs::path(file).filename(), entry);
+    }
+    return checkpoint;
+  } catch (const Json::exception& error) {
+    throw CheckpointError("checkpoint " + source + ": " + kManifest + " lacks an entry: " + error.what());
+  }
+}
+
+}  // namespace lodestone::inference

@@ -1,0 +1,123 @@
+#include "lodestone/inference/policy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lodestone/common/error.h"
+#include "lodestone/common/random.h"
+#include "lodestone/inference/checkpoint.h"
+
+namespace lodestone::inference {
+namespace {
+
+using common::CheckpointError;
+using common::Json;
+
+constexpr const char* kKind = "policy";
+constexpr std::int64_t kExamples = 16;
+constexpr double kExampleTolerance = 1e-5;
+
+/// Observations over the range encoders give, always the same.
+std::vector<float> example_observations(std::int64_t size) {
+  common::RandomStream random(1, "policy examples");
+  std::vector<float> observations(static_cast<std::size_t>(kExamples * size));
+  for (float& value : observations) value = static_cast<float>(random.uniform(-1.0, 1.0));
+  return observations;
+}
+
+std::vector<float> actions_for(const Actor& actor, const std::vector<float>& observations) {
+  const std::int64_t rows = static_cast<std::int64_t>(observations.size()) / actor.observation_size();
+  std::vector<float> actions(static_cast<std::size_t>(rows * actor.action_size()));
+  Actor::Workspace workspace;
+  actor.act(observations.data(), rows, actions.data(), workspace);
+  return actions;
+}
+
+void check_examples(const Actor& actor, const Checkpoint& checkpoint, const std::string& what) {
+  const Array& observation = checkpoint.at("examples", "observation", what);
+  const Array& action = checkpoint.at("examples", "action", what);
+  const std::int64_t size = actor.observation_size();
+  if (observation.shape().size() != 2 || observation.shape()[1] != size) {
+    throw CheckpointError(what + ": examples do not have the encoder's " + std::to_string(size) + " numbers");
+  }
+  const std::vector<float> recomputed = actions_for(actor, observation.to_vector<float>());
+  const std::vector<float> stored = action.to_vector<float>();
+  if (stored.size() != recomputed.size())
+    throw CheckpointError(what + ": there is not one example action for each observation");
+  float error = 0.0F;
+  for (std::size_t i = 0; i < stored.size(); ++i) {
+    const float difference = std::abs(recomputed[i] - stored[i]);
+    if (!(difference <= error)) error = difference;  // what is not a number counts
+  }
+  if (!(error <= kExampleTolerance)) {
+    throw CheckpointError(what + ": recomputed example actions differ by " + std::to_string(error) +
+                          ", at most 1e-5 is allowed; this build computes the network differently");
+  }
+}
+
+Policy policy_from_facts(const Json& facts, const std::string& what) {
+  Policy policy;
+  try {
+    policy.hidden = facts.at("hidden").get<std::vector<std::int64_t>>();
+    policy.encoder = task::encoder_from_json(facts.at("encoder"), what);
+    policy.action = task::action_from_json(facts.at("action"), what);
+    policy.goal = facts.at("goal").get<std::string>();
+    policy.rig = facts.value("rig", Json());
+    if (facts.contains("region")) policy.region = task::Region::from_json(facts["region"]);
+    policy.provenance = facts.value("provenance", Json::object());
+  } catch (const Json::exception& error) {
+    throw CheckpointError(what + ": facts are malformed: " + error.what());
+  } catch (const common::DataError& error) {
+    throw CheckpointError(what + ": " + error.what());
+  } catch (const common::ConfigError& error) {
+    throw CheckpointError(what + ": encoder or action is malformed: " + error.what());
+  }
+  return policy;
+}
+
+}  // namespace
+
+Actor Policy::actor(const std::string& what) const {
+  return Actor(weights, task::ObservationEncoder(encoder).size(), hidden, 2, what);
+}
+
+void save_policy(const std::string& folder, const Policy& policy, const Json& run_config,
+                 const Json& metrics) {
+  Checkpoint checkpoint;
+  checkpoint.kind = kKind;
+  checkpoint.config = run_config;
+  checkpoint.facts["hidden"] = policy.hidden;
+  checkpoint.facts["encoder"] = task::encoder_to_json(policy.encoder);
+  checkpoint.facts["action"] = task::action_to_json(policy.action);
+  checkpoint.facts["goal"] = policy.goal;
+  checkpoint.facts["rig"] = policy.rig;
+  if (policy.region) checkpoint.facts["region"] = policy.region->json();
+  checkpoint.facts["metrics"] = metrics;
+  checkpoint.facts["provenance"] = policy.provenance;
+  checkpoint.parts["actor"] = policy.weights;
+  const Actor actor = policy.actor();
+  const std::vector<float> observations = example_observations(actor.observation_size());
+  checkpoint.parts["examples"] = {
+      {"observation", Array(observations, {kExamples, actor.observation_size()})},
+      {"action", Array(actions_for(actor, observations), {kExamples, actor.action_size()})}};
+  save_checkpoint(folder, checkpoint);
+}
+
+void set_policy_provenance(const std::string& folder, const Json& provenance) {
+  Checkpoint checkpoint = load_checkpoint(folder, kKind);
+  checkpoint.facts["provenance"] = provenance;
+  save_checkpoint(folder, checkpoint);
+}
+
+Policy load_policy(const std::string& folder) {
+  const Checkpoint checkpoint = load_checkpoint(folder, kKind);
+  const std::string what = "checkpoint " + folder;
+  Policy policy = policy_from_facts(checkpoint.facts, what);
+  const auto part = checkpoint.parts.find("actor");
+  if (part == checkpoint.parts.end()) throw CheckpointError(what + ": part \"actor\" is missing");
+  policy.weights = part->second;
+  check_examples(policy.actor(what + ", actor"), checkpoint, what);
+  return policy;
+}
+
+}  // namespace lodestone::inference

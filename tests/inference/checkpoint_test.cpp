@@ -1,0 +1,144 @@
+#include "lodestone/inference/checkpoint.h"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+#include "lodestone/common/random.h"
+#include "temporary_folder.h"
+
+namespace lodestone::inference {
+namespace {
+
+using Catch::Contains;
+using tests::TemporaryFolder;
+
+Checkpoint sample(double value) {
+  Checkpoint checkpoint;
+  checkpoint.kind = "sample";
+  checkpoint.config["gain"] = value;
+  checkpoint.facts["rng"] = "text";
+  checkpoint.parts["net"] = {{"a.weight", Array(std::vector<float>(12, static_cast<float>(value)), {3, 4})},
+                             {"b", Array(std::vector<double>(5, value), {5})}};
+  checkpoint.parts["other"] = {{"count", Array(std::vector<std::int64_t>{7}, {})},
+                               {"flags", Array(std::vector<std::uint8_t>(4, 1), {2, 2})},
+                               {"none", Array(std::vector<float>(), {0, 3})}};
+  return checkpoint;
+}
+
+void rewrite(const std::string& path, const std::string& content) {
+  std::ofstream(path, std::ios::binary | std::ios::trunc) << content;
+}
+
+std::string load_error(const std::string& folder, const std::string& kind = "sample") {
+  try {
+    load_checkpoint(folder, kind);
+  } catch (const common::CheckpointError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST_CASE("a checkpoint comes back as it was saved", "[unit]") {
+  const TemporaryFolder temporary;
+  const std::string folder = temporary / "checkpoint";
+  save_checkpoint(folder, sample(1.5));
+  save_checkpoint(folder + "/", sample(2.5));  // replaces the first
+  const Checkpoint loaded = load_checkpoint(folder, "sample");
+  const Checkpoint saved = sample(2.5);
+  REQUIRE(loaded.config == saved.config);
+  REQUIRE(loaded.facts == saved.facts);
+  REQUIRE(loaded.parts.size() == saved.parts.size());
+  for (const auto& [part, arrays] : saved.parts) {
+    REQUIRE(loaded.parts.at(part).size() == arrays.size());
+    for (const auto& [name, array] : arrays) CHECK(identical(loaded.parts.at(part).at(name), array));
+  }
+}
+
+TEST_CASE("a safetensors file starts with the length of its header, which is JSON", "[unit]") {
+  const std::string content = encode_safetensors({{"x", Array(std::vector<float>{1.0F, 2.0F}, {2})}});
+  const auto length = static_cast<unsigned char>(content[0]);
+  REQUIRE(content.size() == 8u + length + 8u);
+  const auto header = common::Json::parse(content.substr(8, length));
+  CHECK(header.at("x").at("dtype") == "F32");
+  CHECK(header.at("x").at("data_offsets") == common::Json({0, 8}));
+  const char one[] = {0, 0, '\x80', '\x3f'};
+  CHECK(content.substr(8u + length, 4) == std::string(one, 4));
+}
+
+TEST_CASE("damaged or foreign checkpoints are refused with the reason", "[unit]") {
+  const TemporaryFolder temporary;
+  const std::string folder = temporary / "checkpoint";
+  save_checkpoint(folder, sample(1.5));
+  const std::string part = folder + "/net.safetensors";
+  const std::string manifest = folder + "/manifest.json";
+  const std::string good_part = common::read_file(part);
+  const std::string good_manifest = common::read_file(manifest);
+
+  SECTION("wrong kind") {
+    CHECK_THAT(load_error(folder, "policy"), Contains("of kind \"sample\", expected \"policy\""));
+  }
+  SECTION("missing folder") { CHECK_THAT(load_error(temporary / "none"), Contains("no such folder")); }
+  SECTION("missing part") {
+    std::filesystem::remove(part);
+    CHECK_THAT(load_error(folder), Contains("net.safetensors cannot be read"));
+  }
+  SECTION("truncated part") {
+    rewrite(part, good_part.substr(0, good_part.size() / 2));
+    CHECK_THAT(load_error(folder), Contains("net.safetensors is truncated"));
+  }
+  SECTION("truncated manifest") {
+    rewrite(manifest, good_manifest.substr(0, good_manifest.size() / 2));
+    CHECK_THAT(load_error(folder), Contains("manifest.json is truncated"));
+  }
+  SECTION("another format version") {
+    auto json = common::Json::parse(good_manifest);
+    json["format"] = kCheckpointFormat + 1;
+    rewrite(manifest, json.dump());
+    CHECK_THAT(load_error(folder), Contains("format version 2, this program reads 1"));
+  }
+  SECTION("altered manifest") {
+    auto json = common::Json::parse(good_manifest);
+    json["config"]["gain"] = 99.0;
+    rewrite(manifest, json.dump());
+    CHECK_THAT(load_error(folder), Contains("was altered"));
+  }
+  SECTION("one flipped bit, anywhere in a part") {
+    for (std::size_t byte = 0; byte < good_part.size(); byte += 7) {
+      std::string bad = good_part;
+      bad[byte] = static_cast<char>(bad[byte] ^ (1 << (byte % 8)));
+      rewrite(part, bad);
+      CHECK_THAT(load_error(folder), Contains("net.safetensors was altered"));
+    }
+  }
+}
+
+TEST_CASE("malformed safetensors content never reads outside the file", "[unit]") {
+  const std::string good = encode_safetensors({{"x", Array(std::vector<float>{0, 1, 2, 3, 4, 5}, {2, 3})}});
+  for (std::size_t length = 0; length < good.size(); ++length) {
+    CHECK_THROWS_AS(decode_safetensors(good.substr(0, length), "file"), common::CheckpointError);
+  }
+  const auto with_header = [](std::string header) {
+    std::string content(8, '\0');
+    content[0] = static_cast<char>(header.size());
+    return content + header + std::string(8, '\0');
+  };
+  for (const char* header :
+       {R"({"x":{"dtype":"F32","shape":[2],"data_offsets":[0,99]}})",
+        R"({"x":{"dtype":"F32","shape":[-2],"data_offsets":[0,8]}})",
+        R"({"x":{"dtype":"F32","shape":[4611686018427387904,4],"data_offsets":[0,0]}})",
+        R"({"x":{"dtype":"F16","shape":[4],"data_offsets":[0,8]}})", R"({"x":[1]})", R"([1,2)", R"([1,2])"}) {
+    CHECK_THROWS_AS(decode_safetensors(with_header(header), "file"), common::CheckpointError);
+  }
+}
+
+TEST_CASE("what a checkpoint lacks is named", "[unit]") {
+  const Checkpoint checkpoint = sample(1.5);
+  CHECK(checkpoint.at("other", "count", "test").to_double() == std::vector<double>{7.0});
+  CHECK_THROWS_WITH(checkpoint.at("nothing", "b", "test"), Contains("test: part \"nothing\" is missing"));
+  CHECK_THROWS_WITH(checkpoint.at("net", "c", "test"), Contains("array \"c\" of part \"net\""));
+}
+
+}  // namespace
+}  // namespace lodestone::inference
