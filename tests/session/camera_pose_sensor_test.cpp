@@ -4,10 +4,10 @@
 #include <functional>
 
 #include "control/fakes.h"
-#include "control/pose_sensor_conformance.h"
 #include "lodestone/common/error.h"
 #include "lodestone/control/control_loop.h"
 #include "lodestone/session/sensing.h"
+#include "session/pose_sensor_conformance.h"
 
 using namespace lodestone;
 
