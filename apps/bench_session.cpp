@@ -34,7 +34,7 @@ std::unique_ptr<session::RigSession> open_bench(const rig::RigConfig& rig,
                                                 const session::SensingConfig& sensor,
                                                 safety::SafetyConfig safety, const std::string& out) {
   if (safety.stop_file.empty() && !out.empty()) safety.stop_file = out + "/STOP";
-  session::AskOperator ask;
+  session::AskedOperator::Ask ask;
   if (has_operator())
     ask = [](const geometry::Pose2& pose) {
       // A key from before the question answers nothing: hands may still be in the dish. What follows the

@@ -9,9 +9,11 @@ double SteadyClock::now_s() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-void SteadyClock::sleep_until(double time_s) {
+bool SteadyClock::wait_until(double time_s, Interruption* interruption) {
   const double wait_s = time_s - now_s();
+  if (interruption != nullptr) return wait_s > 0.0 ? interruption->wait_for(wait_s) : !interruption->raised();
   if (wait_s > 0.0) std::this_thread::sleep_for(std::chrono::duration<double>(wait_s));
+  return true;
 }
 
 PacedClock::PacedClock(Clock& simulated)
@@ -19,9 +21,8 @@ PacedClock::PacedClock(Clock& simulated)
 
 double PacedClock::now_s() const { return simulated_.now_s(); }
 
-void PacedClock::sleep_until(double time_s) {
-  simulated_.sleep_until(time_s);
-  wall_.sleep_until(time_s + offset_s_);
+bool PacedClock::wait_until(double time_s, Interruption* interruption) {
+  return simulated_.wait_until(time_s, interruption) && wall_.wait_until(time_s + offset_s_, interruption);
 }
 
 }  // namespace lodestone::common

@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/saturation.h"
 
 namespace lodestone::control {
 
@@ -36,7 +37,7 @@ geometry::Vector2 decide(Controller& controller, const task::Observation& observ
   geometry::Vector2 action = controller.act(observation);
   if (!action.allFinite())
     throw common::HardwareError("the controller asked for a drive that is not a number");
-  return action.cwiseMax(-1.0).cwiseMin(1.0);
+  return geometry::saturated(action);
 }
 
 }  // namespace
@@ -55,8 +56,27 @@ LoopOutcome ControlLoop::run(Controller& controller, Reference& reference, const
     outcome.stop_reason = "unknown fault";
   }
   coils_.stop();
+  interruption_.clear();
   outcome.completed = outcome.stop_reason.empty();
   return outcome;
+}
+
+void ControlLoop::interrupt(const std::string& reason) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    interrupted_by_ = reason;
+  }
+  interruption_.raise();
+  coils_.stop();
+}
+
+void ControlLoop::throw_interrupted() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  throw common::HardwareError(interrupted_by_);
+}
+
+void ControlLoop::rest_until(double time_s) {
+  if (!clock_.wait_until(time_s, &interruption_)) throw_interrupted();
 }
 
 void ControlLoop::follow(Controller& controller, Reference& reference, const Observer& observer,
@@ -69,6 +89,7 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
   for (std::int64_t step = 0;; ++step) {
     // Counted from the start, so that rounding does not add up.
     const double due_s = static_cast<double>(step) * config_.period_s();
+    if (interruption_.raised()) throw_interrupted();
     coils_.begin_step(start_s + due_s);
     StepRecord record;
     record.time_s = due_s;
@@ -102,9 +123,10 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
       throw common::HardwareError("no pose for " + std::to_string(invalid_in_a_row) +
                                   " observations in a row: " + record.estimate.reason);
     // A camera that runs freely gives its image sooner or later; the pulses still come evenly.
-    if (config_.decide_s > 0.0) clock_.sleep_until(start_s + due_s + config_.decide_s);
+    if (config_.decide_s > 0.0) rest_until(start_s + due_s + config_.decide_s);
+    if (interruption_.raised()) throw_interrupted();
     if (record.estimate.valid) coils_.apply({record.current_A, config_.pulse_s});
-    clock_.sleep_until(start_s + static_cast<double>(step + 1) * config_.period_s());
+    rest_until(start_s + static_cast<double>(step + 1) * config_.period_s());
   }
 }
 

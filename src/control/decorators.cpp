@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "lodestone/geometry/saturation.h"
+
 namespace lodestone::control {
 
 namespace {
@@ -54,7 +56,7 @@ geometry::Vector2 AdaptiveGain::act(const task::Observation& observation) {
   full_ = action.cwiseAbs().maxCoeff() >= 1.0;
   if (dither) action *= config_.direction_dither_fraction;
   // Scaled as a whole, so that the direction of the pull survives the limit.
-  return action / std::max(1.0, action.cwiseAbs().maxCoeff());
+  return geometry::saturated_in_direction(action);
 }
 
 geometry::Vector2 Hold::act(const task::Observation& observation) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lodestone/geometry/saturation.h"
+
 namespace lodestone::control {
 
 DipolePull::DipolePull(const physics::RigDescription& rig)
@@ -34,7 +36,7 @@ geometry::Vector2 DipolePullController::act(const task::Observation& observation
   const double force_N = std::min(friction_N_ + config_.gain_N_m * distance_m, config_.max_force_N);
   const geometry::Vector2 action =
       pull_.drive_A(error_m * (force_N / distance_m), observation.pose.position_m()) / scale_A_;
-  return action / std::max(1.0, action.cwiseAbs().maxCoeff());
+  return geometry::saturated_in_direction(action);
 }
 
 }  // namespace lodestone::control

@@ -1,5 +1,6 @@
 #include "lodestone/control/goal_seeker.h"
 
+#include "lodestone/geometry/saturation.h"
 #include "lodestone/task/task.h"
 
 namespace lodestone::control {
@@ -25,7 +26,7 @@ geometry::Vector2 GoalSeeker::act(const task::Observation& observation) {
   task::Observation seen = observation;
   seen.target_m = target_m_;
   const geometry::Vector2 noise(random_.normal(), random_.normal());
-  return (inner_->act(seen) + config_.noise * noise).cwiseMax(-1.0).cwiseMin(1.0);
+  return geometry::saturated(inner_->act(seen) + config_.noise * noise);
 }
 
 }  // namespace lodestone::control

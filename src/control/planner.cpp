@@ -6,6 +6,7 @@
 #include <string>
 
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/saturation.h"
 
 namespace lodestone::control {
 namespace {
@@ -68,7 +69,7 @@ geometry::Vector2 Planner::act(const task::Observation& observation) {
         geometry::Vector2 action = plan_[t];
         if (c + 2 < count) action += spread[t].cwiseProduct(noise);
         if (c + 1 == count) action.setZero();
-        candidates_[c * horizon + t] = action.cwiseMax(-1.0).cwiseMin(1.0);
+        candidates_[c * horizon + t] = geometry::saturated(action);
       }
     }
     evaluate_candidates(observation);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "lodestone/geometry/saturation.h"
+
 namespace lodestone::control {
 namespace {
 
@@ -50,7 +52,7 @@ geometry::Vector2 TurnInPlace::act(const task::Observation& observation) {
   const double heading_rad =
       pose.heading_rad + std::clamp(turn_deg, -config_.lead_deg, config_.lead_deg) / kDegPerRad;
   const geometry::Vector2 action = drive_along(heading_rad, pose.position_m()) * (current_A_ / scale_A_);
-  return action / std::max(1.0, action.cwiseAbs().maxCoeff());
+  return geometry::saturated_in_direction(action);
 }
 
 }  // namespace lodestone::control

@@ -17,7 +17,11 @@ class EmulatedBench::BenchClock final : public common::Clock {
  public:
   explicit BenchClock(EmulatedBench& bench) : bench_(bench) {}
   double now_s() const override { return bench_.now_s(); }
-  void sleep_until(double time_s) override { bench_.advance_to(time_s); }
+  bool wait_until(double time_s, common::Interruption* interruption) override {
+    if (interruption != nullptr && interruption->raised()) return false;
+    bench_.advance_to(time_s);
+    return true;
+  }
 
  private:
   EmulatedBench& bench_;

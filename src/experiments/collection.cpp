@@ -116,14 +116,16 @@ data::Episode Collection::next_episode(std::int64_t max_steps) {
 }
 
 common::Json Collection::save() const {
-  common::Json state = {{"bench", bench_->save()}, {"explorer", explorer_.save()}};
+  const session::GroundTruth* truth = bench_->truth();
+  common::Json state = {{"bench", truth != nullptr ? truth->save() : common::Json()},
+                        {"explorer", explorer_.save()}};
   if (teleoperator_ && teleoperator_->save) state["teleoperator"] = teleoperator_->save();
   return state;
 }
 
 void Collection::restore(const common::Json& state) {
   try {
-    bench_->restore(state.at("bench"));
+    if (bench_->truth() != nullptr) bench_->truth()->load(state.at("bench"));
     explorer_.restore(state.at("explorer"));
     if (teleoperator_ && teleoperator_->restore)
       teleoperator_->restore(state.at("teleoperator").get<std::string>());

@@ -42,7 +42,18 @@ imaging::Frame RenderedCamera::grab(double timeout_s) {
   const geometry::Vector2 middle_m = before.position_m() + 0.5 * needle.smear_m;
   needle.pose = {middle_m.x(), middle_m.y(),
                  before.heading_rad + 0.5 * geometry::wrap_angle(after.heading_rad - before.heading_rad)};
+  const std::lock_guard<std::mutex> lock(mutex_);
   return {renderer_->render({needle}, noise_).image, start_s + 0.5 * exposure_s};
+}
+
+std::string RenderedCamera::save() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return noise_.save();
+}
+
+void RenderedCamera::restore(const std::string& state) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  noise_.restore(state);
 }
 
 }  // namespace lodestone::rig

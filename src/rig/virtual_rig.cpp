@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <string>
 #include <utility>
 
@@ -18,6 +19,10 @@ using physics::kCoils;
 // With less than this in every coil nothing that rests can start to move: it is a hundredth of the break-away
 // current at the centre, and an eighth of that at the mouth of a coil.
 constexpr double kQuiet_A = 0.02;
+
+// A rig that keeps pace with a clock is looked at so often.
+constexpr double kPace_s = 5e-3;
+constexpr double kTooLate_s = 0.5;  // behind that clock: given up, or the rig would run faster afterwards
 
 const char* const kCoilNames[kCoils] = {"+x", "-x", "+y", "-y"};
 
@@ -46,22 +51,40 @@ struct VirtualRig::State {
     friction_scale = std::exp(sigma * scatter.normal() - 0.5 * sigma * sigma);
   }
 
-  VirtualRigConfig config;  // as described
-  std::uint64_t seed;
-  HiddenDeviation hidden;
-  physics::RigDescription truth;
-  std::shared_ptr<const physics::FieldTable> table;
-  physics::CoilArray field;
-  physics::FrictionMap map;
-  physics::NeedleMotion motion;
+  /// Before the coils are driven otherwise, in the middle of a stretch.
+  void catch_up() {
+    ++changes;
+    if (now_s > circuits_s)
+      for (physics::CoilCircuit& circuit : circuits) circuit.advance(now_s - circuits_s);
+    circuits_s = now_s;
+  }
+  void switch_off() {
+    catch_up();
+    pulsing = false;
+    for (physics::CoilCircuit& circuit : circuits) circuit.off();
+  }
 
+  const VirtualRigConfig config;  // as described
+  const std::uint64_t seed;
+  const HiddenDeviation hidden;
+  const physics::RigDescription truth;
+  const std::shared_ptr<const physics::FieldTable> table;
+  const physics::CoilArray field;
+  const physics::FrictionMap map;
+  const physics::NeedleMotion motion;
+
+  std::mutex mutex;  // of all that follows
   common::RandomStream scatter;
   std::array<physics::CoilCircuit, kCoils> circuits;
   physics::NeedleState needle;
   double friction_scale = 1.0;
   double now_s = 0.0;
+  double circuits_s = 0.0;    // up to when the currents are known; below now_s within a stretch
+  std::uint64_t changes = 0;  // of what drives the coils, and of the rest by restore()
   double pulse_end_s = 0.0;
   bool pulsing = false;
+  common::Clock* wall = nullptr;  // to keep pace with
+  double wall_offset_s = 0.0;
 
   std::unique_ptr<VirtualCoils> coils;
   std::unique_ptr<VirtualClock> clock;
@@ -85,6 +108,8 @@ class VirtualRig::VirtualCoils final : public Coils {
                                   " s is refused; it must be within 0 and " +
                                   text(state_.config.simulation.max_pulse_s) + " s");
     }
+    const std::lock_guard<std::mutex> lock(state_.mutex);
+    state_.catch_up();
     state_.draw_friction();
     state_.pulsing = pulse.duration_s > 0.0;
     state_.pulse_end_s = state_.now_s + pulse.duration_s;
@@ -98,15 +123,18 @@ class VirtualRig::VirtualCoils final : public Coils {
   }
 
   void stop() noexcept override {
-    state_.pulsing = false;
-    for (physics::CoilCircuit& circuit : state_.circuits) circuit.off();
+    const std::lock_guard<std::mutex> lock(state_.mutex);
+    state_.switch_off();
   }
 
   CoilStatus status() override {
+    const std::lock_guard<std::mutex> lock(state_.mutex);
     CoilStatus status;
     for (int i = 0; i < kCoils; ++i) {
-      status.current_A[i] = state_.circuits[i].state().current_A;
-      status.temperature_C[i] = state_.circuits[i].state().temperature_C;
+      physics::CoilCircuit circuit = state_.circuits[i];
+      if (state_.now_s > state_.circuits_s) circuit.advance(state_.now_s - state_.circuits_s);
+      status.current_A[i] = circuit.state().current_A;
+      status.temperature_C[i] = circuit.state().temperature_C;
       if (status.temperature_C[i] > state_.config.simulation.max_temperature_C) {
         status.faults.push_back(std::string("coil ") + kCoilNames[i] + " is at " +
                                 text(status.temperature_C[i]) + " C, above " +
@@ -123,8 +151,13 @@ class VirtualRig::VirtualCoils final : public Coils {
 class VirtualRig::VirtualClock final : public common::Clock {
  public:
   explicit VirtualClock(VirtualRig& rig) : rig_(rig) {}
-  double now_s() const override { return rig_.state_->now_s; }
-  void sleep_until(double time_s) override { rig_.advance_to(time_s); }
+  double now_s() const override {
+    const std::lock_guard<std::mutex> lock(rig_.state_->mutex);
+    return rig_.state_->now_s;
+  }
+  bool wait_until(double time_s, common::Interruption* interruption) override {
+    return rig_.advance_to(time_s, interruption);
+  }
 
  private:
   VirtualRig& rig_;
@@ -148,16 +181,22 @@ VirtualRig::~VirtualRig() = default;
 Coils& VirtualRig::coils() { return *state_->coils; }
 common::Clock& VirtualRig::clock() { return *state_->clock; }
 geometry::Pose2 VirtualRig::true_pose() const {
+  const std::lock_guard<std::mutex> lock(state_->mutex);
   geometry::Pose2 pose = state_->needle.pose;
   pose.heading_rad = geometry::wrap_angle(pose.heading_rad);
   return pose;
 }
-bool VirtualRig::at_rest() const { return state_->needle.stuck; }
+bool VirtualRig::at_rest() const {
+  const std::lock_guard<std::mutex> lock(state_->mutex);
+  return state_->needle.stuck;
+}
 const VirtualRigConfig& VirtualRig::config() const { return state_->config; }
 std::shared_ptr<const physics::FieldTable> VirtualRig::field_table() const { return state_->table; }
 
 void VirtualRig::drive(const std::array<double, kCoilCount>& duty, double supply_V) {
   State& state = *state_;
+  const std::lock_guard<std::mutex> lock(state.mutex);
+  state.catch_up();
   state.pulsing = false;
   bool was_off = true;
   bool is_off = true;
@@ -179,29 +218,61 @@ void VirtualRig::place(const geometry::Pose2& pose) {
                             " rad: both ends must lie within " + text(state_->config.dish.radius_m) +
                             " m of the centre");
   }
+  const std::lock_guard<std::mutex> lock(state_->mutex);
   state_->needle = physics::NeedleState{};
   state_->needle.pose = pose;
   state_->needle.pose.heading_rad = geometry::wrap_angle(pose.heading_rad);
 }
 
-void VirtualRig::advance_to(double time_s) {
-  LODESTONE_CHECK(std::isfinite(time_s), "a simulated clock cannot sleep until " + std::to_string(time_s));
-  State& state = *state_;
-  while (state.now_s < time_s) {
-    const double end_s = state.pulsing ? std::min(time_s, state.pulse_end_s) : time_s;
-    run(end_s - state.now_s);
-    state.now_s = std::max(state.now_s, end_s);
-    if (state.pulsing && state.now_s >= state.pulse_end_s) state.coils->stop();
-  }
+void VirtualRig::keep_pace_with(common::Clock& wall) {
+  const std::lock_guard<std::mutex> lock(state_->mutex);
+  state_->wall = &wall;
+  state_->wall_offset_s = wall.now_s() - state_->now_s;
 }
 
-/// One stretch of constant duty.
-void VirtualRig::run(double duration_s) {
-  if (duration_s <= 0.0) return;
+bool VirtualRig::advance_to(double time_s, common::Interruption* interruption) {
+  LODESTONE_CHECK(std::isfinite(time_s), "a simulated clock cannot sleep until " + std::to_string(time_s));
+  if (interruption != nullptr && interruption->raised()) return false;
   State& state = *state_;
+  std::unique_lock<std::mutex> lock(state.mutex);
+  while (state.now_s < time_s) {
+    const double end_s = state.pulsing ? std::min(time_s, state.pulse_end_s) : time_s;
+    if (run(end_s - state.now_s, lock, interruption)) {
+      state.now_s = std::max(state.now_s, end_s);
+      state.circuits_s = state.now_s;
+      if (state.pulsing && state.now_s >= state.pulse_end_s) state.switch_off();
+      if (state.wall != nullptr && !pace(lock, interruption)) return false;
+    } else if (interruption != nullptr && interruption->raised()) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Waits until the wall clock has come as far; others may look at the rig meanwhile, and drive it.
+bool VirtualRig::pace(std::unique_lock<std::mutex>& lock, common::Interruption* interruption) {
+  common::Clock& wall = *state_->wall;
+  const double behind_s = wall.now_s() - state_->wall_offset_s - state_->now_s;
+  if (behind_s > kTooLate_s) state_->wall_offset_s += behind_s;
+  const double until_s = state_->now_s + state_->wall_offset_s;
+  lock.unlock();
+  const bool go_on = wall.wait_until(until_s, interruption);
+  lock.lock();
+  return go_on;
+}
+
+/// One stretch of constant duty. False when it was cut short: the wait was interrupted, or the coils are
+/// driven otherwise.
+bool VirtualRig::run(double duration_s, std::unique_lock<std::mutex>& lock,
+                     common::Interruption* interruption) {
+  if (duration_s <= 0.0) return true;
+  State& state = *state_;
+  const double start_s = state.now_s;
+  const std::uint64_t changes = state.changes;
   const int steps =
       std::max(1, static_cast<int>(std::ceil(duration_s / state.config.simulation.step_s - 1e-6)));
   const double step_s = duration_s / steps;
+  const int steps_at_once = std::max(1, static_cast<int>(kPace_s / step_s));
   std::array<double, kCoils> settled{};
   std::array<double, kCoils> decay{};
   physics::Currents excess{};  // at the middle of the step; current = settled + excess
@@ -219,14 +290,26 @@ void VirtualRig::run(double duration_s) {
       excess[i] *= decay[i];
       quiet = quiet && settled[i] == 0.0 && std::abs(current[i]) < kQuiet_A;
     }
-    if (quiet && state.needle.stuck) break;
-    state.motion.step(state.needle, state.field, current, state.map, state.friction_scale, step_s);
+    const bool at_rest = quiet && state.needle.stuck;
+    if (at_rest && state.wall == nullptr) break;
+    if (!at_rest)
+      state.motion.step(state.needle, state.field, current, state.map, state.friction_scale, step_s);
+    if (state.wall == nullptr || (step + 1) % steps_at_once != 0 || step + 1 == steps) continue;
+    state.now_s = start_s + (step + 1) * step_s;
+    const bool go_on = pace(lock, interruption);
+    if (state.changes != changes) return false;
+    if (!go_on) {
+      state.catch_up();
+      return false;
+    }
   }
   for (physics::CoilCircuit& circuit : state.circuits) circuit.advance(duration_s);
+  return true;
 }
 
 common::Json VirtualRig::save() const {
-  const State& state = *state_;
+  State& state = *state_;
+  const std::lock_guard<std::mutex> lock(state.mutex);
   common::Json json;
   json["seed"] = state.seed;
   json["time_s"] = state.now_s;
@@ -246,6 +329,7 @@ common::Json VirtualRig::save() const {
 
 void VirtualRig::restore(const common::Json& json) {
   State& state = *state_;
+  const std::lock_guard<std::mutex> lock(state.mutex);
   try {
     if (json.at("seed").get<std::uint64_t>() != state.seed) {
       throw common::DataError("virtual rig state: seed " + json.at("seed").dump() +
@@ -268,6 +352,9 @@ void VirtualRig::restore(const common::Json& json) {
     const bool pulsing = json.at("pulsing").get<bool>();
     common::RandomStream scatter = state.scatter;
     scatter.restore(json.at("scatter").get<std::string>());
+    ++state.changes;
+    state.circuits_s = now_s;
+    if (state.wall != nullptr) state.wall_offset_s = state.wall->now_s() - now_s;
     state.needle = needle;
     state.friction_scale = friction_scale;
     state.now_s = now_s;

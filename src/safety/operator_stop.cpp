@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "lodestone/common/interrupt.h"
+#include "lodestone/safety/check.h"
 
 namespace lodestone::safety {
 
@@ -32,11 +33,11 @@ OperatorStop::OperatorStop(std::string file, bool keys) : file_(std::move(file))
 
 OperatorStop::~OperatorStop() = default;
 
-std::string OperatorStop::asked() {
-  if (common::interrupted()) return "stopped by the user (signal)";
-  if (terminal_ && terminal_->key()) return "stopped by the user (key)";
-  if (!file_.empty() && access(file_.c_str(), F_OK) == 0) return "stopped by the user (" + file_ + " exists)";
-  return "";
+void OperatorStop::check() {
+  if (common::interrupted()) throw Distrust("stopped by the user (signal)");
+  if (terminal_ && terminal_->key()) throw Distrust("stopped by the user (key)");
+  if (!file_.empty() && access(file_.c_str(), F_OK) == 0)
+    throw Distrust("stopped by the user (" + file_ + " exists)");
 }
 
 }  // namespace lodestone::safety

@@ -10,99 +10,111 @@ namespace lodestone::session {
 
 namespace {
 
-class VirtualSession final : public RigSession {
- public:
-  VirtualSession(const rig::VirtualRigConfig& rig, const SensingConfig& sensing,
-                 const safety::SafetyConfig& safety, const VirtualSeeds& seeds, bool realtime)
-      : rig_(rig, seeds.rig), sensing_(sensing, rig) {
+struct VirtualParts final : Operator, GroundTruth {
+  VirtualParts(const rig::VirtualRigConfig& config, const SensingConfig& sensing_config,
+               const safety::SafetyConfig& safety, const VirtualSeeds& seeds, bool realtime)
+      : rig(config, seeds.rig), sensing(sensing_config, config) {
     if (seeds.scatter) {
-      common::Json state = rig_.save();
+      common::Json state = rig.save();
       state["scatter"] = seeds.scatter->save();
-      rig_.restore(state);
+      rig.restore(state);
     }
-    sensor_ = sensing_.make(rig_, sensing_.calibrated_bench(seeds.scene), seeds.sensor_noise);
-    if (realtime) paced_.emplace(rig_.clock());
-    coils_.emplace(rig_.coils(), safety, rig, clock());
+    if (realtime) rig.keep_pace_with(wall);
+    sensor = sensing.make(rig, sensing.calibrated_bench(seeds.scene), seeds.sensor_noise, nullptr,
+                          realtime ? Images::kAllTheTime : Images::kWhenAsked);
+    coils.emplace(rig.coils(), safety, config, rig.clock());
   }
-  safety::Supervisor& coils() override { return *coils_; }
-  control::PoseSensor& sensor() override { return *sensor_; }
-  common::Clock& clock() override { return paced_ ? static_cast<common::Clock&>(*paced_) : rig_.clock(); }
-  bool fits(const geometry::Pose2& pose) const override { return rig_.fits(pose); }
-  void place(const geometry::Pose2& pose) override {
-    rig_.place(pose);
-    sensor_->reset();
-  }
-  const CameraPoseSensor* camera() const override { return sensor_->camera(); }
-  std::optional<geometry::Pose2> true_pose() const override { return rig_.true_pose(); }
-  common::Json save() const override { return {{"rig", rig_.save()}, {"sensor", sensor_->save()}}; }
-  void restore(const common::Json& state) override {
-    rig_.restore(state.at("rig"));
-    sensor_->restore(state.at("sensor").get<std::string>());
+  void place(const geometry::Pose2& pose) override { rig.place(pose); }
+  geometry::Pose2 true_pose() const override { return rig.true_pose(); }
+  common::Json save() const override { return {{"rig", rig.save()}, {"sensor", sensor->save()}}; }
+  void load(const common::Json& state) override {
+    rig.restore(state.at("rig"));
+    sensor->restore(state.at("sensor").get<std::string>());
   }
 
- private:
-  rig::VirtualRig rig_;
-  Sensing sensing_;
-  std::unique_ptr<RigSensor> sensor_;
-  std::optional<common::PacedClock> paced_;
-  std::optional<safety::Supervisor> coils_;
+  common::SteadyClock wall;
+  rig::VirtualRig rig;
+  Sensing sensing;
+  std::unique_ptr<RigSensor> sensor;
+  std::optional<safety::Supervisor> coils;
 };
 
-class SerialSession final : public RigSession {
- public:
-  SerialSession(const rig::RigConfig& rig, const SensingConfig& sensing, const safety::SafetyConfig& safety,
-                AskOperator ask)
-      : rig_(rig), ask_(std::move(ask)) {
+struct SerialParts {
+  SerialParts(const rig::RigConfig& rig, const SensingConfig& sensing, const safety::SafetyConfig& safety,
+              AskedOperator::Ask ask) {
     if (sensing.kind != "camera")
       throw common::ConfigError("sensor.kind = \"" + sensing.kind +
                                 "\": only a camera can see the needle of a real bench; use \"camera\"");
     const auto segmenter = vision::Segmenter::load(sensing.segmenter);
     std::optional<imaging::Calibration> calibration;
     if (!sensing.calibration.empty()) calibration = imaging::read_calibration(sensing.calibration);
-    camera_ = rig::open_camera(rig.camera);
-    sensor_.emplace(*camera_, segmenter, rig::bench_of(rig), sensing.scene.lens, sensing.camera, calibration);
-    device_ = std::make_unique<rig::SerialCoils>(rig.serial, rig.coils);
-    coils_.emplace(*device_, safety, rig_, clock_, safety::Supervisor::Poses::kRequired, true);
+    camera = rig::open_camera(rig.camera);
+    if (rig.camera.kind != "files") {  // those would run out while nobody looks
+      auto running = std::make_unique<rig::FreeRunningCamera>(std::move(camera), sensing.camera.timeout_s);
+      watched = running.get();
+      camera = std::move(running);
+    }
+    sensor.emplace(*camera, segmenter, rig::bench_of(rig), sensing.scene.lens, sensing.camera, calibration);
+    device = std::make_unique<rig::SerialCoils>(rig.serial, rig.coils);
+    coils.emplace(*device, safety, rig, clock, safety::Supervisor::Poses::kRequired, true);
+    if (ask)
+      needle_operator = std::make_unique<AskedOperator>(std::move(ask));
+    else
+      needle_operator = std::make_unique<AbsentOperator>();
   }
-  safety::Supervisor& coils() override { return *coils_; }
-  control::PoseSensor& sensor() override { return *sensor_; }
-  common::Clock& clock() override { return clock_; }
-  bool fits(const geometry::Pose2& pose) const override { return rig_.fits(pose); }
-  void place(const geometry::Pose2& pose) override {
-    if (!ask_)
-      throw common::HardwareError(
-          "the needle has to be placed elsewhere and nobody can be asked: run this in a terminal");
-    coils_->stop();
-    ask_(pose);
-    sensor_->reset();
-  }
-  const CameraPoseSensor* camera() const override { return &*sensor_; }
-  std::optional<geometry::Pose2> true_pose() const override { return std::nullopt; }
-  common::Json save() const override { return nullptr; }
-  void restore(const common::Json&) override {}
 
- private:
-  rig::RigConfig rig_;
-  AskOperator ask_;
-  common::SteadyClock clock_;
-  std::unique_ptr<rig::Camera> camera_;
-  std::optional<CameraPoseSensor> sensor_;
-  std::unique_ptr<rig::SerialCoils> device_;
-  std::optional<safety::Supervisor> coils_;
+  common::SteadyClock clock;
+  std::unique_ptr<rig::Camera> camera;
+  const rig::FreeRunningCamera* watched = nullptr;
+  std::optional<CameraPoseSensor> sensor;
+  std::unique_ptr<rig::SerialCoils> device;
+  std::optional<safety::Supervisor> coils;
+  std::unique_ptr<Operator> needle_operator;
 };
 
 }  // namespace
+
+void RigSession::place(const geometry::Pose2& pose) {
+  parts_.coils->stop();
+  parts_.needle_operator->place(pose);
+  parts_.forget_pose();
+}
 
 std::unique_ptr<RigSession> make_virtual_session(const rig::VirtualRigConfig& rig,
                                                  const SensingConfig& sensing,
                                                  const safety::SafetyConfig& safety,
                                                  const VirtualSeeds& seeds, bool realtime) {
-  return std::make_unique<VirtualSession>(rig, sensing, safety, seeds, realtime);
+  const auto made = std::make_shared<VirtualParts>(rig, sensing, safety, seeds, realtime);
+  RigSession::Parts parts;
+  parts.owner = made;
+  parts.coils = &*made->coils;
+  parts.sensor = made->sensor.get();
+  parts.clock = &made->rig.clock();
+  parts.needle_operator = made.get();
+  parts.forget_pose = [sensor = made->sensor.get()] { sensor->reset(); };
+  parts.fits = [rig = &made->rig](const geometry::Pose2& pose) { return rig->fits(pose); };
+  parts.camera = made->sensor->camera();
+  parts.watched = made->sensor->watched();
+  parts.truth = made.get();
+  return std::make_unique<RigSession>(std::move(parts));
 }
 
 std::unique_ptr<RigSession> make_serial_session(const rig::RigConfig& rig, const SensingConfig& sensing,
-                                                const safety::SafetyConfig& safety, AskOperator ask) {
-  return std::make_unique<SerialSession>(rig, sensing, safety, std::move(ask));
+                                                const safety::SafetyConfig& safety, AskedOperator::Ask ask) {
+  const auto made = std::make_shared<SerialParts>(rig, sensing, safety, std::move(ask));
+  RigSession::Parts parts;
+  parts.owner = made;
+  parts.coils = &*made->coils;
+  parts.sensor = &*made->sensor;
+  parts.clock = &made->clock;
+  parts.needle_operator = made->needle_operator.get();
+  parts.forget_pose = [sensor = &*made->sensor] { sensor->reset(); };
+  parts.fits = [known = physics::RigDescription(rig)](const geometry::Pose2& pose) {
+    return known.fits(pose);
+  };
+  parts.camera = &*made->sensor;
+  parts.watched = made->watched;
+  return std::make_unique<RigSession>(std::move(parts));
 }
 
 }  // namespace lodestone::session

@@ -4,11 +4,39 @@
 
 namespace lodestone::session {
 
+namespace {
+constexpr double kImagePeriod_s = 1.0 / 30.0;  // of a rendered camera that runs freely
+}
+
+/// The rig's time for a camera that only looks: waiting does not move it.
+class RigSensor::RigTime final : public common::Clock {
+ public:
+  explicit RigTime(rig::VirtualRig& rig) : rig_(rig) {}
+  double now_s() const override { return rig_.clock().now_s(); }
+  bool wait_until(double time_s, common::Interruption* interruption) override {
+    return wall_.wait_until(wall_.now_s() + time_s - now_s(), interruption);
+  }
+
+ private:
+  rig::VirtualRig& rig_;
+  common::SteadyClock wall_;
+};
+
 RigSensor::RigSensor(rig::VirtualRig& rig, const SensingConfig& config,
                      std::shared_ptr<const vision::Segmenter> segmenter, const SeenBench& bench,
-                     common::RandomStream noise, common::Clock* clock) {
+                     common::RandomStream noise, common::Clock* clock, Images images) {
   if (config.kind == "camera") {
-    camera_.emplace(rig, bench.renderer, noise, clock);
+    if (images == Images::kAllTheTime) rig_time_ = std::make_unique<RigTime>(rig);
+    auto rendered = std::make_unique<rig::RenderedCamera>(rig, bench.renderer, noise,
+                                                          rig_time_ ? rig_time_.get() : clock);
+    rendered_ = rendered.get();
+    camera_ = std::move(rendered);
+    if (images == Images::kAllTheTime) {
+      auto watched = std::make_unique<rig::FreeRunningCamera>(std::move(camera_), config.camera.timeout_s,
+                                                              kImagePeriod_s);
+      watched_ = watched.get();
+      camera_ = std::move(watched);
+    }
     by_camera_.emplace(*camera_, std::move(segmenter), config.scene.bench, config.scene.lens, config.camera,
                        bench.calibration);
   } else {
@@ -16,6 +44,8 @@ RigSensor::RigSensor(rig::VirtualRig& rig, const SensingConfig& config,
                        config.simulated, draw_calibration_error(config.simulated, bench.seed), noise);
   }
 }
+
+RigSensor::~RigSensor() = default;
 
 control::PoseEstimate RigSensor::observe() {
   return by_camera_ ? by_camera_->observe() : simulated_->observe();
@@ -26,11 +56,11 @@ void RigSensor::reset() {
   if (simulated_) simulated_->reset();
 }
 
-std::string RigSensor::save() const { return camera_ ? camera_->save() : simulated_->save(); }
+std::string RigSensor::save() const { return rendered_ != nullptr ? rendered_->save() : simulated_->save(); }
 
 void RigSensor::restore(const std::string& state) {
-  if (camera_)
-    camera_->restore(state);
+  if (rendered_ != nullptr)
+    rendered_->restore(state);
   else
     simulated_->restore(state);
 }
@@ -60,8 +90,9 @@ SeenBench Sensing::calibrated_bench(std::uint64_t seed) const {
 }
 
 std::unique_ptr<RigSensor> Sensing::make(rig::VirtualRig& rig, const SeenBench& bench,
-                                         common::RandomStream noise, common::Clock* clock) const {
-  return std::make_unique<RigSensor>(rig, config_, segmenter_, bench, noise, clock);
+                                         common::RandomStream noise, common::Clock* clock,
+                                         Images images) const {
+  return std::make_unique<RigSensor>(rig, config_, segmenter_, bench, noise, clock, images);
 }
 
 }  // namespace lodestone::session

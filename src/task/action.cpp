@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lodestone/geometry/saturation.h"
+
 namespace lodestone::task {
 
 common::Json action_to_json(const ActionConfig& config) {
@@ -24,11 +26,8 @@ ActionConfig action_from_json(common::Json json, const std::string& what) {
 }
 
 geometry::Vector2 axis_drive(const geometry::Vector2& action, const ActionConfig& config) {
-  geometry::Vector2 drive;
-  for (int axis = 0; axis < 2; ++axis) {
-    const double clipped = std::clamp(action[axis], -1.0, 1.0);
-    drive[axis] = std::abs(clipped) < config.dead_band ? 0.0 : clipped * config.scale;
-  }
+  geometry::Vector2 drive = geometry::saturated(action);
+  for (double& axis : drive) axis = std::abs(axis) < config.dead_band ? 0.0 : axis * config.scale;
   if (config.one_axis_at_a_time) drive[std::abs(drive[0]) >= std::abs(drive[1]) ? 1 : 0] = 0.0;
   return drive;
 }

@@ -19,7 +19,11 @@ namespace lodestone::tests {
 class ManualClock final : public common::Clock {
  public:
   double now_s() const override { return now_s_; }
-  void sleep_until(double time_s) override { now_s_ = time_s > now_s_ ? time_s : now_s_; }
+  bool wait_until(double time_s, common::Interruption* interruption) override {
+    if (interruption != nullptr && interruption->raised()) return false;
+    now_s_ = time_s > now_s_ ? time_s : now_s_;
+    return true;
+  }
 
  private:
   double now_s_ = 100.0;

@@ -1,7 +1,11 @@
+#include "lodestone/control/control_loop.h"
+
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <thread>
 
 #include "control/fakes.h"
-#include "lodestone/control/control_loop.h"
+#include "lodestone/rig/virtual_rig.h"
 #include "lodestone/safety/supervisor.h"
 #include "paper_rig.h"
 
@@ -130,5 +134,45 @@ TEST_CASE("without a pose there is no pulse, and the loop goes on when it is bac
     const auto stopped = other.run(controller);
     CHECK_FALSE(stopped.completed);
     CHECK(other.device.pulses.empty());
+  }
+}
+
+namespace {
+
+/// A clock on which every rest lasts for ever, unless somebody ends it.
+class EndlessClock final : public common::Clock {
+ public:
+  double now_s() const override { return 100.0; }
+  bool wait_until(double, common::Interruption* interruption) override {
+    while (interruption == nullptr || !interruption->raised()) std::this_thread::yield();
+    return false;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("any thread may end a run in the middle of its rest, while others watch the coils") {
+  const auto table = rig::VirtualRig(rig::VirtualRigConfig{}, 1).field_table();
+  for (int round = 0; round < 20; ++round) {
+    rig::VirtualRig rig(rig::VirtualRigConfig{}, 1, table);
+    EndlessClock clock;
+    tests::ScriptedSensor sensor(clock);
+    sensor.push(0.0, 0.0);
+    safety::Supervisor coils(rig.coils(), safety::SafetyConfig{}, rig.config(), clock);
+    control::ControlLoop loop({}, {}, coils, sensor, clock);
+    tests::FunctionController controller([](const task::Observation&) { return Vector2(0.5, 0.0); });
+    control::PointReference reference({0.01, 0.0}, 1.5);
+    std::atomic<int> steps{0};
+    control::LoopOutcome outcome;
+    std::thread driver(
+        [&] { outcome = loop.run(controller, reference, [&](const control::StepRecord&) { ++steps; }); });
+    while (steps == 0) coils.status();
+    loop.interrupt("the operator at the window");
+    driver.join();
+    CHECK_FALSE(outcome.completed);
+    CHECK(outcome.stop_reason == "the operator at the window");
+    CHECK(outcome.steps.size() == 1);
+    rig.clock().sleep_until(0.2);
+    CHECK(std::abs(rig.coils().status().current_A[0]) < 0.2);
   }
 }

@@ -16,8 +16,9 @@ class FirmwareClock final : public common::Clock {
  public:
   explicit FirmwareClock(FirmwareBench& bench) : bench_(bench) {}
   double now_s() const override { return 1e-6 * bench_.device.now_us; }
-  void sleep_until(double time_s) override {
+  bool wait_until(double time_s, common::Interruption*) override {
     if (time_s > now_s()) bench_.device.run(std::ceil(2e3 * (time_s - now_s())) / 2.0);
+    return true;
   }
 
  private:

@@ -1,8 +1,13 @@
 #include "lodestone/rig/virtual_rig.h"
 
+#include <algorithm>
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
+#include <functional>
+#include <set>
+#include <thread>
 
 #include "lodestone/common/error.h"
 #include "lodestone/rig/rig_batch.h"
@@ -242,6 +247,92 @@ TEST_CASE("what cannot be is refused") {
   CHECK_THROWS_AS(read(R"({"dish": {"radius_m": 0.01}})"), common::ConfigError);
   CHECK_THROWS_AS(read(R"({"friction": {"kinetic_coefficient": 0.9}})"), common::ConfigError);
   CHECK_THROWS_AS(read(R"({"coils": {"inner_radius_m": 0.2}})"), common::ConfigError);
+}
+
+/// Runs only as far as it is let.
+class StepClock final : public common::Clock {
+ public:
+  double now_s() const override { return 50.0; }
+  bool wait_until(double time_s, common::Interruption* interruption) override {
+    if (interruption != nullptr && interruption->raised()) return false;
+    waits.push_back(time_s - 50.0);
+    if (look) look();
+    return true;
+  }
+  std::vector<double> waits;
+  std::function<void()> look;
+};
+
+TEST_CASE("a rig that keeps pace with a clock does bitwise the same, and shows what lies between") {
+  VirtualRig free(VirtualRigConfig{}, 3, shared_table());
+  VirtualRig paced(VirtualRigConfig{}, 3, shared_table());
+  StepClock wall;
+  paced.keep_pace_with(wall);
+  std::set<double> seen_m;
+  wall.look = [&] { seen_m.insert(paced.true_pose().x_m); };
+  for (int step = 0; step < 5; ++step) {
+    for (VirtualRig* rig : {&free, &paced}) {
+      rig->coils().apply({{6.0, 0.0, 2.0, 0.0}, 0.1});
+      rig->clock().sleep_until(0.3 * (step + 1));
+    }
+    CHECK(free.save() == paced.save());
+  }
+  CHECK(free.true_pose().x_m > 0.001);
+  CHECK(seen_m.size() > 20);
+  CHECK(std::is_sorted(wall.waits.begin(), wall.waits.end()));
+  CHECK(wall.waits.back() == Approx(1.5));
+}
+
+TEST_CASE("a stop in the middle of a rest switches off then, and an interruption ends the rest") {
+  VirtualRig rig(VirtualRigConfig{}, 3, shared_table());
+  StepClock wall;
+  rig.keep_pace_with(wall);
+  wall.look = [&] {
+    if (wall.waits.size() == 8) rig.coils().stop();
+  };
+  rig.coils().apply({{6.0, 0.0, 0.0, 0.0}, 0.2});
+  rig.clock().sleep_until(0.04);
+  CHECK(rig.coils().status().current_A[0] > 5.0);
+  rig.clock().sleep_until(0.1);
+  CHECK(std::abs(rig.coils().status().current_A[0]) < 0.1);
+
+  common::Interruption interruption;
+  wall.look = [&] {
+    if (rig.clock().now_s() > 0.15) interruption.raise();
+  };
+  CHECK_FALSE(rig.clock().wait_until(0.5, &interruption));
+  CHECK(rig.clock().now_s() < 0.2);
+  CHECK_FALSE(rig.clock().wait_until(0.5, &interruption));
+}
+
+// One thread drives, one watches, one stops.
+TEST_CASE("the virtual rig may be watched and stopped from any thread") {
+  VirtualRig rig(VirtualRigConfig{}, 3, shared_table());
+  common::SteadyClock wall;
+  rig.keep_pace_with(wall);
+  std::atomic<bool> over{false};
+  std::thread watcher([&] {
+    while (!over) {
+      rig.true_pose();
+      rig.coils().status();
+      rig.clock().now_s();
+      rig.save();
+    }
+  });
+  std::thread stopper([&] {
+    while (!over) rig.coils().stop();
+  });
+  for (int step = 0; step < 20; ++step) {
+    rig.coils().apply({{6.0, 0.0, 0.0, 0.0}, 0.01});
+    rig.clock().sleep_until(0.02 * (step + 1));
+  }
+  over = true;
+  watcher.join();
+  stopper.join();
+  CHECK(rig.clock().now_s() == Approx(0.4));
+  rig.coils().stop();
+  rig.clock().sleep_until(0.6);
+  CHECK(std::abs(rig.coils().status().current_A[0]) < 0.1);
 }
 
 }  // namespace

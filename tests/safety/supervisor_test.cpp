@@ -1,12 +1,16 @@
 #include <unistd.h>
 
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <memory>
+#include <thread>
 
 #include "control/fakes.h"
+#include "lodestone/rig/virtual_rig.h"
 #include "lodestone/safety/supervisor.h"
 #include "paper_rig.h"
 
@@ -160,65 +164,6 @@ TEST_CASE("no pulse without a pose that is new, young and inside the fence") {
   CHECK_FALSE(bench.device.on);
 }
 
-TEST_CASE("missed deadlines in a row stop the run, single ones do not") {
-  Bench bench;
-  for (int i = 0; i < 5; ++i) {
-    bench.coils->begin_step(bench.clock.now_s() - 0.2);
-    bench.coils->begin_step(bench.clock.now_s() - 0.2);
-    bench.coils->begin_step(bench.clock.now_s() - 0.05);
-  }
-  bench.coils->begin_step(bench.clock.now_s() - 0.2);
-  bench.coils->begin_step(bench.clock.now_s() - 0.2);
-  CHECK_THROWS_AS(bench.coils->begin_step(bench.clock.now_s() - 0.2), common::HardwareError);
-  CHECK_THAT(bench.coils->reason(), Catch::Contains("3 steps in a row began late"));
-}
-
-TEST_CASE("a coil that is on for too large a fraction of the time stops the run") {
-  Bench bench;
-  bench.config.max_pulse_s = 0.5;
-  bench.config.max_duty = 0.5;
-  bench.config.duty_window_s = 2.0;
-  bench.start();
-  int pulses = 0;
-  CHECK_THROWS_AS(
-      [&] {
-        for (; pulses < 100; ++pulses) bench.step({{1.0, 0.0, 0.0, 0.0}, 0.3});
-      }(),
-      common::HardwareError);
-  // Always on: 0.15 s of excess per step, against 1 s.
-  CHECK(pulses == 6);
-  CHECK_THAT(bench.coils->reason(), Catch::Contains("50 % of the time"));
-
-  bench.start();
-  for (int i = 0; i < 100; ++i) bench.step({{1.0, 0.0, 0.0, 0.0}, 0.14});
-  CHECK_FALSE(bench.coils->latched());
-}
-
-TEST_CASE("temperatures are checked against what the pulses explain") {
-  Bench bench;
-  const rig::CoilPulse strong{{5.0, 0.0, 0.0, 0.0}, 0.1};
-  bench.device.state.temperature_C[0] = 70.0;  // warm from an earlier run: nobody here can know better
-  bench.step(strong);
-  bench.step(strong);
-  CHECK_FALSE(bench.coils->latched());
-  bench.device.state.temperature_C[0] = 20.0;
-  bench.coils->observe(bench.pose());
-  CHECK_THROWS_AS(bench.coils->apply(strong), common::HardwareError);
-  CHECK_THAT(bench.coils->reason(), Catch::Contains("measures 20 C where its pulses explain 6"));
-}
-
-TEST_CASE("the thermal model heats as R i2 and cools towards the room") {
-  physics::RigDescription rig;
-  rig.coils.temperature_coefficient_per_K = 0.0;
-  safety::ThermalModel model(rig);
-  model.advance({10.0, 0.0, 0.0, 0.0}, 1e6, 1e6);
-  CHECK(model.temperature_C(0) == Approx(22.0 + 190.0 / 15.0));
-  CHECK(model.temperature_C(1) == Approx(22.0));
-  const double tau_s = 651.0 / 15.0;
-  model.advance({}, 0.0, tau_s);
-  CHECK(model.temperature_C(0) == Approx(22.0 + 190.0 / 15.0 * std::exp(-1.0)));
-}
-
 TEST_CASE("a stop file stops the run") {
   Bench bench;
   const auto folder =
@@ -233,4 +178,42 @@ TEST_CASE("a stop file stops the run") {
   CHECK_THAT(bench.coils->reason(), Catch::Contains("STOP exists"));
   CHECK_FALSE(bench.device.on);
   std::filesystem::remove_all(folder);
+}
+
+// The driver pulses on, another thread asks for a stop, and a third one watches.
+TEST_CASE("a stop that any thread asks for is kept, and no pulse survives it") {
+  const auto table = rig::VirtualRig(rig::VirtualRigConfig{}, 1).field_table();
+  for (int round = 0; round < 20; ++round) {
+    rig::VirtualRig rig(rig::VirtualRigConfig{}, 1, table);
+    safety::SafetyConfig config;
+    Supervisor coils(rig.coils(), config, rig.config(), rig.clock(), Supervisor::Poses::kNone);
+    std::atomic<bool> over{false};
+    std::thread watcher([&] {
+      while (!over) {
+        coils.status();
+        coils.reason();
+        coils.limited();
+      }
+    });
+    std::thread driver([&] {
+      try {
+        for (;;) {
+          coils.begin_step(rig.clock().now_s());
+          coils.apply({{20.0, 0.0, 0.0, 0.0}, 0.1});
+          rig.clock().sleep_until(rig.clock().now_s() + 0.3);
+        }
+      } catch (const common::HardwareError&) {
+      }
+    });
+    while (coils.limited() < 2) std::this_thread::yield();
+    coils.request_stop("somebody at the other end of the room");
+    driver.join();
+    over = true;
+    watcher.join();
+    CHECK(coils.latched());
+    CHECK(coils.reason() == "somebody at the other end of the room");
+    rig.clock().sleep_until(rig.clock().now_s() + 0.2);
+    CHECK(std::abs(coils.status().current_A[0]) < 0.2);
+    CHECK_THROWS_AS(coils.apply(kPulse), common::HardwareError);
+  }
 }

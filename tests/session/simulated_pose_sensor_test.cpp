@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "control/fakes.h"
-#include "session/pose_sensor_conformance.h"
 #include "lodestone/session/simulated_pose_sensor.h"
+#include "session/pose_sensor_conformance.h"
 
 using namespace lodestone;
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "lodestone/common/interruption.h"
+
 namespace lodestone::common {
 
 /// Time as the control loop sees it. Real rigs use SteadyClock; the virtual rig's own clock advances its
@@ -9,15 +11,17 @@ class Clock {
   virtual ~Clock() = default;
   /// Seconds since an arbitrary start; never goes back.
   virtual double now_s() const = 0;
-  /// Returns once now_s() >= time_s; at once when that is past.
-  virtual void sleep_until(double time_s) = 0;
+  /// Returns true once now_s() >= time_s, at once when that is past; false as soon as `interruption`, where
+  /// there is one, is raised.
+  virtual bool wait_until(double time_s, Interruption* interruption) = 0;
+  void sleep_until(double time_s) { wait_until(time_s, nullptr); }
 };
 
 /// The monotonic wall clock.
 class SteadyClock final : public Clock {
  public:
   double now_s() const override;
-  void sleep_until(double time_s) override;
+  bool wait_until(double time_s, Interruption* interruption) override;
 };
 
 /// Makes a simulated clock keep pace with wall time: every sleep takes as long as it says.
@@ -25,7 +29,7 @@ class PacedClock final : public Clock {
  public:
   explicit PacedClock(Clock& simulated);
   double now_s() const override;
-  void sleep_until(double time_s) override;
+  bool wait_until(double time_s, Interruption* interruption) override;
 
  private:
   Clock& simulated_;

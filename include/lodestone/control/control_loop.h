@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -68,7 +69,13 @@ class ControlLoop {
   /// stop_reason, and so is the user's interrupt. Without a valid pose no pulse is given.
   LoopOutcome run(Controller& controller, Reference& reference, const Observer& observer = {});
 
+  /// From any thread: switches the coils off now and ends the run, or the next one where none is under way.
+  /// The reason is the outcome's stop_reason.
+  void interrupt(const std::string& reason);
+
  private:
+  void rest_until(double time_s);
+  [[noreturn]] void throw_interrupted();
   void follow(Controller& controller, Reference& reference, const Observer& observer, LoopOutcome& outcome);
 
   ControlLoopConfig config_;
@@ -76,6 +83,9 @@ class ControlLoop {
   Guard& coils_;
   PoseSensor& sensor_;
   common::Clock& clock_;
+  common::Interruption interruption_;
+  std::mutex mutex_;  // of the reason
+  std::string interrupted_by_;
 };
 
 }  // namespace lodestone::control

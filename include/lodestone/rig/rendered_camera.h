@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "lodestone/common/random.h"
@@ -27,13 +28,14 @@ class RenderedCamera final : public Camera {
   imaging::Frame grab(double timeout_s) override;
 
   /// State of the noise stream, for bitwise resumption.
-  std::string save() const { return noise_.save(); }
-  void restore(const std::string& state) { noise_.restore(state); }
+  std::string save() const;
+  void restore(const std::string& state);
 
  private:
   VirtualRig& rig_;
   common::Clock& clock_;
   std::shared_ptr<const imaging::SceneRenderer> renderer_;
+  mutable std::mutex mutex_;  // of the noise
   common::RandomStream noise_;
 };
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "lodestone/common/clock.h"
@@ -49,8 +50,8 @@ struct VirtualRigConfig : physics::RigDescription {
 
 /// Stands in for the real rig: four coils, a needle in a dish, and a clock that advances the physics when
 /// slept on. What the description does not say is drawn from the seed: the friction map, the scatter from
-/// pulse to pulse, and how far the rig is from its description (HiddenDeviation). Use from one thread at a
-/// time.
+/// pulse to pulse, and how far the rig is from its description (HiddenDeviation). Safe to use from any
+/// thread: who looks or stops waits at most until a stretch of constant current has been computed.
 class VirtualRig {
  public:
   /// `table`: shared with other rigs of the same coil geometry and dish; made here when null. The needle lies
@@ -65,6 +66,9 @@ class VirtualRig {
   Coils& coils();
   /// Simulated time: sleep_until() advances the physics and returns at once.
   common::Clock& clock();
+  /// From here on simulated time passes as fast as on this clock, in small pieces, so that another thread
+  /// sees the needle move. What happens is bitwise the same. `wall` must outlive the rig.
+  void keep_pace_with(common::Clock& wall);
 
   /// What a power stage of its own puts on the coils from now on, instead of pulses: signed fractions of
   /// `supply_V`.
@@ -96,8 +100,9 @@ class VirtualRig {
   class VirtualClock;
   struct State;
 
-  void advance_to(double time_s);
-  void run(double duration_s);
+  bool advance_to(double time_s, common::Interruption* interruption);
+  bool run(double duration_s, std::unique_lock<std::mutex>& lock, common::Interruption* interruption);
+  bool pace(std::unique_lock<std::mutex>& lock, common::Interruption* interruption);
 
   std::unique_ptr<State> state_;
 };

@@ -16,8 +16,8 @@ class OperatorStop {
   OperatorStop(const OperatorStop&) = delete;
   OperatorStop& operator=(const OperatorStop&) = delete;
 
-  /// How the operator has said stop; empty when not.
-  std::string asked();
+  /// Throws Distrust, saying how the operator has said stop.
+  void check();
 
  private:
   struct Terminal;

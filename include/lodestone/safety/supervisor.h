@@ -1,13 +1,17 @@
 #pragma once
 
-#include <array>
+#include <atomic>
 #include <cstdint>
-#include <functional>
+#include <memory>
+#include <mutex>
 #include <string>
+#include <vector>
 
 #include "lodestone/common/clock.h"
 #include "lodestone/control/guard.h"
 #include "lodestone/rig/coils.h"
+#include "lodestone/safety/check.h"
+#include "lodestone/safety/needle_seen_check.h"
 #include "lodestone/safety/operator_stop.h"
 #include "lodestone/safety/thermal_model.h"
 
@@ -54,11 +58,10 @@ struct SafetyConfig {
   }
 };
 
-/// Stands in front of every Coils. It limits current, power and pulse length, and it stops all coils for good
-/// on anything it does not trust: numbers that are none, opposite coils driven together, faults and
-/// temperatures of the device, temperatures that the pulses do not explain, too much time switched on; a pose
-/// that is missing, old, repeated or outside the fence; missed deadlines; the operator. The reason is kept
-/// and logged, and every pulse after that is refused.
+/// Stands in front of every Coils, with a list of checks. It stops all coils for good as soon as one of them
+/// does not trust what it sees, or the operator says stop. The reason is kept and logged, and every pulse
+/// after that is refused. One thread drives; stop(), request_stop(), status() and what it tells of itself may
+/// be used from any.
 class Supervisor final : public rig::Coils, public control::Guard {
  public:
   /// Whether pulses need a pose: they do, except where a bench is measured without a needle.
@@ -73,42 +76,40 @@ class Supervisor final : public rig::Coils, public control::Guard {
   void observe(const control::PoseEstimate& estimate) override;
   /// Throws HardwareError with the reason when the pulse is refused.
   void apply(const rig::CoilPulse& pulse) override;
+  /// Switches off now; the next pulse may switch on again.
   void stop() noexcept override { coils_.stop(); }
   rig::CoilStatus status() override { return coils_.status(); }
 
-  bool latched() const { return !reason_.empty(); }
-  const std::string& reason() const { return reason_; }
+  /// Switches off now and for good: whoever drives is told `reason` at its next call.
+  void request_stop(const std::string& reason);
+
+  bool latched() const { return latched_; }
+  std::string reason() const;
   /// Pulses that were cut to a limit.
   std::int64_t limited() const { return limited_; }
 
  private:
   [[noreturn]] void latch(const std::string& reason);
-  void refuse_if_latched() const;
-  void check_operator();
-  rig::CoilPulse within_limits(const rig::CoilPulse& pulse);
-  void check_status();
-  void check_duty(const rig::CoilPulse& pulse);
-  void settle_last_pulse(double now_s);
+  void refuse_if_stopped();
+  template <class Action>
+  void guarded(const Action& action);
 
   rig::Coils& coils_;
-  SafetyConfig config_;
-  double max_current_A_;
-  double geofence_m_;
   const common::Clock& clock_;
-  Poses poses_;
   OperatorStop operator_;
   ThermalModel thermal_;
-  std::string reason_;
-  std::int64_t limited_ = 0;
-  std::int64_t late_steps_ = 0;
-  bool has_pose_ = false;  // since the last pulse
-  bool had_pose_ = false;  // ever
-  double pose_stamp_s_ = 0.0;
-  double seen_s_ = 0.0;  // when that pose was handed in
+  NeedleSeenCheck needle_seen_;
+  std::vector<std::unique_ptr<StepCheck>> step_checks_;
+  std::vector<std::unique_ptr<PoseCheck>> pose_checks_;
+  std::vector<std::unique_ptr<PulseCheck>> pulse_checks_;
+  bool needle_required_;
   rig::CoilPulse last_;
   double last_s_ = 0.0;
-  std::array<bool, rig::kCoilCount> temperature_known_{};
-  std::array<double, rig::kCoilCount> on_level_s_{};  // leaky count of time switched on
+  std::atomic<std::int64_t> limited_{0};
+  std::atomic<bool> latched_{false};
+  mutable std::mutex mutex_;  // of the texts
+  std::string reason_;
+  std::string requested_;
 };
 
 }  // namespace lodestone::safety

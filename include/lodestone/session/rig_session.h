@@ -8,6 +8,8 @@
 #include "lodestone/common/clock.h"
 #include "lodestone/rig/rig_config.h"
 #include "lodestone/safety/supervisor.h"
+#include "lodestone/session/ground_truth.h"
+#include "lodestone/session/operator.h"
 #include "lodestone/session/sensing.h"
 
 namespace lodestone::session {
@@ -16,21 +18,39 @@ namespace lodestone::session {
 /// needle.
 class RigSession {
  public:
-  virtual ~RigSession() = default;
-  virtual safety::Supervisor& coils() = 0;
-  virtual control::PoseSensor& sensor() = 0;
-  virtual common::Clock& clock() = 0;
+  /// What a rig is made of.
+  struct Parts {
+    std::shared_ptr<void> owner;  ///< of all that the others point to
+    safety::Supervisor* coils = nullptr;
+    control::PoseSensor* sensor = nullptr;
+    common::Clock* clock = nullptr;
+    Operator* needle_operator = nullptr;
+    std::function<void()> forget_pose;  ///< the needle has been placed elsewhere: the sensor searches anew
+    std::function<bool(const geometry::Pose2&)> fits;
+    const CameraPoseSensor* camera = nullptr;         ///< null where there are no images
+    const rig::FreeRunningCamera* watched = nullptr;  ///< null where images come only when the sensor asks
+    GroundTruth* truth = nullptr;  ///< null on a real or emulated rig: nobody knows it there
+  };
+  explicit RigSession(Parts parts) : parts_(std::move(parts)) {}
+
+  safety::Supervisor& coils() { return *parts_.coils; }
+  control::PoseSensor& sensor() { return *parts_.sensor; }
+  common::Clock& clock() { return *parts_.clock; }
   /// Whether the needle would lie inside the wall.
-  virtual bool fits(const geometry::Pose2& pose) const = 0;
-  /// Has the needle placed there; on a real bench about there. The sensor forgets where it was.
-  virtual void place(const geometry::Pose2& pose) = 0;
-  /// Null when there are no images.
-  virtual const CameraPoseSensor* camera() const = 0;
-  /// Where the needle really is, for scoring only; empty where nobody knows.
-  virtual std::optional<geometry::Pose2> true_pose() const = 0;
-  /// Everything that changes, between two episodes; null on a real bench, which cannot be put back.
-  virtual common::Json save() const = 0;
-  virtual void restore(const common::Json& state) = 0;
+  bool fits(const geometry::Pose2& pose) const { return parts_.fits(pose); }
+  /// Has the needle placed there, with the coils off; on a real bench about there. The sensor forgets where
+  /// it was.
+  void place(const geometry::Pose2& pose);
+  const CameraPoseSensor* camera() const { return parts_.camera; }
+  /// The newest image, at once, from any thread; null where there is none, or where images come only when the
+  /// sensor asks.
+  std::shared_ptr<const imaging::Frame> latest_image() const {
+    return parts_.watched != nullptr ? parts_.watched->latest() : nullptr;
+  }
+  GroundTruth* truth() const { return parts_.truth; }
+
+ private:
+  Parts parts_;
 };
 
 /// Random streams of a virtual bench.
@@ -47,13 +67,11 @@ std::unique_ptr<RigSession> make_virtual_session(const rig::VirtualRigConfig& ri
                                                  const safety::SafetyConfig& safety,
                                                  const VirtualSeeds& seeds, bool realtime = false);
 
-/// Asks an operator to place the needle near a pose and returns once that is done.
-using AskOperator = std::function<void(const geometry::Pose2& pose)>;
-
 /// The bench on the serial port, under its camera. Images are calibrated from `sensing.calibration`, or
 /// from the first one. Any key in the terminal stops. Without `ask`, place() throws. Throws HardwareError,
 /// IoError, ConfigError and CheckpointError when a part is missing.
 std::unique_ptr<RigSession> make_serial_session(const rig::RigConfig& rig, const SensingConfig& sensing,
-                                                const safety::SafetyConfig& safety, AskOperator ask = {});
+                                                const safety::SafetyConfig& safety,
+                                                AskedOperator::Ask ask = {});
 
 }  // namespace lodestone::session

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "lodestone/imaging/scene_renderer.h"
+#include "lodestone/rig/free_running_camera.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/session/camera_pose_sensor.h"
 #include "lodestone/session/simulated_pose_sensor.h"
@@ -46,12 +47,17 @@ struct SeenBench {
   std::optional<imaging::Calibration> calibration;
 };
 
+/// Whether images come when the sensor asks, or all the time, as from a real camera: then the rig's time has
+/// to pass by itself (VirtualRig::keep_pace_with).
+enum class Images { kWhenAsked, kAllTheTime };
+
 /// Pose sensor of one virtual rig, of the configured kind.
 class RigSensor final : public control::PoseSensor {
  public:
   RigSensor(rig::VirtualRig& rig, const SensingConfig& config,
             std::shared_ptr<const vision::Segmenter> segmenter, const SeenBench& bench,
-            common::RandomStream noise, common::Clock* clock = nullptr);
+            common::RandomStream noise, common::Clock* clock = nullptr, Images images = Images::kWhenAsked);
+  ~RigSensor() override;
 
   control::PoseEstimate observe() override;
   /// The needle has been placed elsewhere.
@@ -59,13 +65,20 @@ class RigSensor final : public control::PoseSensor {
   /// Null when the sensor is simulated.
   const CameraPoseSensor* camera() const { return by_camera_ ? &*by_camera_ : nullptr; }
 
+  /// Null where images do not come all the time.
+  const rig::FreeRunningCamera* watched() const { return watched_; }
+
   /// State of the noise, for bitwise resumption between two episodes.
   std::string save() const;
   void restore(const std::string& state);
 
  private:
   std::optional<SimulatedPoseSensor> simulated_;
-  std::optional<rig::RenderedCamera> camera_;
+  class RigTime;
+  std::unique_ptr<RigTime> rig_time_;
+  std::unique_ptr<rig::Camera> camera_;
+  rig::RenderedCamera* rendered_ = nullptr;
+  rig::FreeRunningCamera* watched_ = nullptr;
   std::optional<CameraPoseSensor> by_camera_;
 };
 
@@ -82,7 +95,7 @@ class Sensing {
   SeenBench new_bench(std::uint64_t seed) const;
   /// `clock`: what moves the rig's time where the rig does not do so itself.
   std::unique_ptr<RigSensor> make(rig::VirtualRig& rig, const SeenBench& bench, common::RandomStream noise,
-                                  common::Clock* clock = nullptr) const;
+                                  common::Clock* clock = nullptr, Images images = Images::kWhenAsked) const;
 
   bool by_camera() const { return config_.kind == "camera"; }
   const imaging::BenchGeometry& bench() const { return config_.scene.bench; }

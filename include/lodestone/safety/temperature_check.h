@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+
+#include "lodestone/safety/check.h"
+#include "lodestone/safety/thermal_model.h"
+
+namespace lodestone::safety {
+
+/// Faults that the device reports, coils that are too hot or would be after the pulse, and temperatures that
+/// the pulses do not explain.
+class TemperatureCheck final : public PulseCheck {
+ public:
+  /// `thermal` must outlive it, and is set to what is measured first.
+  TemperatureCheck(double max_temperature_C, double tolerance_K, ThermalModel& thermal)
+      : max_temperature_C_(max_temperature_C), tolerance_K_(tolerance_K), thermal_(thermal) {}
+  void check(rig::CoilPulse& pulse, const PulseContext& context) override;
+
+ private:
+  void check_measured(std::size_t coil, double measured_C, const rig::CoilPulse& last);
+
+  double max_temperature_C_;
+  double tolerance_K_;
+  ThermalModel& thermal_;
+  std::array<bool, rig::kCoilCount> known_{};
+};
+
+}  // namespace lodestone::safety

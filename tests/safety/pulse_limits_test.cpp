@@ -1,0 +1,45 @@
+#include "lodestone/safety/pulse_limits.h"
+
+#include <limits>
+
+#include <catch2/catch.hpp>
+
+using namespace lodestone;
+
+namespace {
+struct Limits {
+  safety::ThermalModel thermal{physics::RigDescription{}};
+  safety::PulseLimits limits{10.0, 200.0, 0.2, thermal};
+  rig::CoilPulse cut(rig::CoilPulse pulse) {
+    limits.check(pulse, {});
+    return pulse;
+  }
+};
+}  // namespace
+
+TEST_CASE("current, power and pulse length are cut to their limits") {
+  Limits limits;
+  const rig::CoilPulse within{{3.0, 0.0, 0.0, 2.0}, 0.1};
+  CHECK(limits.cut(within).current_A == within.current_A);
+  CHECK(limits.cut(within).duration_s == 0.1);
+  const rig::CoilPulse cut = limits.cut({{25.0, 0.0, 0.0, 1.0}, 1.0});
+  CHECK(cut.current_A[0] == 10.0);
+  CHECK(cut.current_A[3] == 1.0);
+  CHECK(cut.duration_s == 0.2);
+  const rig::CoilPulse weaker = limits.cut({{-8.0, 0.0, 0.0, 8.0}, 0.1});
+  CHECK(weaker.current_A[3] == -weaker.current_A[0]);
+  CHECK(limits.thermal.power_W(0, weaker.current_A[0]) == Approx(100.0));
+}
+
+TEST_CASE("numbers that are none and opposite coils together are not trusted") {
+  Limits limits;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  CHECK_THROWS_WITH(limits.cut({{0.0, 0.0, nan, 0.0}, 0.1}), Catch::Contains("current of coil +y"));
+  CHECK_THROWS_AS(limits.cut({{0.0, infinity, 0.0, 0.0}, 0.1}), safety::Distrust);
+  CHECK_THROWS_WITH(limits.cut({{}, infinity}), Catch::Contains("pulse length"));
+  CHECK_THROWS_WITH(limits.cut({{}, -0.1}), Catch::Contains("pulse length"));
+  CHECK_THROWS_AS(limits.cut({{}, nan}), safety::Distrust);
+  CHECK_THROWS_WITH(limits.cut({{1.0, 2.0, 0.0, 0.0}, 0.1}),
+                    Catch::Contains("opposite coils +x and -x driven together (1 A and 2 A)"));
+}
