@@ -51,6 +51,8 @@ int run(int argc, char** argv) {
   lodestone::apps::add_rig(program, catalogue);
   lodestone::apps::add_bench(program, catalogue);
   lodestone::apps::add_report(program, catalogue);
+  lodestone::apps::add_status(program, catalogue);
+  lodestone::apps::add_plan(program, catalogue);
   lodestone::apps::add_config(program, catalogue);
   check_verb(program, argc, argv);
   try {
