@@ -8,12 +8,12 @@
 
 #include "hil_figures.h"
 #include "lodestone/common/blas_kernels.h"
+#include "lodestone/common/build_facts.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
 #include "lodestone/common/progress.h"
-#include "lodestone/common/run_folder.h"
 #include "lodestone/common/statistics.h"
 #include "lodestone/inference/gemm.h"
 #include "lodestone/nets/blas.h"

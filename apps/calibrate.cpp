@@ -7,7 +7,6 @@
 
 #include "lodestone/common/files.h"
 #include "lodestone/common/log.h"
-#include "lodestone/common/run_folder.h"
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/imaging/calibration.h"
 #include "lodestone/imaging/calibration_overlay.h"
@@ -17,6 +16,7 @@
 #include "lodestone/rig/camera_source.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/rig_config.h"
+#include "lodestone/runs/run_folder.h"
 #include "rig_check.h"
 #include "verb.h"
 
@@ -195,12 +195,13 @@ void calibrate(const CalibrateOptions& options) {
   if (options.common.out.empty())
     throw common::ConfigError("calibrate: --out DIR is missing; name the folder to write into");
   const imaging::DishFit found = fit(config, options, images);
-  common::start_run_folder(options.common.out, "calibrate", common::config_to_json(config), config.seed,
-                           false);
+  runs::RunFolder run({options.common.out, "calibrate", common::config_to_json(config), config.seed});
+  run.begin();
   const imaging::Calibration& calibration = found.calibration;
   imaging::write_calibration(options.common.out + "/calibration.json", calibration);
   cv::imwrite(options.common.out + "/overlay.png",
               imaging::calibration_overlay(images.front(), calibration.camera, config.scene.bench));
+  run.finish();
   for (const imaging::EdgeUse& edge : found.edges)
     if (edge.expected > 0)
       std::printf("%-12s %4lld of %4lld points, %.3f px RMS\n", edge.name.c_str(),

@@ -1,21 +1,16 @@
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "bench_session.h"
-#include "lodestone/common/files.h"
-#include "lodestone/common/interrupt.h"
+#include "lodestone/common/artefact.h"
 #include "lodestone/common/log.h"
-#include "lodestone/common/progress.h"
-#include "lodestone/common/run_folder.h"
-#include "lodestone/common/thread_pool.h"
 #include "lodestone/control/decorators.h"
 #include "lodestone/control/goal_seeker.h"
 #include "lodestone/control/policy_controller.h"
 #include "lodestone/data/coverage.h"
 #include "lodestone/data/dataset_file.h"
-#include "lodestone/experiments/collection.h"
+#include "lodestone/experiments/collection_run.h"
 #include "lodestone/nets/blas.h"
 #include "models.h"
 #include "teleoperation_window.h"
@@ -60,12 +55,7 @@ struct CollectConfig {
   }
 };
 
-/// All sessions explore so many episodes, then their records are written, then the next round begins.
-constexpr std::int64_t kEpisodesPerRound = 4;
-/// Between two writes of the state this many rounds may have to be explored again by --resume.
-constexpr std::int64_t kRoundsPerState = 10;
-
-using Sessions = std::vector<std::unique_ptr<experiments::Collection>>;
+using experiments::Sessions;
 
 /// The policy that was trained on the first round drives the second one.
 experiments::Teleoperator policy_teleoperator(const CollectConfig& config, std::int64_t session) {
@@ -125,49 +115,10 @@ Sessions make_sessions(const CollectConfig& collect, const std::string& out,
   return sessions;
 }
 
-/// Episodes of one round, in the order of the sessions.
-std::vector<data::Episode> explore(const Sessions& sessions, std::int64_t episode_steps,
-                                   std::int64_t episodes_per_round, common::ThreadPool& pool) {
-  std::vector<std::vector<data::Episode>> found(sessions.size());
-  pool.for_each(sessions.size(), [&](std::size_t session) {
-    for (std::int64_t i = 0; i < episodes_per_round; ++i)
-      found[session].push_back(sessions[session]->next_episode(episode_steps));
-  });
-  std::vector<data::Episode> episodes;
-  for (std::vector<data::Episode>& of_session : found)
-    for (data::Episode& episode : of_session) episodes.push_back(std::move(episode));
-  return episodes;
-}
-
-/// The part of a configuration that decides the data.
-common::Json reproducibility_settings(CollectConfig config) {
-  config.threads = 0;
-  return common::config_to_json(config);
-}
-
-void write_state(const std::string& file, const Sessions& sessions, std::int64_t episodes,
-                 std::int64_t transitions) {
-  common::Json state = {{"episodes", episodes}, {"transitions", transitions}};
-  state["sessions"] = common::Json::array();
-  for (const auto& session : sessions) state["sessions"].push_back(session->save());
-  common::write_file_atomically(file, state.dump());
-}
-
-void check_same_run(const std::string& folder, const CollectConfig& config) {
-  const common::Json stored = common::read_json_file(folder + "/config.json");
-  if (reproducibility_settings(common::config_from_json<CollectConfig>(stored, folder + "/config.json")) !=
-      reproducibility_settings(config))
-    throw common::ConfigError("--resume: the configuration differs from " + folder +
-                              "/config.json; use the same --config and --set as before, or another --out");
-}
-
-/// Writes coverage.json and says what was recorded.
-void report(const std::string& folder, const std::string& dataset_file) {
-  const data::Dataset dataset = data::read_dataset(dataset_file);
-  const data::Coverage coverage = data::measure_coverage(dataset);
-  common::write_file_atomically(folder + "/coverage.json", data::coverage_to_json(coverage).dump(1) + "\n");
+void print_recording(const runs::RunFolder& run, const data::Dataset& dataset,
+                     const data::Coverage& coverage) {
   std::printf("%lld transitions in %lld episodes: %s\n", static_cast<long long>(dataset.transitions()),
-              static_cast<long long>(dataset.episodes.size()), dataset_file.c_str());
+              static_cast<long long>(dataset.episodes.size()), run.file(experiments::kRecording).c_str());
   std::printf(
       "coverage: %lld of %lld cells of position, heading and drive visited (%.1f %%), evenness %.3f\n",
       static_cast<long long>(coverage.visited), static_cast<long long>(coverage.cells),
@@ -176,75 +127,26 @@ void report(const std::string& folder, const std::string& dataset_file) {
 
 void collect(const CommonOptions& options) {
   auto config = resolve_config<CollectConfig>(options);
-  if (options.out.empty())
-    throw common::ConfigError("collect: --out DIR is missing; name the folder to write into");
   nets::use_one_blas_thread();
   choose_segmenter(config.collection.sensor);
-  const std::int64_t total = config.collection.transitions;
-  const std::string dataset_file = options.out + "/transitions.h5";
-  const std::string state_file = options.out + "/state.json";
-  const bool going_on = options.resume && std::filesystem::exists(state_file);
-  if (options.resume && !going_on && std::filesystem::exists(dataset_file)) {
-    check_same_run(options.out, config);
-    common::log_info("collect: " + options.out + " is finished already");
-    report(options.out, dataset_file);
-    return;
-  }
-  std::unique_ptr<TeleoperationWindow> window;
-  const Sessions sessions = make_sessions(config, options.out, window);
-  std::int64_t episodes = 0;
-  std::int64_t transitions = 0;
-  if (going_on) {
-    check_same_run(options.out, config);
-    const common::Json state = common::read_json_file(state_file);
-    for (std::size_t i = 0; i < sessions.size(); ++i) sessions[i]->restore(state.at("sessions").at(i));
-    episodes = state.at("episodes").get<std::int64_t>();
-    transitions = state.at("transitions").get<std::int64_t>();
+  runs::RunRequest request{options.out, "collect", common::config_to_json(config), config.collection.seed,
+                           options.resume};
+  request.free_keys = {"threads", "rig.serial.port"};
+  runs::RunFolder run(request);
+  if (run.finished()) {
+    common::log_info("collect: " + run.path() + " is finished already");
   } else {
-    common::start_run_folder(options.out, "collect", common::config_to_json(config), config.collection.seed,
-                             false);
-    write_state(state_file, sessions, 0, 0);
+    std::unique_ptr<TeleoperationWindow> window;
+    const Sessions sessions = make_sessions(config, run.path(), window);
+    experiments::CollectionRun work(config.collection, sessions, config.repeatable(), config.threads,
+                                    run.path());
+    runs::run_resumably(run, work, {"collect", "transitions", config.repeatable() ? 10.0 : 0.0});
   }
-  if (going_on && !config.repeatable() && std::filesystem::exists(dataset_file)) {
-    // Nobody can drive it again: what is on disk counts.
-    const data::Dataset saved = data::read_dataset(dataset_file);
-    episodes = static_cast<std::int64_t>(saved.episodes.size());
-    transitions = saved.transitions();
-  }
-  auto writer =
-      std::make_unique<data::DatasetWriter>(dataset_file, experiments::dataset_info(config.collection),
-                                            going_on && std::filesystem::exists(dataset_file));
-  // The file may hold episodes that the state does not know yet: they are explored again, which gives the
-  // same numbers, and not written twice.
-  const std::int64_t stored = writer->episodes();
-  if (stored < episodes)
-    throw common::DataError(dataset_file + " holds " + std::to_string(stored) + " episodes, the state says " +
-                            std::to_string(episodes) + "; start again in another folder");
-  // What cannot be repeated is saved episode by episode.
-  const std::int64_t per_round = config.repeatable() ? kEpisodesPerRound : 1;
-  common::Progress progress("collect", total);
-  try {
-    common::ThreadPool pool(static_cast<std::size_t>(config.threads));
-    for (std::int64_t round = 1; transitions < total; ++round) {
-      for (data::Episode& episode : explore(sessions, config.collection.episode_steps, per_round, pool)) {
-        if (transitions >= total) break;
-        if (transitions + episode.length() > total) episode = data::first_steps(episode, total - transitions);
-        if (episodes >= stored) writer->write(episode);
-        ++episodes;
-        transitions += episode.length();
-      }
-      if (round % kRoundsPerState == 0) write_state(state_file, sessions, episodes, transitions);
-      progress.update(transitions, std::to_string(episodes) + " episodes");
-    }
-  } catch (const common::Interrupted&) {
-    throw common::Interrupted("collect: stopped after " + std::to_string(transitions) + " of " +
-                              std::to_string(total) +
-                              " transitions; `--resume` with the same options goes on");
-  }
-  progress.finish();
-  writer.reset();
-  report(options.out, dataset_file);
-  std::filesystem::remove(state_file);
+  const data::Dataset dataset = data::read_dataset(run.file(experiments::kRecording));
+  const data::Coverage coverage = data::measure_coverage(dataset);
+  common::write_artefact(run.file(data::Coverage::kFile), coverage);
+  if (!run.finished()) run.finish();
+  print_recording(run, dataset, coverage);
 }
 
 }  // namespace

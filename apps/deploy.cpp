@@ -1,18 +1,13 @@
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 
 #include "bench_session.h"
+#include "lodestone/common/artefact.h"
 #include "lodestone/common/files.h"
-#include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
-#include "lodestone/common/progress.h"
-#include "lodestone/common/run_folder.h"
-#include "lodestone/experiments/deployment.h"
-#include "lodestone/experiments/recorder.h"
+#include "lodestone/experiments/deployment_run.h"
 #include "lodestone/inference/dynamics.h"
 #include "lodestone/inference/policy.h"
 #include "lodestone/nets/blas.h"
@@ -70,18 +65,9 @@ bool is_path_file(const std::string& task) {
   return task.size() > 4 && task.compare(task.size() - 4, 4, ".csv") == 0;
 }
 
-/// What is to be run, checked before anything is written.
-struct Job {
-  std::vector<std::string> tasks;
-  std::optional<geometry::Path> path;
-  std::optional<geometry::Vector2> target_m;
-  std::optional<task::Region> region;  ///< that starts and targets lie in
-  std::vector<experiments::RigKind> rigs;
-  std::vector<experiments::ControllerSource> sources;
-  common::Json provenance = common::Json::object();  ///< of the policy
-};
+using experiments::DeploymentJob;
 
-void choose_tasks(const DeployConfig& config, Job& job) {
+void choose_tasks(const DeployConfig& config, DeploymentJob& job) {
   if (is_path_file(config.task)) {
     job.path = geometry::Path::from_csv(config.task);
     job.tasks = {"path"};
@@ -99,7 +85,7 @@ void choose_tasks(const DeployConfig& config, Job& job) {
 }
 
 /// A policy can do what it was trained for, and no other task.
-void check_goal(const DeployConfig& config, const inference::Policy& policy, Job& job) {
+void check_goal(const DeployConfig& config, const inference::Policy& policy, DeploymentJob& job) {
   const std::string name = policy.goal;
   if (config.task == "all") {
     if (name != "point") job.tasks = {name};
@@ -116,11 +102,13 @@ void check_goal(const DeployConfig& config, const inference::Policy& policy, Job
         ", or another policy");
 }
 
-Job plan_job(const DeployConfig& config) {
-  Job job;
+DeploymentJob plan_job(const DeployConfig& config) {
+  DeploymentJob job;
   choose_tasks(config, job);
-  if (config.on_rig != "unseen") job.rigs.push_back(experiments::RigKind::kExplored);
-  if (config.on_rig != "explored") job.rigs.push_back(experiments::RigKind::kUnseen);
+  const bool real = config.deployment.rig.real();
+  if (real) job.rigs.push_back(experiments::RigKind::kReal);
+  if (!real && config.on_rig != "unseen") job.rigs.push_back(experiments::RigKind::kExplored);
+  if (!real && config.on_rig != "explored") job.rigs.push_back(experiments::RigKind::kUnseen);
   const bool by_policy = config.controller == "policy" || config.controller == "both";
   std::optional<inference::Policy> policy;
   if (!config.policy.empty()) policy = inference::load_policy(config.policy);
@@ -131,7 +119,7 @@ Job plan_job(const DeployConfig& config) {
           "planner");
     check_goal(config, *policy, job);
     job.sources.push_back(experiments::policy_source(config.deployment, *policy, config.policy));
-    job.provenance = policy->provenance;
+    job.provenance = common::artefact_from_json<runs::Provenance>(policy->provenance, config.policy);
   }
   if (config.controller == "planner") {
     if (config.dynamics.empty())
@@ -152,282 +140,80 @@ Job plan_job(const DeployConfig& config) {
   return job;
 }
 
-/// Writes trials.json one trial at a time, so that long deployments need no memory for it.
-class TrialsFile {
- public:
-  explicit TrialsFile(const std::string& file) : path_(file), staged_(file + ".part"), out_(staged_) {
-    out_ << "[";
-  }
-  void write(const experiments::TrialResult& result) {
-    out_ << (first_ ? "\n" : ",\n") << experiments::trial_to_json(result).dump();
-    first_ = false;
-    check();
-  }
-  void finish() {
-    out_ << "\n]\n";
-    out_.close();
-    check();
-    std::filesystem::rename(staged_, path_);
-  }
-
- private:
-  void check() const {
-    if (!out_) throw common::IoError("cannot write " + staged_ + ": check the space on the disk");
-  }
-  std::string path_;
-  std::string staged_;
-  std::ofstream out_;
-  bool first_ = true;
-};
-
-void print_row(const char* rig, const std::string& controller, const std::string& task,
-               const common::Json& summary) {
-  const auto text = [](const common::Json& value) {
-    char buffer[32] = "-";
-    if (value.is_number()) std::snprintf(buffer, sizeof buffer, "%.2f", value.get<double>());
-    return std::string(buffer);
-  };
-  std::printf("%-9s %-9s %-7s %8s %8s %8s %8s %8s %8s %9s %7s\n", rig, controller.c_str(), task.c_str(),
-              text(summary["mean_error_mm"]).c_str(), text(summary["std_error_mm"]).c_str(),
-              text(summary["median_error_mm"]).c_str(), text(summary["rms_error_mm"]).c_str(),
-              text(summary["sensed"]["mean_error_mm"]).c_str(), text(summary["time_rms_error_mm"]).c_str(),
-              text(summary["seconds_to_reach"]).c_str(), text(summary["success_rate"]).c_str());
-}
-
-common::Json summarise_task(const std::vector<experiments::TrialResult>& results) {
-  std::vector<const experiments::TrialScore*> truth;
-  std::vector<const experiments::TrialScore*> sensed;
-  std::int64_t stopped = 0;
-  for (const experiments::TrialResult& result : results) {
-    truth.push_back(&result.truth);
-    sensed.push_back(&result.sensed);
-    stopped += result.completed ? 0 : 1;
-  }
-  common::Json summary = experiments::summarise_trials(truth);
-  summary["n_stopped"] = stopped;
-  summary["sensed"] = experiments::summarise_trials(sensed);
-  return summary;
-}
-
-/// The tasks' keys stand at the top for what was asked for, and under "baseline" for what it is held against.
-common::Json& part_of(common::Json& summary, const experiments::ControllerSource& source) {
-  return source.name == "baseline" ? summary["baseline"] : summary;
-}
-
-/// Runs everything; keeps files, progress and the summary in step.
-class Run {
- public:
-  Run(const DeployConfig& config, const Job& job, const std::string& out)
-      : config_(config),
-        job_(job),
-        out_(out),
-        deployment_(config.deployment),
-        pool_(config.realtime ? 1 : static_cast<std::size_t>(config.threads)),
-        recorder_(out + "/trajectories.csv"),
-        progress_("deploy",
-                  static_cast<std::int64_t>(job.rigs.size() * job.sources.size() * job.tasks.size()) *
-                      config.deployment.trials.count) {}
-
-  /// Summary of one kind of rig; the baseline's stands under its own key.
-  common::Json on(experiments::RigKind kind, const std::string& folder) {
-    TrialsFile trials(folder + "/trials.json");
-    common::Json summary = common::Json::object();
-    for (const experiments::ControllerSource& source : job_.sources) {
-      common::Json& part = part_of(summary, source);
-      for (const std::string& task : job_.tasks) {
-        const auto results = run_task(kind, source, task, trials);
-        part[task] = summarise_task(results);
-      }
-    }
-    trials.finish();
-    common::write_file_atomically(folder + "/summary.json", summary.dump(1) + "\n");
-    return summary;
-  }
-  void finish() { progress_.finish(); }
-
- private:
-  std::vector<experiments::TrialResult> run_task(experiments::RigKind kind,
-                                                 const experiments::ControllerSource& source,
-                                                 const std::string& task, TrialsFile& trials) {
-    std::vector<experiments::TrialPlan> plans;
-    for (std::int64_t index = 0; index < config_.deployment.trials.count; ++index)
-      plans.push_back(experiments::plan_trial(
-          config_.deployment, task, index, job_.target_m, job_.path,
-          [this](const geometry::Pose2& pose) { return deployment_.fits(pose); }, region()));
-    std::vector<experiments::TrialResult> results;
-    const std::size_t batch = 2 * pool_.size();
-    for (std::size_t first = 0; first < plans.size(); first += batch) {
-      const std::size_t last = std::min(first + batch, plans.size());
-      auto part = deployment_.run({plans.begin() + static_cast<std::ptrdiff_t>(first),
-                                   plans.begin() + static_cast<std::ptrdiff_t>(last)},
-                                  kind, source, pool_, config_.realtime, video_folder());
-      if (common::interrupted())
-        throw common::Interrupted("deploy: stopped by the user; the finished trials are in " + out_ +
-                                  "/trajectories.csv");
-      for (experiments::TrialResult& result : part) {
-        recorder_.write(result);
-        trials.write(result);
-        if (!result.completed)
-          common::log_warning("trial " + std::to_string(result.plan.index) + " of " + task +
-                              " stopped early: " + result.stop_reason);
-        results.push_back(std::move(result));
-      }
-      done_ += static_cast<std::int64_t>(last - first);
-      progress_.update(done_, source.name + " " + task);
-    }
-    return results;
-  }
-
-  const task::Region* region() const { return job_.region ? &*job_.region : nullptr; }
-  std::string video_folder() const { return config_.deployment.record.enabled ? out_ + "/videos" : ""; }
-
-  const DeployConfig& config_;
-  const Job& job_;
-  std::string out_;
-  experiments::Deployment deployment_;
-  common::ThreadPool pool_;
-  experiments::Recorder recorder_;
-  common::Progress progress_;
-  std::int64_t done_ = 0;
-};
-
-/// The same tasks on the bench that is connected, one trial after the other, scored by what the camera saw.
-class BenchRun {
- public:
-  BenchRun(const DeployConfig& config, const Job& job, const std::string& out)
-      : config_(config),
-        job_(job),
-        out_(out),
-        bench_(open_bench(config.deployment.rig, config.deployment.sensor, config.deployment.safety, out)),
-        recorder_(out + "/trajectories.csv"),
-        progress_("deploy", static_cast<std::int64_t>(job.sources.size() * job.tasks.size()) *
-                                config.deployment.trials.count) {}
-
-  /// Everything that was measured is written, also when the bench stops in between.
-  common::Json run() {
-    TrialsFile trials(out_ + "/trials.json");
-    common::Json summary = common::Json::object();
-    for (const experiments::ControllerSource& source : job_.sources) {
-      common::Json& part = part_of(summary, source);
-      for (const std::string& task : job_.tasks) {
-        std::vector<experiments::TrialResult> results;
-        for (std::int64_t index = 0; index < config_.deployment.trials.count && stop_.empty(); ++index) {
-          results.push_back(run_one(source, task, index));
-          recorder_.write(results.back());
-          trials.write(results.back());
-          progress_.update(++done_, source.name + " " + task);
-        }
-        if (!results.empty()) part[task] = summarise_task(results);
-      }
-    }
-    trials.finish();
-    progress_.finish();
-    return summary;
-  }
-  /// Why the bench was stopped for good; empty when it was not.
-  const std::string& stop() const { return stop_; }
-
- private:
-  experiments::TrialResult run_one(const experiments::ControllerSource& source, const std::string& task,
-                                   std::int64_t index) {
-    const experiments::TrialPlan plan = experiments::plan_trial(
-        config_.deployment, task, index, job_.target_m, job_.path,
-        [this](const geometry::Pose2& pose) { return bench_->fits(pose); },
-        job_.region ? &*job_.region : nullptr);
-    if (has_operator()) bench_->place(plan.start);
-    std::optional<experiments::TrialVideo> video;
-    const experiments::RecordingConfig& record = config_.deployment.record;
-    if (record.enabled && index < record.trials)
-      video.emplace(out_ + "/videos/real-" + source.name + "-" + task + "-" + std::to_string(index), record,
-                    config_.deployment.loop.period_s(), rig::bench_of(config_.deployment.rig),
-                    source.action.scale, plan);
-    experiments::TrialResult result = experiments::run_on_session(
-        *bench_, config_.deployment, plan, source, {}, [&](const control::StepRecord& step) {
-          const session::CameraPoseSensor* camera = bench_->camera();
-          if (video && camera->calibration())
-            video->show(camera->frame(), camera->calibration()->camera, step);
-        });
-    if (video) video->finish();
-    if (!result.completed)
-      common::log_warning("trial " + std::to_string(index) + " of " + task +
-                          " stopped early: " + result.stop_reason);
-    if (bench_->coils().latched()) stop_ = bench_->coils().reason();
-    return result;
-  }
-
-  const DeployConfig& config_;
-  const Job& job_;
-  std::string out_;
-  std::unique_ptr<session::RigSession> bench_;
-  experiments::Recorder recorder_;
-  common::Progress progress_;
-  std::int64_t done_ = 0;
-  std::string stop_;
-};
-
-void print_table(const common::Json& summary, const char* rig, const std::string& first) {
-  const auto print_part = [&](const common::Json& part, const char* controller) {
-    for (const auto& [task, values] : part.items())
-      if (values.contains("mean_error_mm")) print_row(rig, controller, task, values);
-  };
-  print_part(summary, first.c_str());
-  if (summary.contains("baseline")) print_part(summary["baseline"], "baseline");
-}
-
 void print_heading() {
   std::printf("%-9s %-9s %-7s %8s %8s %8s %8s %8s %8s %9s %7s\n", "rig", "control", "task", "mean", "std",
               "median", "rms", "sensed", "time rms", "reach s", "success");
 }
 
-void deploy_on_bench(const DeployConfig& config, const Job& job, const std::string& out) {
-  BenchRun run(config, job, out);
-  common::Json summary = run.run();
-  summary["scored_by"] = "camera";
-  if (!run.stop().empty()) summary["stopped"] = run.stop();
-  summary.update(job.provenance);
-  common::write_file_atomically(out + "/summary.json", summary.dump(1) + "\n");
-  std::printf("Errors in mm as the camera saw them: nobody knows the true pose on a real bench.\n");
+void print_tasks(const std::string& rig, const std::string& controller, const runs::TaskTable& table) {
+  const auto text = [](const std::optional<double>& value) {
+    char buffer[32] = "-";
+    if (value) std::snprintf(buffer, sizeof buffer, "%.2f", *value);
+    return std::string(buffer);
+  };
+  for (const char* task : runs::kTasks) {
+    const auto found = table.by_task.find(task);
+    if (found == table.by_task.end()) continue;
+    const runs::TaskSummary& summary = found->second;
+    const runs::ErrorStatistics& errors = summary.truth ? *summary.truth : summary.sensed;
+    std::printf("%-9s %-9s %-7s %8s %8s %8s %8s %8s %8s %9s %7s\n", rig.c_str(), controller.c_str(), task,
+                text(errors.mean_error_mm).c_str(), text(errors.std_error_mm).c_str(),
+                text(errors.median_error_mm).c_str(), text(errors.rms_error_mm).c_str(),
+                text(summary.sensed.mean_error_mm).c_str(), text(errors.time_rms_error_mm).c_str(),
+                text(errors.seconds_to_reach).c_str(), text(errors.success_rate).c_str());
+  }
+}
+
+void print_rig(const std::string& rig, const runs::RigSummary& summary) {
+  print_tasks(rig, summary.controller.value_or(""), summary.tasks);
+  if (summary.baseline) print_tasks(rig, "baseline", *summary.baseline);
+}
+
+void print_summary(const DeploymentJob& job, const runs::DeploymentSummary& summary) {
+  std::printf(
+      "%s", job.rigs.front() == experiments::RigKind::kReal
+                ? "Errors in mm as the camera saw them: nobody knows the true pose on a real bench.\n"
+                : "Errors in mm against the true pose. centre, point: distance at the end of a trial; paths: "
+                  "cross-track error of all samples after the approach.\n");
   print_heading();
-  print_table(summary, "real", job.sources.front().name);
-  if (common::interrupted())
-    throw common::Interrupted("deploy: stopped by the user; the finished trials are in " + out);
-  if (!run.stop().empty()) throw common::HardwareError("deploy: stopped: " + run.stop());
+  if (summary.by_rig.empty()) print_rig(experiments::to_string(job.rigs.front()), summary);
+  for (const auto& [rig, of_rig] : summary.by_rig) print_rig(rig, of_rig);
+}
+
+void drive(const DeployConfig& config, const DeploymentJob& job, runs::RunFolder& run) {
+  std::unique_ptr<session::RigSession> rig;
+  if (config.deployment.rig.real())
+    rig = open_bench(config.deployment.rig, config.deployment.sensor, config.deployment.safety, run.path());
+  run.begin();
+  std::string videos;
+  if (config.deployment.record.enabled) common::make_folders(videos = run.file("videos"));
+  experiments::DeploymentRun work(
+      config.deployment, job, run.path(),
+      rig ? experiments::session_driver(*rig, config.deployment, has_operator(), videos)
+          : experiments::virtual_driver(config.deployment, config.threads, config.realtime, videos));
+  runs::run_resumably(run, work, {"deploy", "trials", 0.0});
+  work.write_trials();
+  const runs::DeploymentSummary summary = work.summary();
+  print_summary(job, summary);
+  if (summary.stopped)
+    throw common::HardwareError("deploy: stopped: " + *summary.stopped +
+                                "; the trials that have ended are kept, --resume goes on with the others");
+  run.finish();
 }
 
 void deploy(const CommonOptions& options) {
   auto config = resolve_config<DeployConfig>(options);
-  if (options.out.empty())
-    throw common::ConfigError("deploy: --out DIR is missing; name the folder to write into");
   nets::use_one_blas_thread();
   choose_segmenter(config.deployment.sensor);
-  const Job job = plan_job(config);
-  common::start_run_folder(options.out, "deploy", common::config_to_json(config), config.deployment.seed,
-                           false);
-  if (config.deployment.record.enabled) common::make_folders(options.out + "/videos");
-  if (config.deployment.rig.real()) return deploy_on_bench(config, job, options.out);
-  Run run(config, job, options.out);
-  const bool both = job.rigs.size() > 1;
-  common::Json by_rig = common::Json::object();
-  for (const experiments::RigKind kind : job.rigs) {
-    const std::string folder = both ? options.out + "/" + experiments::to_string(kind) : options.out;
-    common::make_folders(folder);
-    by_rig[experiments::to_string(kind)] = run.on(kind, folder);
-  }
-  run.finish();
-  // The tasks' keys at the top are those of the explored rig when both are run; each rig then stands below
-  // them.
-  common::Json summary = by_rig.front();
-  if (both) {
-    for (const auto& [kind, values] : by_rig.items()) summary[kind] = values;
-  }
-  summary.update(job.provenance);
-  common::write_file_atomically(options.out + "/summary.json", summary.dump(1) + "\n");
-  std::printf(
-      "Errors in mm against the true pose. centre, point: distance at the end of a trial; paths: cross-track "
-      "error of all samples after the approach.\n");
-  print_heading();
-  for (const auto& [kind, values] : by_rig.items())
-    print_table(values, kind.c_str(), job.sources.front().name);
+  const DeploymentJob job = plan_job(config);
+  runs::RunRequest request{options.out, "deploy", common::config_to_json(config), config.deployment.seed,
+                           options.resume};
+  request.free_keys = {"threads", "realtime", "rig.serial.port"};
+  runs::RunFolder run(request);
+  if (!run.finished()) return drive(config, job, run);
+  common::log_info("deploy: " + run.path() + " is finished already");
+  print_summary(job,
+                common::read_artefact<runs::DeploymentSummary>(run.file(runs::DeploymentSummary::kFile)));
 }
 
 }  // namespace
@@ -437,7 +223,7 @@ void add_deploy(CLI::App& program, ConfigCatalogue& catalogue) {
       program.add_subcommand("deploy", "drive a rig with a trained policy and a baseline (phase 3)");
   auto options = std::make_shared<CommonOptions>();
   catalogue["deploy"] = [options] { return describe_resolved<DeployConfig>(*options); };
-  add_common_options(*verb, *options);
+  add_common_options(*verb, *options, /*with_resume=*/true);
   add_virtual_rig_options(*verb, *options);
   verb->add_option_function<std::string>(
       "--models",

@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "lodestone/common/artefact.h"
 #include "lodestone/data/dataset_file.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/nets/dynamics.h"
@@ -23,10 +24,10 @@ void evaluate_dynamics(const EvaluateOptions& options) {
   nets::use_one_blas_thread();
   nets::DynamicsModel model = nets::load_dynamics(options.checkpoint);
   const data::Dataset dataset = data::read_any_dataset(options.data);
-  common::Json json =
-      rl::to_json(rl::evaluate_dynamics(model, rl::select_split(model, dataset, options.split)));
-  json["split"] = options.split;
-  std::printf("%s\n", json.dump(2).c_str());
+  rl::DynamicsEvaluation evaluation =
+      rl::evaluate_dynamics(model, rl::select_split(model, dataset, options.split));
+  evaluation.split = options.split;
+  std::printf("%s\n", common::artefact_to_json(evaluation).dump(2).c_str());
 }
 
 struct SegmenterOptions {

@@ -7,11 +7,11 @@
 #include <mutex>
 #include <vector>
 
+#include "lodestone/common/build_facts.h"
 #include "lodestone/common/files.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
 #include "lodestone/common/progress.h"
-#include "lodestone/common/run_folder.h"
 #include "lodestone/common/statistics.h"
 #include "lodestone/emulation/live_bench.h"
 #include "lodestone/emulation/lockstep_port.h"
@@ -19,6 +19,7 @@
 #include "lodestone/experiments/fault_injection.h"
 #include "lodestone/inference/policy.h"
 #include "lodestone/nets/blas.h"
+#include "lodestone/runs/run_folder.h"
 #include "models.h"
 
 namespace lodestone::apps {
@@ -192,7 +193,7 @@ struct LockstepDrive {
 double mean_error_mm(const std::vector<experiments::TrialResult>& results) {
   double sum = 0.0;
   for (const experiments::TrialResult& result : results)
-    sum += 1e3 * result.truth.cross_track_rms_m.value_or(result.truth.final_error_m);
+    sum += 1e3 * result.truth->cross_track_rms_m.value_or(result.truth->final_error_m);
   return sum / static_cast<double>(results.size());
 }
 
@@ -307,12 +308,10 @@ common::Json run_live(const HilConfig& config, const std::string& out, Figures& 
 
 void bench_hil(const CommonOptions& options) {
   auto config = resolve_config<HilConfig>(options);
-  if (options.out.empty())
-    throw common::ConfigError("bench hil: --out DIR is missing; name the folder to write into");
   nets::use_one_blas_thread();
   choose_segmenter(config.deployment.sensor);
-  common::start_run_folder(options.out, "bench hil", common::config_to_json(config), config.deployment.seed,
-                           false);
+  runs::RunFolder run({options.out, "bench hil", common::config_to_json(config), config.deployment.seed});
+  run.begin();
   Figures figures;
   common::Json result = {{"machine", common::build_and_host_facts()}};
   result["round_trip"] = time_round_trips(config, figures);
@@ -322,6 +321,7 @@ void bench_hil(const CommonOptions& options) {
   result["long_run"] = run_hour(config, options.out, figures);
   result["figures"] = figures.take();
   common::write_file_atomically(options.out + "/hil.json", result.dump(1) + "\n");
+  run.finish();
   if (!figures.broken().empty())
     throw common::HardwareError("bench hil: " + std::to_string(figures.broken().size()) +
                                 " bounds are broken, the first: " + figures.broken().front());

@@ -6,10 +6,14 @@
 
 namespace lodestone::apps {
 
+std::string own_path() {
+  std::error_code ignored;
+  return std::filesystem::read_symlink("/proc/self/exe", ignored).string();
+}
+
 std::string shipped_folder(const std::string& name) {
   namespace fs = std::filesystem;
-  std::error_code ignored;
-  const fs::path program = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  const fs::path program = fs::path(own_path()).parent_path();
   // Working folder; build/<preset>/apps of a source tree; bin of an installed one.
   for (const fs::path& base : {fs::path("."), program / "../../..", program / "../share/lodestone"}) {
     const fs::path folder = base / name;

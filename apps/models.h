@@ -14,4 +14,7 @@ std::string shipped_folder(const std::string& name);
 /// ConfigError when there is none.
 void choose_segmenter(session::SensingConfig& sensor);
 
+/// Path of this program, for the processes that a plan starts.
+std::string own_path();
+
 }  // namespace lodestone::apps

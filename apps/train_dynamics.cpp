@@ -1,9 +1,8 @@
 #include <cstdio>
 #include <memory>
 
-#include "lodestone/common/files.h"
+#include "lodestone/common/artefact.h"
 #include "lodestone/common/log.h"
-#include "lodestone/common/run_folder.h"
 #include "lodestone/data/dataset_file.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/nets/dynamics.h"
@@ -16,38 +15,43 @@ namespace {
 
 using rl::TrainDynamicsConfig;
 
+void print_result(const rl::DynamicsEvaluation& evaluation) {
+  char line[256];
+  std::snprintf(line, sizeof line,
+                "test split (%lld rows): position %.3f mm RMS; no motion %.3f, ten nearest neighbours %.3f",
+                static_cast<long long>(evaluation.n.value_or(0)), evaluation.one_step.position_rms_mm,
+                evaluation.baselines->no_motion.position_rms_mm,
+                evaluation.baselines->nearest_neighbours.position_rms_mm);
+  common::log_info(line);
+}
+
 void train_dynamics(const CommonOptions& options) {
   const auto config = resolve_config<TrainDynamicsConfig>(options);
-  if (options.out.empty()) throw common::ConfigError("train-dynamics needs --out, the folder of the run");
   if (config.data.empty()) {
     throw common::ConfigError(
         "train-dynamics needs transitions: --set data=FILE.h5 (from collect or import)");
   }
   nets::use_one_blas_thread();
+  runs::RunFolder run(rl::run_request(config, options.out, options.resume));
+  const std::string file = run.file(rl::DynamicsEvaluation::kFile);
+  if (run.finished()) {
+    common::log_info("train-dynamics: " + run.path() + " is finished already");
+    return print_result(common::read_artefact<rl::DynamicsEvaluation>(file));
+  }
   data::Dataset dataset = data::read_recordings(config.data);
   if (config.transitions > 0) dataset = data::first_transitions(std::move(dataset), config.transitions);
-  const common::Json json = common::config_to_json(config);
-  common::start_run_folder(options.out, "train-dynamics", json, config.seed, options.resume);
-  rl::DynamicsTrainingResult result = rl::train_dynamics(dataset, config, options.out, options.resume);
-  const data::Dataset test = rl::select_split(result.model, dataset, "test");
-  const rl::DynamicsEvaluation evaluation = rl::evaluate_dynamics(result.model, test);
-
-  common::Json metrics = rl::to_json(evaluation);
-  metrics["split"] = "test";
-  metrics["transitions"] = dataset.transitions();
-  metrics["validation_loss"] = result.validation_loss;
-  metrics["train_loss"] = result.train_loss;
-  metrics["epochs"] = result.epochs;
-  metrics["train_seconds"] = result.seconds;
-  nets::save_dynamics(options.out + "/checkpoint", result.model, json, metrics);
-  common::write_file_atomically(options.out + "/evaluation.json", metrics.dump(2) + "\n");
-  char line[256];
-  std::snprintf(line, sizeof line,
-                "test split (%lld rows): position %.3f mm RMS; no motion %.3f, ten nearest neighbours %.3f",
-                static_cast<long long>(evaluation.n), evaluation.one_step.position_rms_mm,
-                evaluation.no_motion.position_rms_mm, evaluation.nearest_neighbours.position_rms_mm);
-  common::log_info(line);
-  common::log_info("wrote " + options.out + "/checkpoint and evaluation.json");
+  rl::DynamicsTrainingResult result = rl::train_dynamics(dataset, config, run);
+  rl::DynamicsEvaluation evaluation =
+      rl::evaluate_dynamics(result.model, rl::select_split(result.model, dataset, "test"));
+  evaluation.split = "test";
+  evaluation.transitions = dataset.transitions();
+  evaluation.training = result.facts;
+  nets::save_dynamics(run.file("checkpoint"), result.model, common::config_to_json(config),
+                      common::artefact_to_json(evaluation));
+  common::write_artefact(file, evaluation);
+  run.finish();
+  print_result(evaluation);
+  common::log_info("wrote " + run.path() + "/checkpoint and evaluation.json");
 }
 
 }  // namespace

@@ -1,11 +1,9 @@
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <string>
 
-#include "lodestone/common/files.h"
+#include "lodestone/common/artefact.h"
 #include "lodestone/common/log.h"
-#include "lodestone/common/run_folder.h"
 #include "lodestone/inference/checkpoint.h"
 #include "lodestone/inference/policy.h"
 #include "lodestone/nets/blas.h"
@@ -18,40 +16,37 @@ namespace {
 
 using rl::TrainPolicyConfig;
 
-/// What made the policy, under the keys of summary.json.
-common::Json provenance(const TrainPolicyConfig& config, const rl::PolicyRunResult& result) {
-  common::Json facts = {{"policy",
-                         {{"env_steps", result.env_steps},
-                          {"updates", result.updates},
-                          {"train_seconds", result.train_seconds}}}};
-  if (config.simulator != "mbs") return facts;
+/// What made the policy: what was learned from, and how long.
+runs::Provenance provenance(const TrainPolicyConfig& config, const runs::PolicyResult& result) {
+  runs::Provenance made;
+  made.policy = result;
+  if (config.simulator != "mbs") return made;
   const common::Json metrics =
-      inference::load_checkpoint(config.dynamics, "dynamics").facts.value("metrics", common::Json::object());
-  if (metrics.contains("transitions")) facts["collect"]["transitions"] = metrics["transitions"];
-  if (metrics.contains("position_rms_mm")) facts["dynamics"]["position_rms_mm"] = metrics["position_rms_mm"];
-  return facts;
+      inference::load_checkpoint(config.dynamics, "dynamics").facts.value("metrics", common::Json());
+  if (metrics.is_null()) return made;
+  const auto dynamics = common::artefact_from_json<runs::DynamicsEvaluation>(metrics, config.dynamics);
+  made.dynamics.emplace().one_step.position_rms_mm = dynamics.one_step.position_rms_mm;
+  if (dynamics.transitions) made.collect.emplace().transitions = *dynamics.transitions;
+  return made;
 }
 
 void train_policy(const CommonOptions& options) {
   auto config = resolve_config<TrainPolicyConfig>(options);
-  if (options.out.empty()) throw common::ConfigError("train-policy needs --out, the folder of the run");
-  const std::string result_file = options.out + "/result.json";
-  if (options.resume && std::filesystem::exists(result_file)) {
-    common::log_info("train-policy: " + options.out + " is finished already");
-    std::printf("%s\n", common::read_json_file(result_file).dump().c_str());
-    return;
-  }
   nets::use_one_blas_thread();
   const rl::PolicyEnvironments environments = rl::make_policy_environments(config);
-  const common::Json json = common::config_to_json(config);
-  common::start_run_folder(options.out, "train-policy", json, config.seed, options.resume);
-  const rl::PolicyRunResult result =
-      rl::train_policy(config, *environments.training, *environments.evaluation, options.out, options.resume,
-                       environments.region.get());
-  inference::set_policy_provenance(options.out + "/checkpoint", provenance(config, result));
-  common::write_file_atomically(result_file, result.json().dump(2) + "\n");
-  common::log_info("wrote " + options.out + "/checkpoint and result.json");
-  std::printf("%s\n", result.json().dump().c_str());
+  runs::RunFolder run(rl::run_request(config, options.out, options.resume));
+  const std::string file = run.file(runs::PolicyResult::kFile);
+  if (run.finished()) {
+    common::log_info("train-policy: " + run.path() + " is finished already");
+  } else {
+    const runs::PolicyResult result = rl::train_policy(
+        config, *environments.training, *environments.evaluation, run, environments.region.get());
+    inference::set_policy_provenance(run.file("checkpoint"), common::artefact_to_json(provenance(config, result)));
+    common::write_artefact(file, result);
+    run.finish();
+    common::log_info("wrote " + run.path() + "/checkpoint and result.json");
+  }
+  std::printf("%s\n", common::read_json_if_there(file).dump().c_str());
 }
 
 }  // namespace

@@ -1,9 +1,8 @@
 #include <cstdio>
 #include <memory>
 
-#include "lodestone/common/files.h"
+#include "lodestone/common/artefact.h"
 #include "lodestone/common/log.h"
-#include "lodestone/common/run_folder.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/rig_config.h"
@@ -36,15 +35,18 @@ struct SegmenterRunConfig {
 };
 
 void train_segmenter(const CommonOptions& options) {
-  const auto run = resolve_config<SegmenterRunConfig>(options);
-  TrainSegmenterConfig config = run.training;
-  config.scenes.bench = rig::bench_of(run.rig);
-  if (options.out.empty()) throw common::ConfigError("train-segmenter needs --out, the folder of the run");
+  const auto whole = resolve_config<SegmenterRunConfig>(options);
+  TrainSegmenterConfig config = whole.training;
+  config.scenes.bench = rig::bench_of(whole.rig);
   nets::use_one_blas_thread();
-  const common::Json json = common::config_to_json(config);
-  common::start_run_folder(options.out, "train-segmenter", common::config_to_json(run), config.seed,
-                           options.resume);
-  vision::SegmenterTrainingResult result = vision::train_segmenter(config, options.out, options.resume);
+  runs::RunRequest request = vision::run_request(config, options.out, options.resume);
+  request.config = common::config_to_json(whole);
+  runs::RunFolder run(request);
+  if (run.finished()) {
+    common::log_info("train-segmenter: " + run.path() + " is finished already");
+    return;
+  }
+  vision::SegmenterTrainingResult result = vision::train_segmenter(config, run);
 
   common::ThreadPool pool(static_cast<std::size_t>(config.threads));
   const auto segmenter = std::make_shared<const vision::Segmenter>(config.segmenter, result.network);
@@ -53,13 +55,12 @@ void train_segmenter(const CommonOptions& options) {
   common::Json metrics = vision::to_json(vision::evaluate_segmenter(
       segmenter, config.scenes, localiser, kEvaluationFrames,
       common::derive_seed(static_cast<std::uint64_t>(config.seed), "evaluation"), pool));
-  metrics["validation_loss"] = result.validation_loss;
   metrics["validation_dice"] = result.validation_dice;
-  metrics["train_loss"] = result.train_loss;
-  metrics["epochs"] = result.epochs;
-  metrics["train_seconds"] = result.seconds;
-  vision::save_segmenter(options.out + "/checkpoint", config.segmenter, result.network, json, metrics);
-  common::write_file_atomically(options.out + "/evaluation.json", metrics.dump(2) + "\n");
+  metrics.update(common::artefact_to_json(result.facts));
+  vision::save_segmenter(run.file("checkpoint"), config.segmenter, result.network,
+                         common::config_to_json(config), metrics);
+  common::write_json(run.file("evaluation.json"), metrics);
+  run.finish();
   char line[200];
   std::snprintf(line, sizeof line,
                 "%lld rendered frames: %.3f mm and %.2f degrees RMS clean, %.3f mm partly covered",
@@ -67,7 +68,7 @@ void train_segmenter(const CommonOptions& options) {
                 metrics["clean"]["heading_rms_deg"].get<double>(),
                 metrics["occluded"]["position_rms_mm"].get<double>());
   common::log_info(line);
-  common::log_info("wrote " + options.out + "/checkpoint, evaluation.json and predictions.png");
+  common::log_info("wrote " + run.path() + "/checkpoint, evaluation.json and predictions.png");
 }
 
 }  // namespace

@@ -71,6 +71,8 @@ void add_verbs(CLI::App& program, ConfigCatalogue& catalogue) {
   add_rig(program, catalogue);
   add_bench(program, catalogue);
   add_report(program, catalogue);
+  add_status(program, catalogue);
+  add_plan(program, catalogue);
   add_config(program, catalogue);
 }
 

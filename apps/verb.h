@@ -85,6 +85,8 @@ void add_calibrate(CLI::App& program, ConfigCatalogue& catalogue);
 void add_rig(CLI::App& program, ConfigCatalogue& catalogue);
 void add_bench(CLI::App& program, ConfigCatalogue& catalogue);
 void add_report(CLI::App& program, ConfigCatalogue& catalogue);
+void add_status(CLI::App& program, ConfigCatalogue& catalogue);
+void add_plan(CLI::App& program, ConfigCatalogue& catalogue);
 void add_config(CLI::App& program, ConfigCatalogue& catalogue);
 
 }  // namespace lodestone::apps

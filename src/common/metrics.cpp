@@ -1,35 +1,65 @@
 #include "lodestone/common/metrics.h"
 
 #include <cmath>
+#include <filesystem>
+#include <sstream>
 
 #include "lodestone/common/clock.h"
 #include "lodestone/common/config.h"
 #include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
 #include "lodestone/common/tensorboard.h"
 
 namespace lodestone::common {
+namespace {
 
-MetricsLog::MetricsLog(const std::string& folder)
-    : path_(folder + "/metrics.jsonl"),
-      lines_(path_, std::ios::app),
-      events_(std::make_unique<TensorBoardWriter>(folder)),
+/// Drops lines beyond a step, and a last one that was left half-written.
+void trim(const std::string& path, std::int64_t last_step) {
+  if (!std::filesystem::exists(path)) return;
+  const std::string content = read_file(path);
+  std::istringstream lines(content);
+  std::string kept;
+  for (std::string line; std::getline(lines, line);) {
+    const Json row = Json::parse(line, nullptr, /*allow_exceptions=*/false);
+    if (row.is_object() && row.value("step", kEveryStep) <= last_step) kept += line + "\n";
+  }
+  if (kept != content) write_file_atomically(path, kept);
+}
+
+}  // namespace
+
+MetricsLog::MetricsLog(std::string folder, std::int64_t last_step, double earlier_s)
+    : folder_(std::move(folder)),
+      last_step_(last_step),
+      earlier_s_(earlier_s),
       start_s_(SteadyClock().now_s()) {
-  if (!lines_) throw IoError("cannot write " + path_);
+  trim(folder_ + "/metrics.jsonl", last_step);
 }
 
 MetricsLog::~MetricsLog() = default;
 
 void MetricsLog::write(std::int64_t step, const Scalars& scalars) {
-  Json line = {{"step", step}, {"wall_s", std::round((SteadyClock().now_s() - start_s_) * 1e3) / 1e3}};
+  const std::string path = folder_ + "/metrics.jsonl";
+  if (!lines_.is_open()) lines_.open(path, std::ios::app);
+  const double wall_s = earlier_s_ + SteadyClock().now_s() - start_s_;
+  Json line = {{"step", step}, {"wall_s", std::round(wall_s * 1e3) / 1e3}};
   for (const auto& [name, value] : scalars) line[name] = value;
   lines_ << line.dump() << std::endl;
-  if (!lines_) throw IoError("cannot write " + path_ + ": is the disk full?");
-  events_->write(step, scalars);
+  if (!lines_) throw IoError("cannot write " + path + ": check the folder and the space on the disk");
+  events().write(step, scalars);
 }
 
 void MetricsLog::write_image(std::int64_t step, const std::string& tag, std::string_view png,
                              std::int64_t width, std::int64_t height) {
-  events_->write_image(step, tag, png, width, height);
+  events().write_image(step, tag, png, width, height);
+}
+
+TensorBoardWriter& MetricsLog::events() {
+  if (!events_) {
+    events_ = std::make_unique<TensorBoardWriter>(folder_);
+    if (last_step_ != kEveryStep) events_->start_at(last_step_ == kNoStep ? 0 : last_step_ + 1);
+  }
+  return *events_;
 }
 
 }  // namespace lodestone::common

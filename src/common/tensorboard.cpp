@@ -71,6 +71,12 @@ TensorBoardWriter::TensorBoardWriter(const std::string& folder) {
   write_record(tag(1, 1) + little_endian(unix_time_s()) + bytes_field(3, "brain.Event:2"));
 }
 
+void TensorBoardWriter::start_at(std::int64_t step) {
+  // Event.session_log with SessionLog.status = START.
+  write_record(tag(1, 1) + little_endian(unix_time_s()) + number_field(2, step) +
+               bytes_field(7, number_field(1, 1)));
+}
+
 void TensorBoardWriter::write(std::int64_t step, const std::vector<std::pair<std::string, double>>& scalars) {
   std::string summary;
   for (const auto& [name, value] : scalars) {

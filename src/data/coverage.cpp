@@ -78,42 +78,10 @@ Coverage measure_coverage(const Dataset& dataset, const CoverageConfig& config) 
   return result;
 }
 
-common::Json coverage_to_json(const Coverage& c) {
-  return {{"transitions", c.transitions},
-          {"cells", c.cells},
-          {"visited", c.visited},
-          {"fraction", c.fraction},
-          {"evenness", c.evenness},
-          {"workspace_radius_m", c.workspace_radius_m},
-          {"position_cells", c.position_cells},
-          {"position_counts", c.position_counts},
-          {"heading_counts", c.heading_counts},
-          {"drive_counts", c.drive_counts}};
-}
-
-Coverage coverage_from_json(const common::Json& json) {
-  Coverage c;
-  const auto get = [&json](const char* key, auto& value) {
-    try {
-      json.at(key).get_to(value);
-    } catch (const nlohmann::json::exception& error) {
-      throw common::DataError("coverage: key '" + std::string(key) + "' cannot be read: " + error.what());
-    }
-  };
-  get("transitions", c.transitions);
-  get("cells", c.cells);
-  get("visited", c.visited);
-  get("fraction", c.fraction);
-  get("evenness", c.evenness);
-  get("workspace_radius_m", c.workspace_radius_m);
-  get("position_cells", c.position_cells);
-  get("position_counts", c.position_counts);
-  get("heading_counts", c.heading_counts);
-  get("drive_counts", c.drive_counts);
-  if (static_cast<std::int64_t>(c.position_counts.size()) != c.position_cells * c.position_cells)
-    throw common::DataError("coverage: position_counts holds " + std::to_string(c.position_counts.size()) +
+void Coverage::validate() const {
+  if (static_cast<std::int64_t>(position_counts.size()) != position_cells * position_cells)
+    throw common::DataError("coverage: position_counts holds " + std::to_string(position_counts.size()) +
                             " numbers, expected position_cells squared");
-  return c;
 }
 
 }  // namespace lodestone::data

@@ -73,7 +73,9 @@ rig::RigConfig warmed(rig::RigConfig config, double temperature_C) {
 
 }  // namespace
 
-const char* to_string(RigKind kind) { return kind == RigKind::kExplored ? "explored" : "unseen"; }
+std::string to_string(RigKind kind) {
+  return kind == RigKind::kExplored ? "explored" : kind == RigKind::kUnseen ? "unseen" : "real";
+}
 
 TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, std::int64_t index,
                      const std::optional<geometry::Vector2>& target_m,
@@ -154,24 +156,21 @@ ControllerSource baseline_source(const DeploymentConfig& config) {
   return source;
 }
 
+std::string video_file(const std::string& folder, RigKind kind, const ControllerSource& source,
+                       const TrialPlan& plan) {
+  return folder + "/" + to_string(kind) + "-" + source.name + "-" + plan.task + "-" +
+         std::to_string(plan.index);
+}
+
 TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& config, const TrialPlan& plan,
-                           const ControllerSource& source, const std::function<geometry::Pose2()>& truth,
+                           const ControllerSource& source, const TruePose& truth,
                            const control::ControlLoop::Observer& watch) {
   control::ControlLoop loop(config.loop, source.action, bench.coils(), bench.sensor(), bench.clock());
   const std::unique_ptr<control::Controller> controller = source.make();
-  const auto pose = truth ? truth : std::function<geometry::Pose2()>([&plan] { return plan.start; });
-  TrialResult result = run_trial(plan, loop, *controller, pose, config.score, watch);
-  if (!truth) {
-    result.truth = result.sensed;
-    geometry::Pose2 seen = plan.start;
-    for (TrialSample& sample : result.samples) {
-      if (sample.step.estimate.valid) seen = sample.step.estimate.pose;
-      sample.true_pose = seen;
-    }
-  }
+  TrialResult result = run_trial(plan, loop, *controller, truth, config.score, watch);
   if (!result.samples.empty() && result.samples.front().step.estimate.valid)
     result.plan.start = result.samples.front().step.estimate.pose;
-  result.rig = "real";
+  result.rig = to_string(RigKind::kReal);
   result.controller = source.name;
   return result;
 }
@@ -226,9 +225,8 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   const bool filmed = config_.record.enabled && sensor->camera() != nullptr && !video_folder.empty() &&
                       plan.index < config_.record.trials;
   if (filmed)
-    video.emplace(video_folder + "/" + to_string(kind) + "-" + source.name + "-" + plan.task + "-" +
-                      std::to_string(plan.index),
-                  config_.record, config_.loop.period_s(), sensing_.bench(), source.action.scale, plan);
+    video.emplace(video_file(video_folder, kind, source, plan), config_.record, config_.loop.period_s(),
+                  sensing_.bench(), source.action.scale, plan);
   const auto watch = [&](const control::StepRecord& step) {
     const session::CameraPoseSensor* camera = sensor->camera();
     if (video && camera->calibration()) video->show(camera->frame(), camera->calibration()->camera, step);

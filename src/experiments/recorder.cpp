@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
 
 namespace lodestone::experiments {
 
@@ -12,40 +13,60 @@ namespace {
 constexpr double kMmPerM = 1000.0;
 constexpr double kDegPerRad = 180.0 / 3.14159265358979323846;
 
-common::Json pose_mm(const geometry::Pose2& pose) {
+constexpr const char* kHeading =
+    "rig,controller,task,trial,t_s,true_x_m,true_y_m,true_heading_rad,sensed,sensed_x_m,sensed_y_m,"
+    "sensed_heading_rad,target_x_m,target_y_m,approach,action_x,action_y,current_px_A,current_mx_A,"
+    "current_py_A,current_my_A\n";
+
+runs::PoseMm pose_mm(const geometry::Pose2& pose) {
   return {kMmPerM * pose.x_m, kMmPerM * pose.y_m, pose.heading_rad};
 }
 
-common::Json point_mm(const geometry::Vector2& point_m) {
+runs::PointMm point_mm(const geometry::Vector2& point_m) {
   return {kMmPerM * point_m.x(), kMmPerM * point_m.y()};
 }
 
-template <class Value>
-common::Json maybe(const std::optional<Value>& value, double scale = 1.0) {
-  if (!value) return nullptr;
-  return scale * static_cast<double>(*value);
+std::optional<double> scaled(const std::optional<double>& value, double scale) {
+  if (!value) return std::nullopt;
+  return scale * *value;
 }
 
-common::Json score_to_json(const TrialScore& score) {
-  common::Json json;
-  json["final_error_mm"] = kMmPerM * score.final_error_m;
-  json["success"] = score.success;
-  json["hold_error_mm"] = maybe(score.hold_error_m, kMmPerM);
-  json["heading_error_deg"] = maybe(score.heading_error_rad, kDegPerRad);
-  json["cross_track_rms_mm"] = maybe(score.cross_track_rms_m, kMmPerM);
-  json["time_rms_error_mm"] = maybe(score.time_rms_m, kMmPerM);
-  json["steps_to_reach"] = maybe(score.steps_to_reach);
-  json["seconds_to_reach"] = maybe(score.seconds_to_reach);
-  return json;
+runs::TrialFigures figures_of(const TrialScore& score) {
+  runs::TrialFigures out;
+  for (const double error_m : score.errors_m) out.errors_mm.push_back(kMmPerM * error_m);
+  out.final_error_mm = kMmPerM * score.final_error_m;
+  out.success = score.success;
+  out.hold_error_mm = scaled(score.hold_error_m, kMmPerM);
+  out.heading_error_deg = scaled(score.heading_error_rad, kDegPerRad);
+  out.cross_track_rms_mm = scaled(score.cross_track_rms_m, kMmPerM);
+  out.time_rms_error_mm = scaled(score.time_rms_m, kMmPerM);
+  out.steps_to_reach = score.steps_to_reach;
+  out.seconds_to_reach = score.seconds_to_reach;
+  return out;
+}
+
+/// The first rows of a file that may end in the middle of one.
+std::string first_rows(const std::string& path, std::int64_t rows) {
+  std::ifstream file(path);
+  std::string kept;
+  std::string line;
+  for (std::int64_t i = 0; i <= rows && std::getline(file, line); ++i)
+    kept += line + "\n";  // and the heading
+  return kept;
+}
+
+void write_pose(std::ostream& out, const std::optional<geometry::Pose2>& pose) {
+  if (pose)
+    out << pose->x_m << ',' << pose->y_m << ',' << pose->heading_rad << ',';
+  else
+    out << ",,,";
 }
 
 }  // namespace
 
-Recorder::Recorder(const std::string& file) : path_(file), file_(file, std::ios::trunc) {
-  file_ << "rig,controller,task,trial,t_s,true_x_m,true_y_m,true_heading_rad,sensed,sensed_x_m,sensed_y_m,"
-           "sensed_heading_rad,target_x_m,target_y_m,approach,action_x,action_y,current_px_A,current_mx_A,"
-           "current_py_A,current_my_A\n";
-  file_.flush();
+Recorder::Recorder(const std::string& file, std::int64_t keep_rows) : path_(file) {
+  common::write_file_atomically(file, keep_rows > 0 ? first_rows(file, keep_rows) : kHeading);
+  file_.open(file, std::ios::app);
   if (!file_) throw common::IoError("cannot write " + path_ + ": check the folder and the space on the disk");
   file_ << std::setprecision(9);
 }
@@ -54,14 +75,11 @@ void Recorder::write(const TrialResult& result) {
   for (const TrialSample& sample : result.samples) {
     const control::StepRecord& step = sample.step;
     file_ << result.rig << ',' << result.controller << ',' << result.plan.task << ',' << result.plan.index
-          << ',' << step.time_s << ',' << sample.true_pose.x_m << ',' << sample.true_pose.y_m << ','
-          << sample.true_pose.heading_rad << ',' << (step.estimate.valid ? 1 : 0) << ',';
-    if (step.estimate.valid)
-      file_ << step.estimate.pose.x_m << ',' << step.estimate.pose.y_m << ','
-            << step.estimate.pose.heading_rad;
-    else
-      file_ << ",,";
-    file_ << ',' << step.target_m.x() << ',' << step.target_m.y() << ',' << (sample.approach ? 1 : 0) << ','
+          << ',' << step.time_s << ',';
+    write_pose(file_, sample.true_pose);
+    file_ << (step.estimate.valid ? 1 : 0) << ',';
+    write_pose(file_, step.estimate.valid ? std::optional(step.estimate.pose) : std::nullopt);
+    file_ << step.target_m.x() << ',' << step.target_m.y() << ',' << (sample.approach ? 1 : 0) << ','
           << step.action.x() << ',' << step.action.y();
     for (const double current_A : step.current_A) file_ << ',' << current_A;
     file_ << '\n';
@@ -70,43 +88,39 @@ void Recorder::write(const TrialResult& result) {
   if (!file_) throw common::IoError("cannot write " + path_ + ": check the space on the disk");
 }
 
-common::Json trial_to_json(const TrialResult& result) {
-  common::Json json;
-  json["task"] = result.plan.task;
-  json["rig"] = result.rig;
-  json["controller"] = result.controller;
-  json["trial"] = result.plan.index;
-  json["start"] = pose_mm(result.plan.start);
-  if (result.plan.path) {
-    common::Json points = common::Json::array();
-    for (const geometry::Vector2& point_m : result.plan.path->points_m()) points.push_back(point_mm(point_m));
-    json["path_mm"] = points;
+runs::TrialRecord record_of(const TrialResult& result) {
+  const TrialPlan& plan = result.plan;
+  runs::TrialRecord record;
+  record.task = plan.task;
+  record.rig = result.rig;
+  record.controller = result.controller;
+  record.trial = plan.index;
+  record.start = pose_mm(plan.start);
+  record.target_heading_rad = plan.target_heading_rad;
+  record.completed = result.completed;
+  record.stop_reason = result.stop_reason;
+  if (result.truth) record.truth = figures_of(*result.truth);
+  record.sensed = figures_of(result.sensed);
+  if (plan.path) {
+    record.path_mm.emplace();
+    for (const geometry::Vector2& point_m : plan.path->points_m())
+      record.path_mm->push_back(point_mm(point_m));
+    record.reference_mm.emplace();
+    record.approach.emplace();
   } else {
-    json["target_mm"] = point_mm(result.plan.target_m);
-    if (result.plan.target_heading_rad) json["target_heading_rad"] = *result.plan.target_heading_rad;
+    record.target_mm = point_mm(plan.target_m);
   }
-  common::Json trajectory = common::Json::array();
-  common::Json sensed = common::Json::array();
-  common::Json reference = common::Json::array();
-  common::Json approach = common::Json::array();
+  if (result.truth) record.trajectory.emplace();
   for (const TrialSample& sample : result.samples) {
-    trajectory.push_back(pose_mm(sample.true_pose));
-    sensed.push_back(sample.step.estimate.valid ? pose_mm(sample.step.estimate.pose) : common::Json(nullptr));
-    if (!result.plan.path) continue;
-    reference.push_back(point_mm(sample.step.target_m));
-    approach.push_back(sample.approach ? 1 : 0);
+    record.time_s.push_back(sample.step.time_s);
+    if (record.trajectory) record.trajectory->push_back(pose_mm(*sample.true_pose));
+    const control::PoseEstimate& estimate = sample.step.estimate;
+    record.sensed_trajectory.push_back(estimate.valid ? std::optional(pose_mm(estimate.pose)) : std::nullopt);
+    if (!plan.path) continue;
+    record.reference_mm->push_back(point_mm(sample.step.target_m));
+    record.approach->push_back(sample.approach ? 1 : 0);
   }
-  json["trajectory"] = trajectory;
-  json["sensed_trajectory"] = sensed;
-  if (result.plan.path) {
-    json["reference_mm"] = reference;
-    json["approach"] = approach;
-  }
-  json.update(score_to_json(result.truth));
-  json["sensed"] = score_to_json(result.sensed);
-  json["completed"] = result.completed;
-  json["stop_reason"] = result.stop_reason;
-  return json;
+  return record;
 }
 
 }  // namespace lodestone::experiments

@@ -9,9 +9,6 @@ namespace lodestone::experiments {
 
 namespace {
 
-constexpr double kDegPerRad = 180.0 / 3.14159265358979323846;
-constexpr double kMmPerM = 1000.0;
-
 double distance_m(const ScoredSample& sample) { return (sample.position_m - sample.target_m).norm(); }
 
 void note_reach(const std::vector<ScoredSample>& samples, double radius_m, TrialScore& score) {
@@ -23,19 +20,15 @@ void note_reach(const std::vector<ScoredSample>& samples, double radius_m, Trial
   }
 }
 
-/// Mean of what `get` finds, in `scale`; null when no trial has it.
-template <class Get>
-common::Json mean_of(const std::vector<const TrialScore*>& trials, double scale, Get get) {
-  double sum = 0.0;
-  std::int64_t count = 0;
-  for (const TrialScore* trial : trials) {
-    const auto& value = get(*trial);
-    if (!value) continue;
-    sum += static_cast<double>(*value);
-    ++count;
-  }
-  if (count == 0) return nullptr;
-  return scale * sum / static_cast<double>(count);
+/// Mean of a figure over the trials that have it.
+template <class Value>
+std::optional<double> mean_of(const std::vector<const runs::TrialFigures*>& trials,
+                              std::optional<Value> runs::TrialFigures::*figure) {
+  std::vector<double> values;
+  for (const runs::TrialFigures* trial : trials)
+    if (trial->*figure) values.push_back(static_cast<double>(*(trial->*figure)));
+  if (values.empty()) return std::nullopt;
+  return common::mean(values);
 }
 
 }  // namespace
@@ -98,30 +91,43 @@ ErrorSummary summarise(std::vector<double> values) {
   return summary;
 }
 
-common::Json summarise_trials(const std::vector<const TrialScore*>& trials) {
+runs::ErrorStatistics summarise_trials(const std::vector<const runs::TrialFigures*>& trials) {
   std::vector<double> errors_mm;
   double successes = 0.0;
-  for (const TrialScore* trial : trials) {
-    for (const double error_m : trial->errors_m) errors_mm.push_back(kMmPerM * error_m);
+  for (const runs::TrialFigures* trial : trials) {
+    errors_mm.insert(errors_mm.end(), trial->errors_mm.begin(), trial->errors_mm.end());
     successes += trial->success ? 1.0 : 0.0;
   }
   const ErrorSummary errors = summarise(errors_mm);
-  common::Json json;
-  json["mean_error_mm"] = errors.mean;
-  json["std_error_mm"] = errors.std;
-  json["median_error_mm"] = errors.median;
-  json["rms_error_mm"] = errors.rms;
-  json["success_rate"] = successes / static_cast<double>(trials.size());
-  json["n_trials"] = trials.size();
-  json["steps_to_reach"] = mean_of(trials, 1.0, [](const TrialScore& t) { return t.steps_to_reach; });
-  json["seconds_to_reach"] = mean_of(trials, 1.0, [](const TrialScore& t) { return t.seconds_to_reach; });
-  json["hold_error_mm"] = mean_of(trials, kMmPerM, [](const TrialScore& t) { return t.hold_error_m; });
-  json["heading_error_deg"] =
-      mean_of(trials, kDegPerRad, [](const TrialScore& t) { return t.heading_error_rad; });
-  json["cross_track_rms_mm"] =
-      mean_of(trials, kMmPerM, [](const TrialScore& t) { return t.cross_track_rms_m; });
-  json["time_rms_error_mm"] = mean_of(trials, kMmPerM, [](const TrialScore& t) { return t.time_rms_m; });
-  return json;
+  using Figures = runs::TrialFigures;
+  runs::ErrorStatistics out;
+  out.mean_error_mm = errors.mean;
+  out.std_error_mm = errors.std;
+  out.median_error_mm = errors.median;
+  out.rms_error_mm = errors.rms;
+  out.success_rate = successes / static_cast<double>(trials.size());
+  out.steps_to_reach = mean_of(trials, &Figures::steps_to_reach);
+  out.seconds_to_reach = mean_of(trials, &Figures::seconds_to_reach);
+  out.hold_error_mm = mean_of(trials, &Figures::hold_error_mm);
+  out.heading_error_deg = mean_of(trials, &Figures::heading_error_deg);
+  out.cross_track_rms_mm = mean_of(trials, &Figures::cross_track_rms_mm);
+  out.time_rms_error_mm = mean_of(trials, &Figures::time_rms_error_mm);
+  return out;
+}
+
+runs::TaskSummary summarise_task(const std::vector<runs::TrialRecord>& trials) {
+  runs::TaskSummary summary;
+  std::vector<const runs::TrialFigures*> truth;
+  std::vector<const runs::TrialFigures*> sensed;
+  for (const runs::TrialRecord& trial : trials) {
+    ++summary.n_trials;
+    if (!trial.completed) ++summary.n_stopped;
+    if (trial.truth) truth.push_back(&*trial.truth);
+    sensed.push_back(&trial.sensed);
+  }
+  if (!truth.empty()) summary.truth = summarise_trials(truth);
+  summary.sensed = summarise_trials(sensed);
+  return summary;
 }
 
 }  // namespace lodestone::experiments

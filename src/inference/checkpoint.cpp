@@ -5,7 +5,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
-#include "lodestone/common/run_folder.h"
+#include "lodestone/common/build_facts.h"
 
 namespace lodestone::inference {
 namespace {

@@ -4,13 +4,12 @@
 #include "lodestone/report/charts.h"
 #include "lodestone/report/error_table.h"
 #include "lodestone/report/html.h"
+#include "lodestone/runs/curves.h"
 #include "sections.h"
 #include "trial_drawing.h"
 
 namespace lodestone::report {
 namespace {
-
-using common::Json;
 
 std::string error_table_html(const std::vector<ErrorRow>& rows) {
   std::vector<std::vector<std::string>> cells;
@@ -26,7 +25,7 @@ std::string error_table_html(const std::vector<ErrorRow>& rows) {
                      fixed(row.rms_mm, 2), plus_minus(row.sensed_mean_mm, row.sensed_std_mm, 2),
                      fixed(row.hold_mm, 2), fixed(row.time_rms_mm, 2), fixed(row.seconds_to_reach, 1),
                      percent(row.success_rate), fixed(row.trials, 0)});
-    std::string kind = row.published ? "published" : row.controller == "policy" ? "ours" : "";
+    std::string kind = row.published ? "published" : row.controller != "baseline" ? "ours" : "";
     if (first && cells.size() > 1) kind += " first";
     classes.push_back(kind);
   }
@@ -61,16 +60,19 @@ std::string bar_chart(const std::vector<ErrorRow>& rows) {
     }
     if (any) chart.series.push_back(bars);
   };
-  series("policy, explored rig", kPolicyColour, "policy", "explored");
-  series("policy, unseen rigs", kUnseenColour, "policy", "unseen");
+  std::string ours = "policy";
+  for (const ErrorRow& row : rows)
+    if (!row.published && row.controller != "baseline") ours = row.controller;
+  series((ours + ", explored rig").c_str(), kPolicyColour, ours, "explored");
+  series((ours + ", unseen rigs").c_str(), kUnseenColour, ours, "unseen");
   series("baseline, explored rig", kBaselineColour, "baseline", "explored");
   series("paper, MBS policy on the real rig", kPaperColour, "trained in an MBS", "paper");
   return chart_html(chart);
 }
 
 /// One small dish: some trials of a task by one controller.
-std::string panel(const Json& trials, const std::string& task, const std::string& controller,
-                  double radius_mm, const ErrorRow* row) {
+std::string panel(const std::vector<runs::TrialRecord>& trials, const std::string& task,
+                  const std::string& controller, double radius_mm, const ErrorRow* row) {
   const std::string drawing = draw_trials(trials, task, controller, radius_mm);
   if (drawing.empty()) return "";
   std::string html = "<div class=\"panel\">" + drawing + "<b>" + escape(task) + "</b>";
@@ -83,11 +85,11 @@ std::string panel(const Json& trials, const std::string& task, const std::string
 std::string panels(const DeployData& deploy, const std::string& controller, const std::vector<ErrorRow>& rows,
                    double radius_mm) {
   std::string html;
-  for (const char* task : {"centre", "point", "pose", "square", "circle", "path"}) {
+  for (const char* task : runs::kTasks) {
     const ErrorRow* found = nullptr;
     for (const ErrorRow& row : rows)
       if (row.task == task && row.controller == controller && row.rig == deploy.rig) found = &row;
-    html += panel(deploy.trials, task, controller, radius_mm, found);
+    html += panel(*deploy.trials, task, controller, radius_mm, found);
   }
   if (html.empty()) return "";
   return figure(
@@ -103,13 +105,14 @@ std::string panels(const DeployData& deploy, const std::string& controller, cons
 std::string trajectories(const RunData& run, const std::vector<ErrorRow>& rows) {
   std::string html;
   for (const DeployData& deploy : run.rigs) {
-    if (!deploy.trials.is_array()) {
+    if (!deploy.trials) {
       html += missing("The list of trials on the " + deploy.rig + " rig (trials.json)", "lodestone deploy");
       continue;
     }
     const bool first = &deploy == &run.rigs.front();
-    const std::string shown = panels(deploy, "policy", rows, dish_radius_mm(run)) +
-                              panels(deploy, "baseline", rows, dish_radius_mm(run));
+    const std::string shown =
+        panels(deploy, deploy.summary.controller.value_or("policy"), rows, dish_radius_mm(run)) +
+        panels(deploy, "baseline", rows, dish_radius_mm(run));
     html += first ? shown
                   : "<details><summary>Trajectories on the " + escape(deploy.rig) + " rigs</summary>" +
                         shown + "</details>\n";
@@ -125,7 +128,8 @@ std::string deployment_section(const RunData& run) {
                    "lodestone deploy --policy RUN/policy/checkpoint --task all --rig both --out RUN/deploy");
   const std::vector<ErrorRow> rows = error_rows(run);
   std::string html =
-      "<p>The policy drives the virtual rig at about 3 Hz and is scored on the rig that was explored and on "
+      "<p>The " + escape(run.rigs.front().summary.controller.value_or("controller")) +
+      " drives the virtual rig at about 3 Hz and is scored on the rig that was explored and on "
       "rigs "
       "whose friction map and calibration error are new to it. The baseline is a proportional pull through "
       "the inverse "
@@ -147,17 +151,20 @@ std::string recorded_section(const RunData& run, const RunData& recorded) {
       "at a time. "
       "Its state is a position without a heading, so errors are comparable in kind, not in size.</p>\n";
   const auto row = [](const char* name, const RunData& r) -> std::vector<std::string> {
-    const Json& e = r.dynamics.result;
-    const Curve success = curve(r.policy.metrics, {"evaluation/success_rate"});
-    const Curve error = curve(r.policy.metrics, {"evaluation/final_error_mm"});
-    const auto rows = number_at(e, {"n"});
-    return {name,
-            rows ? grouped(*rows) : "–",
-            fixed(number_at(e, {"position_rms_mm"}), 3),
-            fixed(number_at(e, {"baselines", "knn10", "position_rms_mm"}), 3),
-            fixed(number_at(e, {"baselines", "no_motion", "position_rms_mm"}), 3),
-            success.empty() ? "–" : percent(success.back().second),
-            error.empty() ? "–" : fixed(error.back().second, 2)};
+    const Curve success = curve(r.policy.metrics, runs::curves::kSuccess);
+    const Curve error = curve(r.policy.metrics, runs::curves::kFinalError);
+    std::vector<std::string> cells = {name, "–", "–", "–", "–"};
+    if (r.evaluation) {
+      if (r.evaluation->n) cells[1] = grouped(static_cast<double>(*r.evaluation->n));
+      cells[2] = fixed(r.evaluation->one_step.position_rms_mm, 3);
+      if (r.evaluation->baselines) {
+        cells[3] = fixed(r.evaluation->baselines->nearest_neighbours.position_rms_mm, 3);
+        cells[4] = fixed(r.evaluation->baselines->no_motion.position_rms_mm, 3);
+      }
+    }
+    cells.push_back(success.empty() ? "–" : percent(success.back().second));
+    cells.push_back(error.empty() ? "–" : fixed(error.back().second, 2));
+    return cells;
   };
   html += table({"trained on", "test pulses", "simulator (mm RMS)", "ten neighbours (mm RMS)",
                  "no motion (mm RMS)", "policy success in its simulator", "final error there (mm)"},

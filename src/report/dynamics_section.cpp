@@ -4,12 +4,11 @@
 #include "lodestone/report/charts.h"
 #include "lodestone/report/dish_svg.h"
 #include "lodestone/report/html.h"
+#include "lodestone/runs/curves.h"
 #include "sections.h"
 
 namespace lodestone::report {
 namespace {
-
-using common::Json;
 
 // Colours of the error map end here, so that a few bad cells do not flatten the rest.
 constexpr double kMapQuantile = 0.97;
@@ -27,27 +26,24 @@ std::string learning_curve(const RunData& run, const std::string& prefix) {
         points.end());
     return points;
   };
-  const Curve train = positive(curve(run.dynamics.metrics, {"train_loss", "train/loss"}));
-  const Curve validation = positive(curve(run.dynamics.metrics, {"validation_loss", "validation/loss"}));
+  const Curve train = positive(curve(run.dynamics.metrics, runs::curves::kTrainLoss));
+  const Curve validation = positive(curve(run.dynamics.metrics, runs::curves::kValidationLoss));
   if (train.empty() && validation.empty()) return "";
   // A likelihood may go below zero: a logarithmic axis then cannot show it.
-  chart.log_y =
-      train.size() == curve(run.dynamics.metrics, {"train_loss", "train/loss"}).size() &&
-      validation.size() == curve(run.dynamics.metrics, {"validation_loss", "validation/loss"}).size();
+  chart.log_y = train.size() == curve(run.dynamics.metrics, runs::curves::kTrainLoss).size() &&
+                validation.size() == curve(run.dynamics.metrics, runs::curves::kValidationLoss).size();
   chart.series.push_back({"training",
-                          chart.log_y ? train : curve(run.dynamics.metrics, {"train_loss", "train/loss"}),
+                          chart.log_y ? train : curve(run.dynamics.metrics, runs::curves::kTrainLoss),
                           kPolicyColour, false});
   chart.series.push_back(
-      {"validation",
-       chart.log_y ? validation : curve(run.dynamics.metrics, {"validation_loss", "validation/loss"}),
+      {"validation", chart.log_y ? validation : curve(run.dynamics.metrics, runs::curves::kValidationLoss),
        kBaselineColour, false});
   return figure(chart_html(chart),
                 "<b>Learning curve.</b> Loss on the rows trained on and on episodes kept aside. A "
                 "validation curve that turns upwards would mean memorising.");
 }
 
-std::string open_loop(const Json& evaluation, const std::string& prefix) {
-  if (!evaluation.contains("k_step") || !evaluation["k_step"].is_object()) return "";
+std::string open_loop(const runs::DynamicsEvaluation& evaluation, const std::string& prefix) {
   LineChart chart;
   chart.id = prefix + "-open-loop";
   chart.title = "Error without correction";
@@ -55,78 +51,80 @@ std::string open_loop(const Json& evaluation, const std::string& prefix) {
   chart.y_label = "position error (mm RMS)";
   chart.from_zero = true;
   Curve points;
-  for (const auto& [steps, error] : evaluation["k_step"].items())
-    if (error.is_number()) points.emplace_back(std::stod(steps), error.get<double>());
-  std::sort(points.begin(), points.end());
+  if (evaluation.k_step_mm)
+    for (const auto& [steps, error] : *evaluation.k_step_mm)
+      if (error) points.emplace_back(steps, *error);
   if (points.size() < 2) return "";
   chart.series.push_back({"learned simulator", points, kPolicyColour, false});
-  const auto level = [&](const char* key, const char* name, const char* colour) {
-    if (const auto rms = number_at(evaluation, {"baselines", key, "position_rms_mm"}))
-      chart.series.push_back(
-          {name, {{points.front().first, *rms}, {points.back().first, *rms}}, colour, true});
+  const auto level = [&](const runs::StateError& error, const char* name, const char* colour) {
+    chart.series.push_back(
+        {name,
+         {{points.front().first, error.position_rms_mm}, {points.back().first, error.position_rms_mm}},
+         colour,
+         true});
   };
-  level("no_motion", "no motion, one pulse", kPaperColour);
-  level("knn10", "ten nearest neighbours, one pulse", kBaselineColour);
+  if (evaluation.baselines) {
+    level(evaluation.baselines->no_motion, "no motion, one pulse", kPaperColour);
+    level(evaluation.baselines->nearest_neighbours, "ten nearest neighbours, one pulse", kBaselineColour);
+  }
   return figure(
       chart_html(chart),
       "<b>Open-loop error.</b> The simulator is fed its own prediction for several pulses in a row. Dashed "
       "lines: what the two baselines miss after a single pulse.");
 }
 
-std::string metrics_table(const Json& evaluation) {
-  const bool heading = number_at(evaluation, {"heading_rms_deg"}).has_value();
+std::string error_rows_html(const runs::DynamicsEvaluation& evaluation) {
+  const bool heading = evaluation.one_step.heading_rms_deg.has_value();
   std::vector<std::string> headers = {"prediction of the next state", "position (mm RMS)", "of no motion"};
   if (heading) headers.insert(headers.begin() + 2, "heading (° RMS)");
-  const auto still = number_at(evaluation, {"baselines", "no_motion", "position_rms_mm"});
+  const double still_mm = evaluation.baselines ? evaluation.baselines->no_motion.position_rms_mm : 0.0;
   std::vector<std::vector<std::string>> rows;
-  const auto add = [&](const std::string& name, const std::optional<double>& position,
-                       const std::optional<double>& turn) {
-    std::vector<std::string> row = {name, fixed(position, 3)};
-    if (heading) row.push_back(fixed(turn, 2));
-    row.push_back(position && still && *still > 0.0 ? percent(*position / *still) : "–");
+  const auto add = [&](const std::string& name, const runs::StateError& error) {
+    std::vector<std::string> row = {name, fixed(error.position_rms_mm, 3)};
+    if (heading) row.push_back(fixed(error.heading_rms_deg, 2));
+    row.push_back(still_mm > 0.0 ? percent(error.position_rms_mm / still_mm) : "–");
     rows.push_back(row);
   };
-  add("learned simulator", number_at(evaluation, {"position_rms_mm"}),
-      number_at(evaluation, {"heading_rms_deg"}));
-  add("ten nearest neighbours", number_at(evaluation, {"baselines", "knn10", "position_rms_mm"}),
-      number_at(evaluation, {"baselines", "knn10", "heading_rms_deg"}));
-  add("no motion", still, number_at(evaluation, {"baselines", "no_motion", "heading_rms_deg"}));
-  std::string html = table(headers, rows, 1, {"strong"});
+  add("learned simulator", evaluation.one_step);
+  if (evaluation.baselines) {
+    add("ten nearest neighbours", evaluation.baselines->nearest_neighbours);
+    add("no motion", evaluation.baselines->no_motion);
+  }
+  return table(headers, rows, 1, {"strong"});
+}
 
+std::string metrics_table(const runs::DynamicsEvaluation& evaluation) {
+  std::string html = error_rows_html(evaluation);
   std::vector<std::string> steps = {"pulses ahead"};
   std::vector<std::string> errors = {"position error (mm RMS)"};
-  if (evaluation.contains("k_step") && evaluation["k_step"].is_object())
-    for (const auto& [k, error] : evaluation["k_step"].items()) {
-      steps.push_back(escape(k));
-      errors.push_back(error.is_number() ? fixed(error.get<double>(), 2) : "–");
+  if (evaluation.k_step_mm)
+    for (const auto& [k, error] : *evaluation.k_step_mm) {
+      steps.push_back(std::to_string(k));
+      errors.push_back(fixed(error, 2));
     }
   if (steps.size() > 1) html += table(steps, {errors}, 1);
 
   std::vector<std::vector<std::string>> losses;
-  const auto loss = [&](const char* name, const char* key, const char* paper) {
-    if (const auto value = number_at(evaluation, {key})) losses.push_back({name, fixed(value, 4), paper});
+  const auto loss = [&](const char* name, const std::optional<double>& value, const char* paper) {
+    if (value) losses.push_back({name, fixed(value, 4), paper});
   };
-  loss("training", "train_loss", "–");
-  loss("validation", "validation_loss", "0.033");
-  loss("test", "normalised_l2", "0.045");
-  loss("test, next state instead of change", "normalised_state_l2", "–");
+  if (evaluation.training) {
+    loss("training", evaluation.training->train_loss, "–");
+    loss("validation", evaluation.training->validation_loss, "0.033");
+  }
+  loss("test", evaluation.normalised_l2, "0.045");
+  loss("test, next state instead of change", evaluation.normalised_state_l2, "–");
   if (!losses.empty()) html += table({"normalised loss", "this run", "paper"}, losses, 1);
   return html;
 }
 
 std::string error_map(const RunData& run) {
-  const Json& evaluation = run.dynamics.result;
-  if (!evaluation.contains("error_map") || !evaluation["error_map"].is_array()) return "";
   std::vector<MapCell> cells;
   std::vector<double> values;
   double reach_mm = 0.0;
-  for (const Json& entry : evaluation["error_map"]) {
-    const auto x = number_at(entry, {"x_m"});
-    const auto y = number_at(entry, {"y_m"});
-    const auto rms = number_at(entry, {"rms_mm"});
-    if (!x || !y || !rms) continue;
-    cells.push_back({1000.0 * *x, 1000.0 * *y, *rms});
-    values.push_back(*rms);
+  for (const runs::ErrorCell& cell : run.evaluation->error_map) {
+    cells.push_back({1000.0 * cell.x_m, 1000.0 * cell.y_m, cell.rms_mm});
+    values.push_back(cell.rms_mm);
     reach_mm = std::max(reach_mm, std::hypot(cells.back().x_mm, cells.back().y_mm));
   }
   if (cells.empty()) return "";
@@ -153,19 +151,16 @@ std::string error_map(const RunData& run) {
 std::string dynamics_section(const RunData& run, const std::string& prefix) {
   const std::string command =
       "lodestone train-dynamics --set data=RUN/collect/transitions.h5 --out RUN/dynamics";
-  if (!run.dynamics.present()) return missing("The learned simulator", command);
-  const Json& evaluation = run.dynamics.result;
+  if (!run.dynamics.present() && !run.evaluation) return missing("The learned simulator", command);
   std::string html;
-  if (evaluation.is_object()) {
-    const auto ours = number_at(evaluation, {"position_rms_mm"});
-    const auto neighbours = number_at(evaluation, {"baselines", "knn10", "position_rms_mm"});
-    const auto rows = number_at(evaluation, {"n"});
-    html += "<p>On " + (rows ? grouped(*rows) + " " : std::string()) +
-            "test pulses that it never saw, the simulator "
-            "misses the next position by <b>" +
-            fixed(ours, 3) + " mm RMS</b>";
-    if (ours && neighbours && *neighbours > 0.0) {
-      const double gain = 100.0 * (1.0 - *ours / *neighbours);
+  if (run.evaluation) {
+    const runs::DynamicsEvaluation& evaluation = *run.evaluation;
+    const double ours_mm = evaluation.one_step.position_rms_mm;
+    html += "<p>On " + (evaluation.n ? grouped(static_cast<double>(*evaluation.n)) + " " : std::string()) +
+            "test pulses that it never saw, the simulator misses the next position by <b>" +
+            fixed(ours_mm, 3) + " mm RMS</b>";
+    if (evaluation.baselines && evaluation.baselines->nearest_neighbours.position_rms_mm > 0.0) {
+      const double gain = 100.0 * (1.0 - ours_mm / evaluation.baselines->nearest_neighbours.position_rms_mm);
       html += gain >= 0.0 ? ", " + fixed(gain, 0) + " % less than ten nearest neighbours"
                           : ", " + fixed(-gain, 0) + " % more than ten nearest neighbours";
     }
@@ -176,7 +171,7 @@ std::string dynamics_section(const RunData& run, const std::string& prefix) {
   html += "<div class=\"two\">";
   const std::string learning = learning_curve(run, prefix);
   html += learning.empty() ? missing("The learning curve", command) : learning;
-  if (evaluation.is_object()) html += open_loop(evaluation, prefix) + error_map(run);
+  if (run.evaluation) html += open_loop(*run.evaluation, prefix) + error_map(run);
   return html + "</div>\n";
 }
 

@@ -5,10 +5,6 @@
 namespace lodestone::report {
 namespace {
 
-using common::Json;
-
-constexpr const char* kTasks[] = {"centre", "point", "pose", "square", "circle", "path"};
-
 /// Table II of the paper.
 struct Published {
   const char* task;
@@ -23,23 +19,31 @@ constexpr Published kTableTwo[] = {
     {"square", "trained in an MBS", 7.4, 0.7},
 };
 
-ErrorRow measured(const Json& summary, const char* task, const char* controller, const std::string& rig) {
+ErrorRow measured(const runs::TaskSummary& summary, const char* task, const std::string& controller,
+                  const std::string& rig) {
   ErrorRow row;
   row.task = task;
   row.controller = controller;
   row.rig = rig;
-  row.mean_mm = number_at(summary, {"mean_error_mm"});
-  row.std_mm = number_at(summary, {"std_error_mm"});
-  row.median_mm = number_at(summary, {"median_error_mm"});
-  row.rms_mm = number_at(summary, {"rms_error_mm"});
-  row.sensed_mean_mm = number_at(summary, {"sensed", "mean_error_mm"});
-  row.sensed_std_mm = number_at(summary, {"sensed", "std_error_mm"});
-  row.time_rms_mm = number_at(summary, {"time_rms_error_mm"});
-  row.hold_mm = number_at(summary, {"hold_error_mm"});
-  row.seconds_to_reach = number_at(summary, {"seconds_to_reach"});
-  row.success_rate = number_at(summary, {"success_rate"});
-  row.trials = number_at(summary, {"n_trials"});
+  row.trials = static_cast<double>(summary.n_trials);
+  row.sensed_mean_mm = summary.sensed.mean_error_mm;
+  row.sensed_std_mm = summary.sensed.std_error_mm;
+  if (!summary.truth) return row;
+  row.mean_mm = summary.truth->mean_error_mm;
+  row.std_mm = summary.truth->std_error_mm;
+  row.median_mm = summary.truth->median_error_mm;
+  row.rms_mm = summary.truth->rms_error_mm;
+  row.time_rms_mm = summary.truth->time_rms_error_mm;
+  row.hold_mm = summary.truth->hold_error_mm;
+  row.seconds_to_reach = summary.truth->seconds_to_reach;
+  row.success_rate = summary.truth->success_rate;
   return row;
+}
+
+void add_rows(const runs::TaskTable& table, const char* task, const std::string& controller,
+              const std::string& rig, std::vector<ErrorRow>& rows) {
+  const auto found = table.by_task.find(task);
+  if (found != table.by_task.end()) rows.push_back(measured(found->second, task, controller, rig));
 }
 
 std::string cell(const std::optional<double>& value, const char* format) {
@@ -49,20 +53,15 @@ std::string cell(const std::optional<double>& value, const char* format) {
   return text;
 }
 
-void copy_number(const Json& from, const char* key, Json& to, const char* name) {
-  if (const auto value = number_at(from, {key})) to[name] = from.at(key);
-}
-
 }  // namespace
 
 std::vector<ErrorRow> error_rows(const RunData& run) {
   std::vector<ErrorRow> rows;
-  for (const char* task : kTasks) {
+  for (const char* task : runs::kTasks) {
     std::vector<ErrorRow> ours;
     for (const DeployData& rig : run.rigs) {
-      if (rig.summary.contains(task)) ours.push_back(measured(rig.summary[task], task, "policy", rig.rig));
-      if (rig.summary.contains("baseline") && rig.summary["baseline"].contains(task))
-        ours.push_back(measured(rig.summary["baseline"][task], task, "baseline", rig.rig));
+      add_rows(rig.summary.tasks, task, rig.summary.controller.value_or("policy"), rig.rig, ours);
+      if (rig.summary.baseline) add_rows(*rig.summary.baseline, task, "baseline", rig.rig, ours);
     }
     if (ours.empty()) continue;
     for (const Published& published : kTableTwo) {
@@ -99,32 +98,24 @@ std::string error_table_text(const std::vector<ErrorRow>& rows) {
   return text;
 }
 
-Json merged_summary(const RunData& run) {
-  Json summary = Json::object();
+runs::DeploymentSummary merged_summary(const RunData& run) {
+  runs::DeploymentSummary summary;
   for (const DeployData& rig : run.rigs)
-    if (rig.rig == "explored" || run.rigs.size() == 1) summary = rig.summary;
-  if (run.rigs.size() > 1)
-    for (const DeployData& rig : run.rigs) summary[rig.rig] = rig.summary;
-  const Json& evaluation = run.dynamics.result;
-  if (evaluation.is_object()) {
-    Json& dynamics = summary["dynamics"];
-    for (const char* key :
-         {"position_rms_mm", "heading_rms_deg", "normalised_l2", "k_step", "baselines", "n"})
-      if (evaluation.contains(key)) dynamics[key] = evaluation[key];
-  }
-  if (run.policy.result.is_object()) {
-    Json policy = Json::object();
-    for (const char* key : {"env_steps", "updates", "train_seconds"})
-      copy_number(run.policy.result, key, policy, key);
-    summary["policy"] = policy;
-  }
+    if (&rig == &run.rigs.front() || rig.rig == "explored")
+      static_cast<runs::RigSummary&>(summary) = rig.summary;
+  for (const DeployData& rig : run.rigs)
+    if (run.rigs.size() > 1) summary.by_rig[rig.rig] = rig.summary;
+  summary.provenance = run.provenance;
+  if (run.evaluation) summary.provenance.dynamics = *run.evaluation;
+  if (run.trained) summary.provenance.policy = *run.trained;
   if (run.coverage) {
-    const auto rows = number_at(run.collect.config, {"transitions"});
-    summary["collect"] = {
-        {"transitions", rows ? static_cast<std::int64_t>(*rows) : run.coverage->transitions},
-        {"transitions_with_current", run.coverage->transitions},
-        {"coverage", run.coverage->fraction},
-        {"evenness", run.coverage->evenness}};
+    runs::CollectionFacts& collect = summary.provenance.collect.emplace();
+    collect.transitions_with_current = run.coverage->transitions;
+    collect.transitions = run.collect.config.is_object()
+                              ? run.collect.config.value("transitions", run.coverage->transitions)
+                              : run.coverage->transitions;
+    collect.coverage = run.coverage->fraction;
+    collect.evenness = run.coverage->evenness;
   }
   return summary;
 }

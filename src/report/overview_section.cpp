@@ -22,15 +22,16 @@ std::string cards(const RunData& run) {
   std::string html;
   if (run.coverage)
     html += card(grouped(static_cast<double>(run.coverage->transitions)), "", "pulses recorded");
-  if (const auto rms = number_at(run.dynamics.result, {"position_rms_mm"}))
-    html += card(fixed(rms, 2), "mm RMS", "one-step error of the learned simulator");
-  if (const auto steps = number_at(run.policy.result, {"env_steps"}))
-    html += card(grouped(*steps), "", "environment steps of training");
+  if (run.evaluation)
+    html += card(fixed(run.evaluation->one_step.position_rms_mm, 2), "mm RMS",
+                 "one-step error of the learned simulator");
+  if (run.trained)
+    html += card(grouped(static_cast<double>(run.trained->env_steps)), "", "environment steps of training");
   for (const ErrorRow& row : error_rows(run)) {
-    if (row.published || row.controller != "policy" || row.rig != run.rigs.front().rig) continue;
-    const bool path = row.task != "centre" && row.task != "point";
+    if (row.published || row.controller == "baseline" || row.rig != run.rigs.front().rig) continue;
+    const bool path = row.task != "centre" && row.task != "point" && row.task != "pose";
     html += card(fixed(path ? row.rms_mm : row.mean_mm, 2), path ? "mm RMS" : "mm mean",
-                 escape(row.task) + ", " + escape(row.rig) + " rig, policy");
+                 escape(row.task) + ", " + escape(row.rig) + " rig, " + escape(row.controller));
   }
   return html.empty() ? "" : "<div class=\"cards\">" + html + "</div>\n";
 }

@@ -7,13 +7,17 @@
 #include <optional>
 #include <vector>
 
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/build_facts.h"
 #include "lodestone/common/files.h"
-#include "lodestone/common/run_folder.h"
 #include "lodestone/common/statistics.h"
 #include "lodestone/report/charts.h"
 #include "lodestone/report/html.h"
 #include "lodestone/report/html_page.h"
 #include "lodestone/report/run_data.h"
+#include "lodestone/runs/curves.h"
+#include "lodestone/runs/paper_result.h"
+#include "lodestone/runs/run_folder.h"
 #include "trial_drawing.h"
 
 namespace lodestone::report {
@@ -21,7 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using common::Interval;
-using common::Json;
 
 constexpr double kDishRadius_mm = 42.5;
 
@@ -29,33 +32,31 @@ constexpr double kDishRadius_mm = 42.5;
 struct Row {
   const char* key;
   const char* name;
-  const char* controller;  ///< as trials.json names it, for the drawings
   std::map<std::string, const char*> paper;
 };
 
 const std::vector<Row>& rows() {
   static const std::vector<Row> kRows = {
-      {"simulator", "TD3 in the plain simulator", "policy", {{"centre", "31 ± 29"}}},
-      {"randomised", "TD3 in the randomised simulator", "policy", {}},
+      {"simulator", "TD3 in the plain simulator", {{"centre", "31 ± 29"}}},
+      {"randomised", "TD3 in the randomised simulator", {}},
       {"paper",
        "TD3 in an MBS, paper's preset",
-       "policy",
        {{"centre", "6.3 ± 2.1"}, {"point", "5.3 ± 0.8"}, {"square", "7.4 ± 0.7"}}},
-      {"best", "TD3 in an MBS, best preset", "policy", {}},
-      {"turning", "best preset for points, then turning in place", "policy", {}},
-      {"planner", "planner in the MBS", "policy", {}},
-      {"baseline", "proportional baseline", "baseline", {}},
-      {"offline", "TD3 on recorded steps alone", "policy", {}}};
+      {"best", "TD3 in an MBS, best preset", {}},
+      {"turning", "best preset for points, then turning in place", {}},
+      {"planner", "planner in the MBS", {}},
+      {"baseline", "proportional baseline", {}},
+      {"offline", "TD3 on recorded steps alone", {}}};
   return kRows;
 }
 
-/// The folders of a cell's training seeds, by number.
+/// The folders of a cell's training seeds whose runs are finished, by number.
 std::vector<std::string> seeds_of(const std::string& folder) {
   std::map<int, std::string> found;
   if (fs::is_directory(folder)) {
     for (const auto& entry : fs::directory_iterator(folder)) {
-      if (entry.is_directory() && fs::exists(entry.path() / "done.json"))
-        found[std::atoi(entry.path().filename().c_str())] = entry.path().string();
+      const std::optional<runs::RunState> run = runs::find_run(entry.path().string());
+      if (run && run->finished) found[std::atoi(entry.path().filename().c_str())] = entry.path().string();
     }
   }
   std::vector<std::string> out;
@@ -69,7 +70,7 @@ struct Errors {
   std::vector<std::vector<double>> by_seed_mm;
   std::int64_t successes = 0;
   std::int64_t stopped = 0;
-  Json first_trials;  ///< of the first seed
+  std::vector<runs::TrialRecord> first_trials;  ///< of the first seed
 
   std::vector<double> all() const {
     std::vector<double> out;
@@ -82,58 +83,38 @@ struct Errors {
 std::optional<Errors> read_errors(const std::string& folder) {
   Errors errors;
   for (const std::string& seed : seeds_of(folder)) {
-    Json trials = read_if_there(seed + "/trials.json");
-    if (!trials.is_array()) continue;
+    auto trials = runs::find_trials(seed);
+    if (!trials) continue;
     std::vector<double> values;
-    for (const Json& trial : trials) {
-      const auto cross_track = number_at(trial, {"cross_track_rms_mm"});
-      const auto at_end = number_at(trial, {"final_error_mm"});
-      if (!cross_track && !at_end) continue;
-      values.push_back(cross_track ? *cross_track : *at_end);
-      errors.successes += trial.value("success", false) ? 1 : 0;
-      errors.stopped += trial.value("completed", true) ? 0 : 1;
+    for (const runs::TrialRecord& trial : *trials) {
+      const runs::TrialFigures& figures = trial.figures();
+      values.push_back(figures.cross_track_rms_mm.value_or(figures.final_error_mm));
+      errors.successes += figures.success ? 1 : 0;
+      errors.stopped += trial.completed ? 0 : 1;
     }
     errors.by_seed_mm.push_back(std::move(values));
-    if (errors.first_trials.is_null()) errors.first_trials = std::move(trials);
+    if (errors.first_trials.empty()) errors.first_trials = std::move(*trials);
   }
   if (errors.trials() == 0) return std::nullopt;
   return errors;
 }
 
-struct Figures {
-  double mean = 0.0, std = 0.0, rms = 0.0, iqm = 0.0, success = 0.0;
-  Interval iqm_interval, success_interval;
-  std::int64_t trials = 0, stopped = 0;
-  std::size_t seeds = 0;
-
-  Json json() const {
-    return {{"mean_error_mm", mean},
-            {"std_error_mm", std},
-            {"rms_error_mm", rms},
-            {"iqm_error_mm", iqm},
-            {"iqm_interval_mm", {iqm_interval.low, iqm_interval.high}},
-            {"success_rate", success},
-            {"success_interval", {success_interval.low, success_interval.high}},
-            {"n_trials", trials},
-            {"n_seeds", seeds},
-            {"n_stopped", stopped}};
-  }
-};
-
-Figures figures_of(const Errors& errors) {
+runs::PooledErrors pooled(const Errors& errors) {
   const std::vector<double> all = errors.all();
-  Figures out;
-  out.mean = common::mean(all);
-  out.std = common::standard_deviation(all);
-  out.rms = common::root_mean_square(all);
-  out.iqm = common::interquartile_mean(all);
-  out.iqm_interval = common::bootstrap_interval(errors.by_seed_mm, common::interquartile_mean,
-                                                common::RandomStream(1, "bootstrap"));
-  out.trials = errors.trials();
-  out.success = static_cast<double>(errors.successes) / static_cast<double>(out.trials);
-  out.success_interval = common::wilson_interval(errors.successes, out.trials);
-  out.stopped = errors.stopped;
-  out.seeds = errors.by_seed_mm.size();
+  runs::PooledErrors out;
+  out.mean_error_mm = common::mean(all);
+  out.std_error_mm = common::standard_deviation(all);
+  out.rms_error_mm = common::root_mean_square(all);
+  out.iqm_error_mm = common::interquartile_mean(all);
+  const Interval iqm = common::bootstrap_interval(errors.by_seed_mm, common::interquartile_mean,
+                                                  common::RandomStream(1, "bootstrap"));
+  out.iqm_interval_mm = {iqm.low, iqm.high};
+  out.n_trials = errors.trials();
+  out.success_rate = static_cast<double>(errors.successes) / static_cast<double>(out.n_trials);
+  const Interval success = common::wilson_interval(errors.successes, out.n_trials);
+  out.success_interval = {success.low, success.high};
+  out.n_stopped = errors.stopped;
+  out.n_seeds = static_cast<std::int64_t>(errors.by_seed_mm.size());
   return out;
 }
 
@@ -143,11 +124,12 @@ std::string text(const char* format, double a, double b = 0.0, double c = 0.0) {
   return buffer;
 }
 
-std::string with_interval(double value, const Interval& interval) {
-  return text("%.2f (%.2f to %.2f)", value, interval.low, interval.high);
+std::string iqm_text(const runs::PooledErrors& e) {
+  return text("%.2f (%.2f to %.2f)", e.iqm_error_mm, e.iqm_interval_mm[0], e.iqm_interval_mm[1]);
 }
-std::string with_interval_percent(double value, const Interval& interval) {
-  return text("%.0f %% (%.0f to %.0f)", 100.0 * value, 100.0 * interval.low, 100.0 * interval.high);
+std::string success_text(const runs::PooledErrors& e) {
+  return text("%.0f %% (%.0f to %.0f)", 100.0 * e.success_rate, 100.0 * e.success_interval[0],
+              100.0 * e.success_interval[1]);
 }
 
 /// A table as HTML, Markdown and JSON at once.
@@ -187,10 +169,10 @@ class PaperReport {
               "Section V beside ours, scale " + scale +
                   ": every figure of ours is measured against the true pose on "
                   "virtual rigs that no training saw; the paper's are from its real rig") {
-    json_["scale"] = scale;
-    json_["machine"] = common::build_and_host_facts();
-    json_["machine"].erase("host");
-    json_["machine"].erase("system");
+    result_.scale = scale;
+    result_.machine = common::build_and_host_facts();
+    result_.machine.erase("host");
+    result_.machine.erase("system");
   }
 
   void transfer() {
@@ -210,17 +192,19 @@ class PaperReport {
       for (const Row& row : rows()) {
         const auto errors = read_errors(cells_ + "/transfer/" + row.key + "/" + task);
         if (!errors) continue;
-        const Figures f = figures_of(*errors);
-        json_["transfer"][row.key][task] = f.json();
+        const runs::PooledErrors f = pooled(*errors);
+        result_.transfer[row.key][task] = f;
         const auto paper = row.paper.find(task);
         table.cells.push_back({task, row.name, paper == row.paper.end() ? "–" : paper->second,
-                               text("%.2f ± %.2f", f.mean, f.std), text("%.2f", f.rms),
-                               with_interval(f.iqm, f.iqm_interval),
-                               with_interval_percent(f.success, f.success_interval), std::to_string(f.trials),
-                               std::to_string(f.seeds), std::to_string(f.stopped)});
-        drawings += "<div class=\"panel\">" +
-                    draw_trials(errors->first_trials, task, row.controller, kDishRadius_mm) + "<b>" +
-                    escape(task) + "</b><br>" + escape(row.name) + "</div>";
+                               text("%.2f ± %.2f", f.mean_error_mm, f.std_error_mm),
+                               text("%.2f", f.rms_error_mm), iqm_text(f), success_text(f),
+                               std::to_string(f.n_trials), std::to_string(f.n_seeds),
+                               std::to_string(f.n_stopped)});
+        const std::string drawing =
+            draw_trials(errors->first_trials, task, errors->first_trials.front().controller, kDishRadius_mm);
+        drawings_.emplace_back(std::string(row.key) + "_" + task, drawing);
+        drawings += "<div class=\"panel\">" + drawing + "<b>" + escape(task) + "</b><br>" + escape(row.name) +
+                    "</div>";
       }
     }
     if (table.cells.empty()) return;
@@ -259,14 +243,14 @@ class PaperReport {
       std::vector<double> to_fraction_s;
       std::vector<double> whole_s;
       for (const std::string& seed : seeds_of(folder)) {
-        const Json result = read_if_there(seed + "/result.json");
-        if (const auto value = number_at(result, {"seconds_to_95_percent"})) to_fraction_s.push_back(*value);
-        if (const auto value = number_at(result, {"train_seconds"})) whole_s.push_back(*value);
+        const auto result = common::find_artefact<runs::PolicyResult>(seed + "/" + runs::PolicyResult::kFile);
+        if (!result) continue;
+        to_fraction_s.push_back(result->seconds_to_95_percent);
+        whole_s.push_back(result->train_seconds);
       }
       if (to_fraction_s.empty()) continue;
-      json_["training"][t.row][t.task] = {{"seconds_to_95_percent", common::mean(to_fraction_s)},
-                                          {"train_seconds", common::mean(whole_s)},
-                                          {"n_seeds", to_fraction_s.size()}};
+      result_.training[t.row][t.task] = {common::mean(to_fraction_s), common::mean(whole_s),
+                                         static_cast<std::int64_t>(to_fraction_s.size())};
       table.cells.push_back(
           {t.name, t.paper,
            text("%.1f ± %.1f", common::mean(to_fraction_s), common::standard_deviation(to_fraction_s)),
@@ -302,8 +286,8 @@ class PaperReport {
       std::vector<double> success;
       for (const std::string& seed : seeds_of(folder)) {
         const auto metrics = read_lines(seed + "/metrics.jsonl");
-        const Curve r = curve(metrics, {"evaluation/episode_return"});
-        const Curve s = curve(metrics, {"evaluation/success_rate"});
+        const Curve r = curve(metrics, runs::curves::kReturn);
+        const Curve s = curve(metrics, runs::curves::kSuccess);
         if (r.empty() || s.empty()) continue;
         returns.push_back(r.back().second);
         success.push_back(s.back().second);
@@ -311,9 +295,8 @@ class PaperReport {
       if (returns.empty()) continue;
       const bool offline = std::string(k) == "offline";
       const std::string name = offline ? "recorded steps alone, best learner" : std::string(k) + " of 3";
-      json_["mixes"][k] = {{"final_return", common::mean(returns)},
-                           {"success_rate", common::mean(success)},
-                           {"n_seeds", returns.size()}};
+      result_.mixes[k] = {common::mean(returns), common::mean(success),
+                          static_cast<std::int64_t>(returns.size())};
       table.cells.push_back({name,
                              text("%.2f ± %.2f", common::mean(returns), common::standard_deviation(returns)),
                              text("%.0f %%", 100.0 * common::mean(success)), std::to_string(returns.size())});
@@ -352,15 +335,13 @@ class PaperReport {
       const auto point = read_errors(cells_ + "/ablation/" + name + "/point");
       const auto square = read_errors(cells_ + "/ablation/" + name + "/square");
       if (!point || !square) continue;
-      const Figures p = figures_of(*point);
-      const Figures s = figures_of(*square);
+      const runs::PooledErrors p = pooled(*point);
+      const runs::PooledErrors s = pooled(*square);
       std::string shown = name;
       std::replace(shown.begin(), shown.end(), '_', ' ');
-      json_["ablations"][shown] = {{"point", p.json()}, {"square", s.json()}};
-      table.cells.push_back({shown, with_interval(p.iqm, p.iqm_interval), text("%.2f", p.mean),
-                             with_interval_percent(p.success, p.success_interval),
-                             with_interval(s.iqm, s.iqm_interval), text("%.2f", s.mean),
-                             with_interval_percent(s.success, s.success_interval), std::to_string(p.trials)});
+      result_.ablations[shown] = {{"point", p}, {"square", s}};
+      table.cells.push_back({shown, iqm_text(p), text("%.2f", p.mean_error_mm), success_text(p), iqm_text(s),
+                             text("%.2f", s.mean_error_mm), success_text(s), std::to_string(p.n_trials)});
     }
     if (table.cells.empty()) return;
     markdown_ += "Ablations of the best preset, random target\n\n" + table.markdown() + "\n";
@@ -372,7 +353,8 @@ class PaperReport {
   }
 
   std::string write() {
-    common::write_file_atomically(folder_ + "/report.json", json_.dump(1) + "\n");
+    common::write_artefact(folder_ + "/" + runs::PaperResult::kFile, result_);
+    for (const auto& [name, drawing] : drawings_) write_svg(folder_ + "/images/" + name + ".svg", drawing);
     common::write_file_atomically(folder_ + "/table.md", markdown_);
     common::write_file_atomically(folder_ + "/report.html", page_.render());
     return markdown_;
@@ -393,8 +375,7 @@ class PaperReport {
     for (const auto& [name, folder] : lines) {
       std::map<double, std::vector<double>> by_step;
       for (const std::string& seed : seeds_of(folder)) {
-        for (const auto& [step, value] :
-             curve(read_lines(seed + "/metrics.jsonl"), {"evaluation/episode_return"}))
+        for (const auto& [step, value] : curve(read_lines(seed + "/metrics.jsonl"), runs::curves::kReturn))
           by_step[step].push_back(value);
       }
       LineSeries mean, low, high;
@@ -419,7 +400,8 @@ class PaperReport {
   std::string cells_;
   std::string folder_;
   HtmlPage page_;
-  Json json_;
+  runs::PaperResult result_;
+  std::vector<std::pair<std::string, std::string>> drawings_;  ///< name of the file, drawing
   std::string markdown_;
 };
 

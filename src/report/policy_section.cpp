@@ -1,5 +1,6 @@
 #include "lodestone/report/charts.h"
 #include "lodestone/report/html.h"
+#include "lodestone/runs/curves.h"
 #include "sections.h"
 
 namespace lodestone::report {
@@ -25,16 +26,13 @@ std::string panel_html(const Panel& panel, const std::string& prefix) {
 }
 
 std::string result_sentence(const RunData& run) {
-  const auto steps = number_at(run.policy.result, {"env_steps"});
-  const auto updates = number_at(run.policy.result, {"updates"});
-  const auto seconds = number_at(run.policy.result, {"train_seconds"});
-  if (!steps && !updates) return "";
-  std::string text = "<p>" + (steps ? grouped(*steps) : std::string("–")) + " environment steps and " +
-                     (updates ? grouped(*updates) : std::string("–")) + " updates";
-  if (seconds) {
-    text += " in " + grouped(*seconds) + " s";
-    if (steps && *seconds > 0.0) text += " (" + grouped(*steps / *seconds) + " steps/s)";
-  }
+  if (!run.trained) return "";
+  const runs::PolicyFacts& facts = *run.trained;
+  const auto steps = static_cast<double>(facts.env_steps);
+  std::string text = "<p>" + grouped(steps) + " environment steps and " +
+                     grouped(static_cast<double>(facts.updates)) + " updates in " +
+                     grouped(facts.train_seconds) + " s";
+  if (facts.train_seconds > 0.0) text += " (" + grouped(steps / facts.train_seconds) + " steps/s)";
   return text + ".</p>\n";
 }
 
@@ -43,36 +41,36 @@ std::string result_sentence(const RunData& run) {
 std::string policy_section(const RunData& run, const std::string& prefix) {
   const std::string command =
       "lodestone train-policy --set dynamics=RUN/dynamics/checkpoint --out RUN/policy";
-  if (!run.policy.present()) return missing("The policy", command);
-  const auto of = [&run](std::initializer_list<const char*> keys) { return curve(run.policy.metrics, keys); };
-  const Curve evaluated = of({"evaluation/success_rate"});
+  if (!run.policy.present() && !run.trained) return missing("The policy", command);
+  const auto of = [&run](const char* name) { return curve(run.policy.metrics, name); };
+  const Curve evaluated = of(runs::curves::kSuccess);
   const std::vector<Panel> panels = {
       {"return",
        "Episode return",
        "return",
-       {{"evaluation", of({"evaluation/return", "evaluation/episode_return"}), kPolicyColour, false},
-        {"training, with noise", of({"train/return", "train/episode_return"}), kUnseenColour, false}}},
+       {{"evaluation", of(runs::curves::kReturn), kPolicyColour, false},
+        {"training, with noise", of(runs::curves::kTrainReturn), kUnseenColour, false}}},
       {"success",
        "Episodes that reach the target",
        "fraction of episodes",
        {{"evaluation", evaluated, kPolicyColour, false},
-        {"training, with noise", of({"train/success_rate"}), kUnseenColour, false}}},
+        {"training, with noise", of(runs::curves::kTrainSuccess), kUnseenColour, false}}},
       {"error",
        "Distance at the end of an episode",
        "distance (mm)",
-       {{"mean", of({"evaluation/final_error_mm"}), kPolicyColour, false},
-        {"median", of({"evaluation/final_error_median_mm"}), kUnseenColour, false}}},
-      {"q", "Mean Q value", "return expected", {{"Q", of({"train/q_mean"}), kSecondColour, false}}},
+       {{"mean", of(runs::curves::kFinalError), kPolicyColour, false},
+        {"median", of(runs::curves::kFinalErrorMedian), kUnseenColour, false}}},
+      {"q", "Mean Q value", "return expected", {{"Q", of(runs::curves::kQ), kSecondColour, false}}},
       {"losses",
        "Losses",
        "loss",
-       {{"critic", of({"train/critic_loss"}), kBaselineColour, false},
-        {"actor", of({"train/actor_loss"}), kSecondColour, false}}},
+       {{"critic", of(runs::curves::kCriticLoss), kBaselineColour, false},
+        {"actor", of(runs::curves::kActorLoss), kSecondColour, false}}},
       {"saturation",
        "Actions at their limit",
        "fraction of components",
-       {{"training", of({"train/saturation", "train/action_saturation"}), kSecondColour, false},
-        {"evaluation", of({"evaluation/action_saturation", "evaluation/saturation"}), kPolicyColour, false}}},
+       {{"training", of(runs::curves::kTrainSaturation), kSecondColour, false},
+        {"evaluation", of(runs::curves::kSaturation), kPolicyColour, false}}},
   };
   std::string charts;
   for (const Panel& panel : panels) charts += panel_html(panel, prefix);

@@ -1,9 +1,11 @@
 #include "lodestone/report/report.h"
 
+#include "lodestone/common/artefact.h"
 #include "lodestone/common/files.h"
 #include "lodestone/report/error_table.h"
 #include "lodestone/report/html_page.h"
 #include "sections.h"
+#include "trial_drawing.h"
 
 namespace lodestone::report {
 
@@ -27,13 +29,25 @@ std::string report_html(const RunData& run, const std::optional<RunData>& record
   return page.render();
 }
 
+/// The trajectories of the page as files: images/RIG_CONTROLLER_TASK.svg.
+void write_images(const RunData& run) {
+  for (const DeployData& rig : run.rigs) {
+    if (!rig.trials) continue;
+    for (const std::string& controller : {rig.summary.controller.value_or("policy"), std::string("baseline")})
+      for (const char* task : runs::kTasks)
+        write_svg(run.folder + "/images/" + rig.rig + "_" + controller + "_" + task + ".svg",
+                  draw_trials(*rig.trials, task, controller, dish_radius_mm(run)));
+  }
+}
+
 void write_report(const std::string& run_folder, const std::string& recorded_folder, const std::string& out) {
   const RunData run = read_run(run_folder);
   std::optional<RunData> recorded;
   if (!recorded_folder.empty()) recorded = read_run(recorded_folder);
   common::write_file_atomically(out, report_html(run, recorded));
-  common::write_file_atomically(run_folder + "/summary.json", merged_summary(run).dump(1) + "\n");
+  common::write_artefact(run_folder + "/" + runs::DeploymentSummary::kFile, merged_summary(run));
   common::write_file_atomically(run_folder + "/table.txt", error_table_text(error_rows(run)));
+  write_images(run);
 }
 
 }  // namespace lodestone::report

@@ -2,17 +2,21 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
-#include "lodestone/common/config.h"
+#include "lodestone/runs/deployment_results.h"
 
 namespace lodestone::report {
 
 /// More lines than these hide one another.
 constexpr std::size_t kDrawnTrials = 16;
 
-/// True trajectories of the first trials of a task by one controller ("policy" or "baseline"), seen from
-/// above, out of trials.json; empty when it holds none.
-std::string draw_trials(const common::Json& trials, const std::string& task, const std::string& controller,
-                        double radius_mm);
+/// Trajectories of the first trials of a task by one controller, seen from above: true ones, or as sensed
+/// where nobody knows those; empty when there are none.
+std::string draw_trials(const std::vector<runs::TrialRecord>& trials, const std::string& task,
+                        const std::string& controller, double radius_mm);
+
+/// A drawing as a file of its own, for READMEs and papers. Throws IoError.
+void write_svg(const std::string& path, const std::string& drawing);
 
 }  // namespace lodestone::report

@@ -14,8 +14,6 @@
 namespace lodestone::rl {
 namespace {
 
-using common::Json;
-
 constexpr double kDegreesPerRadian = 57.29577951308232;
 constexpr double kMillimetresPerMetre = 1e3;
 constexpr double kCell_m = 5e-3;
@@ -178,13 +176,6 @@ std::vector<ErrorCell> error_map(const data::TransitionTable& table, const std::
   return map;
 }
 
-Json error_json(const StateError& error) {
-  Json json;
-  json["position_rms_mm"] = error.position_rms_mm;
-  json["heading_rms_deg"] = error.heading_rms_deg ? Json(*error.heading_rms_deg) : Json(nullptr);
-  return json;
-}
-
 }  // namespace
 
 DynamicsEvaluation evaluate_dynamics(nets::DynamicsModel& model, const data::Dataset& dataset) {
@@ -205,8 +196,9 @@ DynamicsEvaluation evaluate_dynamics(nets::DynamicsModel& model, const data::Dat
   evaluation.normalised_l2 = normalised_loss(model, table);
   evaluation.normalised_state_l2 = normalised_state_loss(model, predicted, table);
   evaluation.k_step_mm = open_loop_errors(model, dataset);
-  evaluation.no_motion = state_error(table.state, table.next_state, table.state_size);
-  evaluation.nearest_neighbours =
+  runs::DynamicsBaselines& baselines = evaluation.baselines.emplace();
+  baselines.no_motion = state_error(table.state, table.next_state, table.state_size);
+  baselines.nearest_neighbours =
       state_error(neighbours.predict(table.state, table.action), table.next_state, table.state_size);
   evaluation.error_map = error_map(table, predicted);
   return evaluation;
@@ -219,25 +211,6 @@ data::Dataset select_split(const nets::DynamicsModel& model, const data::Dataset
   return data::split_by_episode(dataset, model.split.validation_fraction, model.split.test_fraction,
                                 model.split.seed)
       .test;
-}
-
-Json to_json(const DynamicsEvaluation& evaluation) {
-  Json json = error_json(evaluation.one_step);
-  json["normalised_l2"] = evaluation.normalised_l2;
-  json["normalised_state_l2"] = evaluation.normalised_state_l2;
-  json["k_step"] = Json::object();
-  for (const auto& [steps, error] : evaluation.k_step_mm) {
-    json["k_step"][std::to_string(steps)] = error ? Json(*error) : Json(nullptr);
-  }
-  json["baselines"]["no_motion"] = error_json(evaluation.no_motion);
-  json["baselines"]["knn10"] = error_json(evaluation.nearest_neighbours);
-  json["n"] = evaluation.n;
-  json["error_map"] = Json::array();
-  for (const ErrorCell& cell : evaluation.error_map) {
-    json["error_map"].push_back(
-        {{"x_m", cell.x_m}, {"y_m", cell.y_m}, {"rms_mm", cell.rms_mm}, {"n", cell.n}});
-  }
-  return json;
 }
 
 }  // namespace lodestone::rl

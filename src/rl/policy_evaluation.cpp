@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "lodestone/runs/curves.h"
+
 namespace lodestone::rl {
 namespace {
 
@@ -17,20 +19,13 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-common::Scalars PolicyScore::scalars() const {
-  return {{"evaluation/episode_return", episode_return},
-          {"evaluation/success_rate", success_rate},
-          {"evaluation/final_error_mm", final_error_mm},
-          {"evaluation/final_error_median_mm", final_error_median_mm},
-          {"evaluation/episode_length", episode_length},
-          {"evaluation/action_saturation", action_saturation}};
-}
-
-common::Json PolicyScore::json() const {
-  common::Json json;
-  for (const auto& [key, value] : scalars()) json[key.substr(key.find('/') + 1)] = value;
-  json["episodes"] = episodes;
-  return json;
+common::Scalars scalars_of(const PolicyScore& score) {
+  return {{runs::curves::kReturn, score.episode_return},
+          {runs::curves::kSuccess, score.success_rate},
+          {runs::curves::kFinalError, score.final_error_mm},
+          {runs::curves::kFinalErrorMedian, score.final_error_median_mm},
+          {runs::curves::kEpisodeLength, score.episode_length},
+          {runs::curves::kSaturation, score.action_saturation}};
 }
 
 PolicyEvaluation::PolicyEvaluation(env::VecEnv& environments, const task::EncoderConfig& encoder)

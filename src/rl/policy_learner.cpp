@@ -8,6 +8,7 @@
 #include <torch/utils.h>
 
 #include "lodestone/common/error.h"
+#include "lodestone/runs/curves.h"
 
 namespace lodestone::rl {
 namespace {
@@ -129,13 +130,13 @@ common::Scalars PolicyLearner::take_statistics() {
     if (mean.count > 0.0) scalars.emplace_back(key, mean.sum / mean.count);
     mean = Mean{};
   };
-  take("train/episode_return", return_);
-  take("train/success_rate", success_);
-  take("train/episode_length", length_);
-  take("train/critic_loss", critic_loss_);
-  take("train/actor_loss", actor_loss_);
-  take("train/q_mean", q_);
-  take("train/action_saturation", saturation_);
+  take(runs::curves::kTrainReturn, return_);
+  take(runs::curves::kTrainSuccess, success_);
+  take(runs::curves::kTrainLength, length_);
+  take(runs::curves::kCriticLoss, critic_loss_);
+  take(runs::curves::kActorLoss, actor_loss_);
+  take(runs::curves::kQ, q_);
+  take(runs::curves::kTrainSaturation, saturation_);
   return scalars;
 }
 

@@ -2,21 +2,19 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "lodestone/common/artefact.h"
 #include "lodestone/common/clock.h"
 #include "lodestone/common/error.h"
-#include "lodestone/common/interrupt.h"
-#include "lodestone/common/log.h"
 #include "lodestone/common/memory.h"
 #include "lodestone/common/metrics.h"
-#include "lodestone/common/progress.h"
 #include "lodestone/inference/policy.h"
 #include "lodestone/nets/checkpoint.h"
 #include "lodestone/rl/policy_learner.h"
+#include "lodestone/runs/resumable_run.h"
 
 namespace lodestone::rl {
 namespace {
@@ -25,30 +23,6 @@ constexpr const char* kKind = "td3_training";
 
 std::int64_t thread_count(std::int64_t asked) {
   return asked > 0 ? asked : std::max<std::int64_t>(1, std::thread::hardware_concurrency());
-}
-
-/// The part of a configuration that decides the result.
-common::Json reproducibility_settings(TrainPolicyConfig config) {
-  config.threads = 0;
-  config.recorded.clear();
-  config.dynamics.clear();  // folders may be moved; the environments' state says when the model is another
-  config.training.checkpoint_every_s = 0.0;
-  config.training.max_seconds = 0.0;
-  return common::config_to_json(config);
-}
-
-common::Json score_to_json(const PolicyScore& score) { return score.json(); }
-
-PolicyScore score_from_json(const common::Json& json) {
-  PolicyScore score;
-  score.episode_return = json.at("episode_return").get<double>();
-  score.success_rate = json.at("success_rate").get<double>();
-  score.final_error_mm = json.at("final_error_mm").get<double>();
-  score.final_error_median_mm = json.at("final_error_median_mm").get<double>();
-  score.episode_length = json.at("episode_length").get<double>();
-  score.action_saturation = json.at("action_saturation").get<double>();
-  score.episodes = json.at("episodes").get<std::int64_t>();
-  return score;
 }
 
 std::string note(const PolicyScore& score) {
@@ -66,26 +40,21 @@ std::optional<Hindsight> hindsight(const TrainPolicyConfig& config) {
 }
 
 /// One run: the learner, its best policy so far, and the files.
-class Run {
+class Training : public runs::ResumableWork {
  public:
-  Run(const TrainPolicyConfig& config, env::VecEnv& training, env::VecEnv& evaluation,
-      const std::string& folder, const task::Region* region)
+  Training(const TrainPolicyConfig& config, env::VecEnv& training, env::VecEnv& evaluation,
+           const std::string& folder, const task::Region* region)
       : config_(config),
         folder_(folder),
         evaluation_(evaluation, config.encoder),
         learner_(config.training.learning, config.td3, config.noise, static_cast<std::uint64_t>(config.seed),
                  thread_count(config.threads), training, hindsight(config)),
-        log_(folder),
         next_evaluation_(config.training.evaluate_every) {
     if (region != nullptr) region_ = *region;
   }
 
-  void resume() {
-    const nets::Checkpoint checkpoint = nets::load_checkpoint(folder_ + "/training", kKind);
-    if (checkpoint.config != reproducibility_settings(config_)) {
-      throw common::ConfigError("--resume: the configuration differs from that of " + folder_ +
-                                "/training; use the same --config and --set as before, or another --out");
-    }
+  void load(const std::string& folder) override {
+    const nets::Checkpoint checkpoint = nets::load_checkpoint(folder + "/training", kKind);
     learner_.load(checkpoint);
     try {
       const common::Json& run = checkpoint.facts.at("run");
@@ -93,44 +62,45 @@ class Run {
       result_.train_seconds = run.at("train_seconds").get<double>();
       result_.best_env_steps = run.at("best_env_steps").get<std::int64_t>();
       returns_ = run.at("returns").get<std::vector<std::pair<double, double>>>();
-      if (result_.best_env_steps > 0) result_.evaluation = score_from_json(run.at("best"));
+      if (result_.best_env_steps > 0)
+        result_.evaluation = common::artefact_from_json<PolicyScore>(run.at("best"), folder + "/training");
     } catch (const nlohmann::json::exception& error) {
-      throw common::CheckpointError(folder_ + "/training: malformed run facts: " + error.what());
+      throw common::CheckpointError(folder + "/training: malformed run facts: " + error.what());
     }
   }
 
-  PolicyRunResult train() {
-    const common::SteadyClock clock;
+  runs::Progress progress() const override {
+    return {learner_.env_steps(), config_.training.learning.env_steps, learner_.finished() || out_of_time(),
+            text_};
+  }
+
+  void step(common::MetricsLog& metrics) override {
+    const double start_s = clock_.now_s();
     const double earlier_s = result_.train_seconds;
-    const double start_s = clock.now_s();
-    double saved_s = start_s;
-    common::Progress progress("training the policy", config_.training.learning.env_steps);
-    std::string text = "warming up";
-    if (returns_.empty()) evaluate();  // where learning starts from
-    while (!learner_.finished()) {
-      learner_.step();
-      const double now_s = clock.now_s();
-      result_.train_seconds = earlier_s + now_s - start_s;
-      if (learner_.env_steps() >= next_evaluation_ || learner_.finished()) {
-        while (next_evaluation_ <= learner_.env_steps()) next_evaluation_ += config_.training.evaluate_every;
-        text = note(evaluate());
-      }
-      progress.update(learner_.env_steps(), text);
-      if (common::interrupted()) stop();
-      if (config_.training.max_seconds > 0.0 && result_.train_seconds >= config_.training.max_seconds) {
-        if (!learner_.finished()) text = note(evaluate());
-        common::log_info("train-policy: max_seconds reached after " + std::to_string(learner_.env_steps()) +
-                         " environment steps");
-        break;
-      }
-      if (now_s - saved_s >= config_.training.checkpoint_every_s) {
-        save();
-        saved_s = clock.now_s();
-      }
+    if (returns_.empty()) evaluate(metrics);  // where learning starts from
+    learner_.step();
+    result_.train_seconds = earlier_s + clock_.now_s() - start_s;
+    if (learner_.env_steps() >= next_evaluation_ || learner_.finished() || out_of_time()) {
+      while (next_evaluation_ <= learner_.env_steps()) next_evaluation_ += config_.training.evaluate_every;
+      evaluate(metrics);
+      result_.train_seconds = earlier_s + clock_.now_s() - start_s;
     }
-    if (result_.best_env_steps == 0) text = note(evaluate());  // resumed at its very end
-    progress.finish(text);
-    save();
+  }
+
+  void save(const std::string& folder) override {
+    nets::Checkpoint checkpoint;
+    checkpoint.kind = kKind;
+    checkpoint.config = common::config_to_json(config_);
+    learner_.save(checkpoint);
+    checkpoint.facts["run"] = {{"next_evaluation", next_evaluation_},
+                               {"train_seconds", result_.train_seconds},
+                               {"best_env_steps", result_.best_env_steps},
+                               {"returns", returns_},
+                               {"best", common::artefact_to_json(result_.evaluation)}};
+    nets::save_checkpoint(folder + "/training", checkpoint);
+  }
+
+  runs::PolicyResult result() {
     result_.env_steps = learner_.env_steps();
     result_.updates = learner_.updates();
     result_.seconds_to_95_percent = seconds_to_fraction(0.95);
@@ -139,24 +109,28 @@ class Run {
   }
 
  private:
-  PolicyScore evaluate() {
+  bool out_of_time() const {
+    return config_.training.max_seconds > 0.0 && result_.train_seconds >= config_.training.max_seconds;
+  }
+
+  void evaluate(common::MetricsLog& metrics) {
     const PolicyScore score = evaluation_.run(learner_.td3().actor());
     common::Scalars scalars = learner_.take_statistics();
-    for (const auto& [key, value] : score.scalars()) scalars.emplace_back(key, value);
+    for (const auto& [key, value] : scalars_of(score)) scalars.emplace_back(key, value);
     scalars.emplace_back("train/updates", static_cast<double>(learner_.updates()));
     if (result_.train_seconds > 0.0) {
       scalars.emplace_back("train/steps_per_s",
                            static_cast<double>(learner_.env_steps()) / result_.train_seconds);
     }
-    log_.write(learner_.env_steps(), scalars);
+    metrics.write(learner_.env_steps(), scalars);
     returns_.emplace_back(result_.train_seconds, score.episode_return);
-    if (learner_.env_steps() == 0) return score;
+    text_ = note(score);
+    if (learner_.env_steps() == 0) return;
     if (result_.best_env_steps == 0 || score.episode_return > result_.evaluation.episode_return) {
       result_.evaluation = score;
       result_.best_env_steps = learner_.env_steps();
       save_best();
     }
-    return score;
   }
 
   double seconds_to_fraction(double fraction) const {
@@ -176,41 +150,21 @@ class Run {
     policy.rig = config_.learned_rig;
     policy.goal = config_.task.goal;
     policy.region = region_;
-    common::Json metrics = score_to_json(result_.evaluation);
+    common::Json metrics = common::artefact_to_json(result_.evaluation);
     metrics["env_steps"] = result_.best_env_steps;
     inference::save_policy(folder_ + "/checkpoint", policy, common::config_to_json(config_), metrics);
-  }
-
-  void save() {
-    nets::Checkpoint checkpoint;
-    checkpoint.kind = kKind;
-    checkpoint.config = reproducibility_settings(config_);
-    learner_.save(checkpoint);
-    checkpoint.facts["run"] = {{"next_evaluation", next_evaluation_},
-                               {"train_seconds", result_.train_seconds},
-                               {"best_env_steps", result_.best_env_steps},
-                               {"returns", returns_},
-                               {"best", score_to_json(result_.evaluation)}};
-    nets::save_checkpoint(folder_ + "/training", checkpoint);
-  }
-
-  [[noreturn]] void stop() {
-    if (result_.best_env_steps == 0) evaluate();  // so that there is a policy to look at
-    save();
-    throw common::Interrupted("train-policy: stopped after " + std::to_string(learner_.env_steps()) +
-                              " environment steps; run the same command with --resume to go on in " +
-                              folder_);
   }
 
   TrainPolicyConfig config_;
   std::string folder_;
   PolicyEvaluation evaluation_;
   PolicyLearner learner_;
-  common::MetricsLog log_;
+  common::SteadyClock clock_;
   std::int64_t next_evaluation_;
   std::vector<std::pair<double, double>> returns_;  // of every evaluation: training time in s, mean return
-  PolicyRunResult result_;
+  runs::PolicyResult result_;
   std::optional<task::Region> region_;
+  std::string text_ = "warming up";
 };
 
 }  // namespace
@@ -257,21 +211,25 @@ TrainPolicyConfig adopt_data(TrainPolicyConfig config, const data::DatasetInfo& 
   return config;
 }
 
-common::Json PolicyRunResult::json() const {
-  return {{"env_steps", env_steps},
-          {"updates", updates},
-          {"train_seconds", train_seconds},
-          {"best_env_steps", best_env_steps},
-          {"seconds_to_95_percent", seconds_to_95_percent},
-          {"peak_memory_mb", peak_memory_mb},
-          {"evaluation", evaluation.json()}};
+runs::RunRequest run_request(const TrainPolicyConfig& config, const std::string& folder, bool resume) {
+  runs::RunRequest request;
+  request.folder = folder;
+  request.verb = "train-policy";
+  request.config = common::config_to_json(config);
+  request.seed = config.seed;
+  request.resume = resume;
+  // Folders may be moved; the environments' state says when the model is another.
+  request.free_keys = {"threads", "recorded", "dynamics", "training.checkpoint_every_s"};
+  request.length_keys = {"training.env_steps", "training.max_seconds"};
+  return request;
 }
 
-PolicyRunResult train_policy(const TrainPolicyConfig& config, env::VecEnv& training, env::VecEnv& evaluation,
-                             const std::string& folder, bool resume, const task::Region* region) {
-  Run run(config, training, evaluation, folder, region);
-  if (resume && std::filesystem::exists(folder + "/training")) run.resume();
-  return run.train();
+runs::PolicyResult train_policy(const TrainPolicyConfig& config, env::VecEnv& training,
+                                env::VecEnv& evaluation, runs::RunFolder& run, const task::Region* region) {
+  Training work(config, training, evaluation, run.path(), region);
+  runs::run_resumably(run, work,
+                      {"training the policy", "environment steps", config.training.checkpoint_every_s});
+  return work.result();
 }
 
 }  // namespace lodestone::rl

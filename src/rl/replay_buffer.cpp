@@ -118,6 +118,10 @@ void ReplayBuffer::load(const nets::NamedTensors& tensors) {
   size_ = stored.size(0);
   next_ = position;
   rows_.narrow(0, 0, size_).copy_(stored);
+  if (size_ == capacity_ || next_ == size_) return;
+  // A full buffer goes on in a larger one: the oldest row comes first again.
+  rows_.narrow(0, 0, size_).copy_(stored.roll(-next_, 0));
+  next_ = size_;
 }
 
 }  // namespace lodestone::rl

@@ -1,7 +1,6 @@
 #include "lodestone/vision/segmenter_training.h"
 
 #include <cmath>
-#include <filesystem>
 #include <numeric>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -12,11 +11,11 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
-#include "lodestone/common/metrics.h"
-#include "lodestone/common/progress.h"
 #include "lodestone/nets/checkpoint.h"
 #include "lodestone/nets/flat_parameters.h"
 #include "lodestone/nets/unet.h"
+#include "lodestone/runs/curves.h"
+#include "lodestone/runs/resumable_run.h"
 #include "lodestone/vision/segmenter_samples.h"
 #include "prediction_image.h"
 
@@ -70,7 +69,7 @@ Tensor turned(const Tensor& image, std::uint64_t way) {
   return out;
 }
 
-class Training {
+class Training : public runs::ResumableWork {
  public:
   Training(const TrainSegmenterConfig& config, std::string folder)
       : config_(config),
@@ -94,18 +93,11 @@ class Training {
     best_ = state();
   }
 
-  void resume() {
-    const std::string where = folder_ + "/training";
-    if (!std::filesystem::exists(where)) {
-      common::log_info("there is no " + where + " yet: training from the start");
-      return;
-    }
+  void load(const std::string& folder) override {
+    const std::string where = folder + "/training";
     const nets::Checkpoint checkpoint = nets::load_checkpoint(where, kKind);
     const std::string what = "checkpoint " + where;
     try {
-      if (checkpoint.config != settings())
-        throw common::ConfigError(what +
-                                  " was made with other settings; resume with the run's own config.json");
       nets::load_module_tensors(*networks_[0], checkpoint.parts.at("network"), what);
       best_ = checkpoint.parts.at("best");
       first_moment_.copy_(checkpoint.parts.at("moments").at("first"));
@@ -123,34 +115,45 @@ class Training {
     share();
   }
 
-  SegmenterTrainingResult run() {
+  void save(const std::string& folder) override {
+    nets::Checkpoint checkpoint;
+    checkpoint.kind = kKind;
+    checkpoint.config = common::config_to_json(config_);
+    checkpoint.facts["epoch"] = epoch_;
+    checkpoint.facts["stale_epochs"] = stale_epochs_;
+    checkpoint.facts["best_loss"] = best_loss_;
+    checkpoint.facts["best_dice"] = best_dice_;
+    checkpoint.parts["network"] = nets::module_tensors(*networks_[0]);
+    checkpoint.parts["best"] = best_;
+    checkpoint.parts["moments"] = {{"first", first_moment_}, {"second", second_moment_}};
+    nets::save_checkpoint(folder + "/training", checkpoint);
+  }
+
+  runs::Progress progress() const override {
     const SegmenterTrainingConfig& training = config_.training;
-    common::MetricsLog metrics(folder_);
-    common::Progress progress("train segmenter", training.epochs * batches());
-    while (epoch_ < training.epochs && (training.patience == 0 || stale_epochs_ < training.patience)) {
-      run_epoch(progress);
-      if (common::interrupted())
-        throw common::Interrupted("training of the segmenter was interrupted after epoch " +
-                                  std::to_string(epoch_) + "; go on with --resume --out " + folder_);
-      validate();
-      ++epoch_;
-      metrics.write(epoch_, {{"train_loss", train_loss_},
-                             {"validation_loss", validation_loss_},
-                             {"validation_dice_needle", validation_dice_},
-                             {"validation_dice_tape", validation_dice_tape_}});
-      show(metrics);
-      save();
-      if (training.max_seconds > 0.0 && clock_.now_s() - start_s_ > training.max_seconds) break;
-    }
-    progress.finish(note());
+    const bool enough = training.patience > 0 && stale_epochs_ >= training.patience;
+    const bool out_of_time = training.max_seconds > 0.0 && clock_.now_s() - start_s_ > training.max_seconds;
+    return {epoch_, training.epochs, epoch_ >= training.epochs || enough || (epoch_ > 0 && out_of_time),
+            note()};
+  }
+
+  void step(common::MetricsLog& metrics) override {
+    run_epoch();
+    validate();
+    ++epoch_;
+    metrics.write(epoch_, {{runs::curves::kTrainLoss, train_loss_},
+                           {runs::curves::kValidationLoss, validation_loss_},
+                           {"validation_dice_needle", validation_dice_},
+                           {"validation_dice_tape", validation_dice_tape_}});
+    show(metrics);
+  }
+
+  SegmenterTrainingResult finish(double seconds) {
     SegmenterTrainingResult result;
     nets::load_module_tensors(*networks_[0], best_, "best weights");
     result.network = networks_[0].ptr();
-    result.epochs = epoch_;
-    result.train_loss = train_loss_;
-    result.validation_loss = best_loss_;
+    result.facts = {best_loss_, train_loss_, epoch_, seconds};
     result.validation_dice = best_dice_;
-    result.seconds = clock_.now_s() - start_s_;
     return result;
   }
 
@@ -161,13 +164,6 @@ class Training {
   }
 
   std::int64_t batches() const { return train_.size() / config_.training.batch_size; }
-
-  Json settings() const {
-    Json json = common::config_to_json(config_);
-    json.erase("threads");
-    json["training"].erase("max_seconds");
-    return json;
-  }
 
   nets::NamedTensors state() const {
     nets::NamedTensors copy;
@@ -203,17 +199,16 @@ class Training {
     return order;
   }
 
-  void run_epoch(common::Progress& progress) {
+  void run_epoch() {
     const std::vector<std::int64_t> order = epoch_order();
     const auto size = static_cast<std::size_t>(config_.training.batch_size);
     double sum = 0.0;
     for (std::int64_t batch = 0; batch < batches(); ++batch) {
-      if (common::interrupted()) return;
+      if (common::interrupted()) throw common::Interrupted("an epoch was left half-done");
       sum += run_batch(order.data() + static_cast<std::size_t>(batch) * size, size / kShards);
       adam_step(epoch_ * batches() + batch);
       share();
       train_loss_ = sum / static_cast<double>(batch + 1);
-      progress.update(epoch_ * batches() + batch + 1, note());
     }
   }
 
@@ -312,20 +307,6 @@ class Training {
     cv::imwrite(folder_ + "/predictions.png", sheet);
   }
 
-  void save() const {
-    nets::Checkpoint checkpoint;
-    checkpoint.kind = kKind;
-    checkpoint.config = settings();
-    checkpoint.facts["epoch"] = epoch_;
-    checkpoint.facts["stale_epochs"] = stale_epochs_;
-    checkpoint.facts["best_loss"] = best_loss_;
-    checkpoint.facts["best_dice"] = best_dice_;
-    checkpoint.parts["network"] = nets::module_tensors(*networks_[0]);
-    checkpoint.parts["best"] = best_;
-    checkpoint.parts["moments"] = {{"first", first_moment_}, {"second", second_moment_}};
-    nets::save_checkpoint(folder_ + "/training", checkpoint);
-  }
-
   std::string note() const {
     char text[96];
     std::snprintf(text, sizeof text, "loss %.4f, validation %.4f, overlap %.3f", train_loss_,
@@ -359,12 +340,21 @@ class Training {
 
 }  // namespace
 
-SegmenterTrainingResult train_segmenter(const TrainSegmenterConfig& config, const std::string& folder,
-                                        bool resume) {
+runs::RunRequest run_request(const TrainSegmenterConfig& config, const std::string& folder, bool resume) {
+  runs::RunRequest request;
+  request.folder = folder;
+  request.verb = "train-segmenter";
+  request.config = common::config_to_json(config);
+  request.seed = config.seed;
+  request.resume = resume;
+  request.length_keys = {"training.max_seconds"};
+  return request;
+}
+
+SegmenterTrainingResult train_segmenter(const TrainSegmenterConfig& config, runs::RunFolder& run) {
   config.validate();
-  Training training(config, folder);
-  if (resume) training.resume();
-  return training.run();
+  Training work(config, run.path());
+  return work.finish(runs::run_resumably(run, work, {"train segmenter", "epochs", 0.0}));
 }
 
 }  // namespace lodestone::vision

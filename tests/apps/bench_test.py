@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The program on an emulated bench, as somebody with a real one uses it. usage: bench_test.py LODESTONE SOURCE
 [PTY_AS_PORT]"""
+import csv
 import json
 import os
 import pathlib
@@ -71,7 +72,12 @@ try:
     summary = json.loads((folder / "deploy/summary.json").read_text())
     assert summary["scored_by"] == "camera" and summary["baseline"]["centre"]["n_trials"] == 1, summary
     trial = json.loads((folder / "deploy/trials.json").read_text())[0]
-    assert trial["completed"] and len(trial["trajectory"]) > 8, trial["stop_reason"]
+    assert trial["completed"] and len(trial["sensed_trajectory"]) > 8, trial["stop_reason"]
+    # Nobody knows the true pose: there is none, and no figure by it.
+    assert "trajectory" not in trial and "final_error_mm" not in trial, trial.keys()
+    assert "mean_error_mm" not in summary["baseline"]["centre"] and summary["baseline"]["centre"]["sensed"]["mean_error_mm"] > 0
+    with (folder / "deploy/trajectories.csv").open() as file:
+        assert all(row["true_x_m"] == "" for row in csv.DictReader(file))
 
     # The stop file ends a run at once, and what was measured is written.
     running = start("deploy", "--rig", bench, "--controller", "baseline", "--task", "centre", "--trials", 5,

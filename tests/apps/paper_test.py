@@ -75,8 +75,11 @@ running.send_signal(signal.SIGTERM)
 said = running.communicate(timeout=60)[1]
 assert running.returncode in (0, 130), said
 run("--only", "policy/paper/centre/1")
-marker = json.loads((out / "cells/policy/paper/centre/1/done.json").read_text())
-assert marker["id"] == "policy/paper/centre/1" and "train-policy" in marker["command"], marker
+state = json.loads((out / "cells/policy/paper/centre/1/run.json").read_text())
+assert state["finished"] and state["verb"] == "train-policy", state
+assert not (out / "cells/policy/paper/centre/1/training").exists(), "hundreds of replay buffers would fill a disk"
+told = subprocess.run([program, "status", str(out)], capture_output=True, text=True).stdout
+assert "policy/paper/centre/1" in told and "waiting" in told and "runs are finished" in told, told
 
 # A report of what is there, whenever one is wanted.
 assert "proportional baseline" in run("--report")
@@ -86,6 +89,6 @@ assert report["transfer"]["baseline"]["point"]["n_trials"] == 1, report
 # The same folder does not take cells of another size.
 scale.write_text(scale.read_text().replace('"trials": 1', '"trials": 2'))
 other = subprocess.run(bench(), capture_output=True, text=True)
-assert other.returncode == 2 and "scale.json" in other.stderr, other.stderr
+assert other.returncode == 2 and "trials = 2 (there: 1)" in other.stderr, other.stderr
 
 print("bench paper: listed, run apart, killed and resumed")

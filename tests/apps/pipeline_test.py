@@ -63,6 +63,17 @@ with tempfile.TemporaryDirectory() as name:
     run(*train_policy, "--out", killed, "--resume")
     weights = [json.loads((folder / "checkpoint" / "manifest.json").read_text())["files"] for folder in (policy, killed)]
     assert weights[0] == weights[1], f"a resumed run differs: {weights}"
+    steps = [json.loads(line)["step"] for line in (killed / "metrics.jsonl").read_text().splitlines()]
+    assert steps == sorted(set(steps)), f"a curve repeats a step: {steps}"
+    # A finished run trains on; other settings are refused by name; another verb's folder, too.
+    longer = [text.replace("env_steps=40000", "env_steps=50000") for text in map(str, train_policy)]
+    run(*longer, "--out", killed, "--resume")
+    assert json.loads((killed / "result.json").read_text())["env_steps"] >= 50000
+    other = run(*train_policy, "--set", "td3.discount=0.5", "--out", killed, "--resume", code=2).stderr
+    assert "td3.discount = 0.5" in other and "seed" not in other, other
+    assert "train-policy" in run(*train_dynamics, "--out", killed, "--resume", code=2).stderr
+    told = run("status", killed).stdout
+    assert "finished" in told and "train-policy" in told and "environment steps" in told, told
     stopped = root / "stopped"
     code = kill_after(signal.SIGINT, stopped / "training" / "manifest.json", *train_policy, "--out", stopped)
     assert code in (0, 130), code
@@ -70,6 +81,14 @@ with tempfile.TemporaryDirectory() as name:
     deploy = ("deploy", "--config", configs / "deploy.json", "--task", "all", "--trials", "2", "--on", "both",
               "--controller", "both")
     run(*deploy, "--policy", policy / "checkpoint", "--out", root / "deploy")
+    # Killed in the middle, it goes on with the trials that are left, and ends the same.
+    cut = root / "cut"
+    kill_after(signal.SIGKILL, cut / "summary.json", *deploy, "--policy", policy / "checkpoint", "--out", cut)
+    run(*deploy, "--policy", policy / "checkpoint", "--out", cut, "--resume")
+    for file in ("summary.json", "explored/trials.json", "unseen/trials.json", "trajectories.csv"):
+        assert (cut / file).read_bytes() == (root / "deploy" / file).read_bytes(), f"{file} of a resumed deployment differs"
+    found = run(*deploy, "--policy", policy / "checkpoint", "--out", cut, "--resume")
+    assert "finished already" in found.stderr and "centre" in found.stdout, found
     of_deploy = json.loads((root / "deploy" / "summary.json").read_text())
     assert of_deploy["collect"]["transitions"] == 800 and of_deploy["policy"]["updates"] > 0, of_deploy.keys()
     assert of_deploy["dynamics"]["position_rms_mm"] > 0.0
@@ -119,7 +138,7 @@ with tempfile.TemporaryDirectory() as name:
         f"dynamics={source / 'models' / 'dynamics_best'}", "--task", "point", "--trials", "4", "--sensor", "simulated",
         "--out", planned)
     summary = json.loads((planned / "summary.json").read_text())
-    assert summary["point"]["mean_error_mm"] < 3.0, summary
+    assert summary["point"]["mean_error_mm"] < 3.0 and summary["controller"] == "planner", summary
 
     # Damaged checkpoints are named, and nothing is driven with them.
     tensors = next((policy / "checkpoint").glob("*.safetensors"))

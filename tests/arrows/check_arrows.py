@@ -16,24 +16,25 @@ LADDER = {
     "data": {"geometry"},
     "task": {"geometry"},
     "imaging": {"geometry"},
+    "runs": {"data"},
     "inference": {"geometry", "data", "task"},
     "nets": {"geometry", "data", "task", "inference"},
-    "vision": {"nets", "imaging", "geometry"},
+    "vision": {"nets", "runs", "imaging", "geometry"},
     "rig": {"physics", "imaging", "data", "geometry"},
     "env": {"physics", "task", "data", "inference", "geometry"},
-    "rl": {"env", "nets", "inference", "data", "task", "physics", "geometry"},
+    "rl": {"env", "nets", "inference", "runs", "data", "task", "physics", "geometry"},
     "emulation": {"rig", "physics", "imaging", "geometry"},
     "control": {"rig", "physics", "data", "task", "inference", "geometry"},
     "safety": {"control", "rig", "physics", "geometry"},
     "session": {"safety", "control", "rig", "vision", "imaging", "physics", "geometry"},
     "experiments": {"session", "safety", "control", "emulation", "rig", "vision", "imaging", "physics", "data", "task",
-                    "inference", "geometry"},
-    "report": {"data", "geometry"},
+                    "inference", "runs", "geometry"},
+    "report": {"runs", "data", "geometry"},
 }
 # Modules whose files may include LibTorch's headers, and of those a public header that describes networks.
 SEES_TORCH = {"nets", "rl", "vision"}
 # Modules that a program can be linked from without LibTorch.
-LINKS_WITHOUT_TORCH = {"common", "geometry", "physics", "data", "task", "imaging", "inference", "rig", "env", "emulation", "control",
+LINKS_WITHOUT_TORCH = {"common", "geometry", "physics", "data", "task", "imaging", "runs", "inference", "rig", "env", "emulation", "control",
                        "safety", "report"}
 MAY_SEE_TORCH = {"apps/speed_figures.cpp"}  # times LibTorch itself
 # Who may see where the needle really is: the virtual rig with its rendered camera and simulated sensor, the emulation, and

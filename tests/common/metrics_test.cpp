@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <sstream>
 
@@ -94,6 +95,33 @@ TEST_CASE("metrics are one flushed JSON object a line, and appending goes on") {
     CHECK(json["step"] == run);
     CHECK(json["train/loss"] == 0.5 + run);
   }
+}
+
+TEST_CASE("going on from a step drops what was logged beyond it, here and in TensorBoard") {
+  const lodestone::tests::TemporaryFolder folder;
+  {
+    MetricsLog log(folder.path());
+    for (int step = 0; step < 4; ++step) log.write(step, {{"loss", 1.0}});
+  }
+  std::ofstream(folder / "metrics.jsonl", std::ios::app) << "{\"step\": 4, \"lo";  // cut off by a kill
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    if (entry.path().extension() == ".lodestone") std::filesystem::remove(entry);
+  {
+    MetricsLog log(folder.path(), 1, 100.0);
+    log.write(2, {{"loss", 2.0}});
+  }
+  std::istringstream lines(read_file(folder / "metrics.jsonl"));
+  std::vector<double> losses;
+  double wall_s = 0.0;
+  for (std::string line; std::getline(lines, line);) {
+    losses.push_back(Json::parse(line).at("loss").get<double>());
+    wall_s = Json::parse(line).at("wall_s").get<double>();
+  }
+  CHECK(losses == std::vector<double>{1.0, 1.0, 2.0});
+  CHECK(wall_s >= 100.0);
+  const Message start(event_records(folder.path()).at(1));
+  CHECK(start.numbers.at(2) == 2);
+  CHECK(Message(start.bytes.at(7)).numbers.at(1) == 1);
 }
 
 TEST_CASE("TensorBoard records are framed by length and checksum") {

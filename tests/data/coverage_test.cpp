@@ -2,8 +2,10 @@
 
 #include <array>
 #include <catch2/catch.hpp>
+
 #include <cmath>
 #include <numeric>
+#include "lodestone/common/artefact.h"
 
 #include "lodestone/common/error.h"
 #include "synthetic.h"
@@ -61,9 +63,11 @@ TEST_CASE("headings fill their cells, and JSON keeps everything") {
   CHECK(std::accumulate(coverage.heading_counts.begin(), coverage.heading_counts.end(), std::int64_t{0}) ==
         coverage.transitions);
   CHECK(coverage.evenness > 0.5);
-  const data::Coverage back = data::coverage_from_json(data::coverage_to_json(coverage));
+  const data::Coverage back =
+      common::artefact_from_json<data::Coverage>(common::artefact_to_json(coverage), "coverage.json");
   CHECK(back.position_counts == coverage.position_counts);
   CHECK(back.evenness == coverage.evenness);
   CHECK(back.visited == coverage.visited);
-  CHECK_THROWS_AS(data::coverage_from_json(common::Json::object()), common::DataError);
+  CHECK_THROWS_AS(common::artefact_from_json<data::Coverage>(common::Json::object(), "coverage.json"),
+                  common::DataError);
 }

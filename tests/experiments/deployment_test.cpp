@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "inference/random_policy.h"
+#include "lodestone/common/artefact.h"
 #include "lodestone/control/policy_controller.h"
 #include "lodestone/experiments/deployment.h"
 #include "lodestone/experiments/recorder.h"
@@ -31,7 +32,7 @@ std::vector<experiments::TrialPlan> plans(const experiments::DeploymentConfig& c
 
 std::string fingerprint(const std::vector<experiments::TrialResult>& results) {
   std::string text;
-  for (const auto& result : results) text += experiments::trial_to_json(result).dump();
+  for (const auto& result : results) text += common::artefact_to_json(experiments::record_of(result)).dump();
   return text;
 }
 
@@ -107,10 +108,10 @@ TEST_CASE("explored rigs fraction friction and calibration, unseen rigs do not f
   const auto unseen = deployment.run(todo, experiments::RigKind::kUnseen, source, pool);
   REQUIRE(explored[0].completed);
   REQUIRE(unseen[0].completed);
-  CHECK(explored[0].samples.front().true_pose.x_m == unseen[0].samples.front().true_pose.x_m);
+  CHECK(explored[0].samples.front().true_pose->x_m == unseen[0].samples.front().true_pose->x_m);
   CHECK(explored[0].samples.front().step.estimate.pose.x_m !=
         unseen[0].samples.front().step.estimate.pose.x_m);
-  CHECK(explored[0].truth.cross_track_rms_m);
+  CHECK(explored[0].truth->cross_track_rms_m);
   CHECK(explored[0].samples.back().step.last);
 }
 

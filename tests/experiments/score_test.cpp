@@ -50,18 +50,34 @@ TEST_CASE("summaries of known numbers") {
   CHECK(summary.std == Approx(std::sqrt(5.0 / 3.0)));
   CHECK(summary.rms == Approx(std::sqrt(7.5)));
   CHECK(experiments::summarise({3.0, 1.0, 2.0}).median == 2.0);
-  experiments::TrialScore good;
-  good.errors_m = {0.001};
-  good.success = true;
-  good.steps_to_reach = 4;
-  experiments::TrialScore bad;
-  bad.errors_m = {0.005};
-  const auto json = experiments::summarise_trials({&good, &bad});
-  CHECK(json.at("mean_error_mm").get<double>() == Approx(3.0));
-  CHECK(json.at("success_rate").get<double>() == Approx(0.5));
-  CHECK(json.at("n_trials").get<int>() == 2);
-  CHECK(json.at("steps_to_reach").get<double>() == Approx(4.0));
-  CHECK(json.at("hold_error_mm").is_null());
+}
+
+TEST_CASE("a task is summed up by true poses where they are known, and by what was seen") {
+  runs::TrialRecord good;
+  good.completed = true;
+  good.truth.emplace().errors_mm = {1.0};
+  good.truth->success = true;
+  good.truth->steps_to_reach = 4;
+  good.sensed.errors_mm = {2.0};
+  runs::TrialRecord bad;
+  bad.truth.emplace().errors_mm = {5.0};
+  bad.truth->heading_error_deg = 5.5;
+  bad.sensed.errors_mm = {6.0};
+  runs::TaskSummary summary = experiments::summarise_task({good, bad});
+  REQUIRE(summary.truth);
+  CHECK(summary.truth->mean_error_mm == Approx(3.0));
+  CHECK(summary.truth->success_rate == Approx(0.5));
+  CHECK(summary.truth->steps_to_reach == 4.0);
+  CHECK(summary.truth->heading_error_deg == 5.5);
+  CHECK_FALSE(summary.truth->hold_error_mm);
+  CHECK(summary.sensed.mean_error_mm == Approx(4.0));
+  CHECK(summary.n_trials == 2);
+  CHECK(summary.n_stopped == 1);
+  good.truth.reset();
+  bad.truth.reset();
+  summary = experiments::summarise_task({good, bad});
+  CHECK_FALSE(summary.truth);
+  CHECK(summary.sensed.mean_error_mm == Approx(4.0));
 }
 
 TEST_CASE("the reference waits at the start of a path and then moves at its speed") {
@@ -82,12 +98,4 @@ TEST_CASE("the reference waits at the start of a path and then moves at its spee
   CHECK(reference.target(6.0, {0.03, 0.0}).x() == Approx(0.01));
   control::PathReference laps(geometry::Path::square(0.03), {0.002, 0.003, 20.0, 2});
   CHECK(laps.duration_s() == Approx(120.0));
-}
-
-TEST_CASE("the summary holds the heading error of poses, in degrees") {
-  experiments::TrialScore score;
-  score.errors_m = {0.001};
-  score.heading_error_rad = 0.1;
-  const common::Json summary = experiments::summarise_trials({&score});
-  CHECK(summary["heading_error_deg"].get<double>() == Approx(5.7296).epsilon(1e-3));
 }

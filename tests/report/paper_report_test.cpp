@@ -3,43 +3,57 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
-#include "lodestone/common/config.h"
+#include "lodestone/common/artefact.h"
 #include "lodestone/common/files.h"
+#include "lodestone/runs/deployment_results.h"
+#include "lodestone/runs/run_folder.h"
 #include "temporary_folder.h"
 
 namespace {
 
+using lodestone::common::artefact_to_json;
 using lodestone::common::Json;
+namespace runs = lodestone::runs;
 
 void write(const std::string& path, const std::string& content) {
   std::filesystem::create_directories(std::filesystem::path(path).parent_path());
   lodestone::common::write_file_atomically(path, content);
 }
 
+void write_state(const std::string& cell, bool finished) {
+  runs::RunState state;
+  state.finished = finished;
+  write(cell + "/run.json", artefact_to_json(state).dump());
+}
+
 /// Two trials that ended so far from the target; success below 3 mm.
 void write_transfer(const std::string& cell, double one_mm, double other_mm) {
   Json trials = Json::array();
-  for (const double error_mm : {one_mm, other_mm})
-    trials.push_back({{"task", "centre"},
-                      {"controller", "policy"},
-                      {"target_mm", {0.0, 0.0}},
-                      {"trajectory", {{20.0, 10.0, 0.1}, {0.5, 0.1, 0.3}}},
-                      {"final_error_mm", error_mm},
-                      {"cross_track_rms_mm", nullptr},
-                      {"completed", true},
-                      {"success", error_mm < 3.0}});
+  for (const double error_mm : {one_mm, other_mm}) {
+    runs::TrialRecord record;
+    record.task = "centre";
+    record.controller = "planner";
+    record.target_mm = {0.0, 0.0};
+    record.trajectory = {{20.0, 10.0, 0.1}, {0.5, 0.1, 0.3}};
+    record.completed = true;
+    record.truth.emplace().final_error_mm = error_mm;
+    record.truth->success = error_mm < 3.0;
+    trials.push_back(artefact_to_json(record));
+  }
   write(cell + "/trials.json", trials.dump());
-  write(cell + "/done.json", "{}");
+  write_state(cell, true);
 }
 
 void write_training(const std::string& cell, double seconds, double last_return) {
-  write(cell + "/result.json",
-        Json{{"seconds_to_95_percent", seconds}, {"train_seconds", 2.0 * seconds}}.dump());
+  runs::PolicyResult result;
+  result.seconds_to_95_percent = seconds;
+  result.train_seconds = 2.0 * seconds;
+  write(cell + "/result.json", artefact_to_json(result).dump());
   write(cell + "/metrics.jsonl",
         "{\"step\":0,\"evaluation/episode_return\":-1.0,\"evaluation/success_rate\":0.0}\n"
         "{\"step\":100,\"evaluation/episode_return\":" +
             std::to_string(last_return) + ",\"evaluation/success_rate\":0.5}\n");
-  write(cell + "/done.json", "{}");
+  write_state(cell, true);
 }
 
 }  // namespace
@@ -49,7 +63,7 @@ TEST_CASE("errors are pooled over the training seeds that are done, with interva
   write_transfer(folder / "cells/transfer/best/centre/1", 1.0, 2.0);
   write_transfer(folder / "cells/transfer/best/centre/2", 3.5, 1.5);
   write_transfer(folder / "cells/transfer/best/centre/3", 50.0, 50.0);
-  std::filesystem::remove(folder / "cells/transfer/best/centre/3/done.json");  // still running
+  write_state(folder / "cells/transfer/best/centre/3", false);  // still running
   write_transfer(folder / "cells/transfer/paper/centre/1", 6.0, 8.0);
   write_training(folder / "cells/policy/best/centre/1", 10.0, 4.0);
   write_training(folder / "cells/policy/best/centre/2", 14.0, 6.0);
@@ -72,6 +86,9 @@ TEST_CASE("errors are pooled over the training seeds that are done, with interva
   CHECK(json["training"]["best"]["centre"]["seconds_to_95_percent"].get<double>() == Approx(12.0));
   CHECK(json["mixes"]["3"]["final_return"].get<double>() == Approx(2.5));
   CHECK(json["ablations"]["without memory"]["point"]["mean_error_mm"].get<double>() == Approx(4.5));
+  // Drawn as what drove, which the trials say.
+  CHECK(lodestone::common::read_file(folder / "images/best_centre.svg").find("centre, planner") !=
+        std::string::npos);
   for (const char* part : {"6.3 ± 2.1", "7.00 ± 1.41", "1.5 h", "without memory"}) {
     CAPTURE(part);
     CHECK(text.find(part) != std::string::npos);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <regex>
 
+#include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "lodestone/report/error_table.h"
@@ -12,46 +13,80 @@
 namespace {
 
 using namespace lodestone::report;
+using lodestone::common::artefact_to_json;
 using lodestone::common::Json;
+namespace runs = lodestone::runs;
 
 void write(const std::string& path, const std::string& content) {
   std::filesystem::create_directories(std::filesystem::path(path).parent_path());
   lodestone::common::write_file_atomically(path, content);
 }
 
-Json errors(double mean_mm) {
-  return {{"mean_error_mm", mean_mm}, {"std_error_mm", 0.5},   {"median_error_mm", 1.0},
-          {"rms_error_mm", 1.625},    {"success_rate", 0.875}, {"n_trials", 8}};
+runs::TaskSummary errors(double mean_mm) {
+  runs::TaskSummary summary;
+  summary.n_trials = 8;
+  runs::ErrorStatistics& truth = summary.truth.emplace();
+  truth.mean_error_mm = mean_mm;
+  truth.success_rate = 0.875;
+  summary.sensed.mean_error_mm = mean_mm + 0.5;
+  return summary;
 }
 
-void write_deployment(const std::string& folder, const std::string& rig, double mean_mm) {
-  write(folder + "/deploy/" + rig + "/summary.json",
-        Json{{"centre", errors(mean_mm)}, {"baseline", {{"centre", errors(4.375)}}}}.dump());
-  write(folder + "/deploy/" + rig + "/trials.json",
-        Json::array({{{"task", "centre"},
-                      {"controller", "policy"},
-                      {"target_mm", {0.0, 0.0}},
-                      {"trajectory", {{20.0, 10.0, 0.1}, {5.0, 2.0, 0.2}, {0.5, 0.1, 0.3}}},
-                      {"final_error_mm", 0.5},
-                      {"success", true}}})
-            .dump());
+runs::TrialRecord trial(const std::string& controller, bool known) {
+  runs::TrialRecord record;
+  record.task = "centre";
+  record.controller = controller;
+  record.target_mm = {0.0, 0.0};
+  record.sensed_trajectory = {runs::PoseMm{20.0, 10.0, 0.1}, std::nullopt, runs::PoseMm{1.0, 0.1, 0.3}};
+  if (known) record.trajectory = {{20.0, 10.0, 0.1}, {5.0, 2.0, 0.2}, {0.5, 0.1, 0.3}};
+  if (known) record.truth.emplace();
+  return record;
 }
 
-void write_run(const std::string& folder) {
+runs::RigSummary rig_summary(double mean_mm, const std::string& controller) {
+  runs::RigSummary summary;
+  summary.controller = controller;
+  summary.tasks.by_task["centre"] = errors(mean_mm);
+  summary.baseline.emplace().by_task["centre"] = errors(4.375);
+  return summary;
+}
+
+/// What deploy leaves behind, on the explored rig and on unseen ones.
+void write_deployment(const std::string& folder, const std::string& controller) {
+  runs::DeploymentSummary summary;
+  static_cast<runs::RigSummary&>(summary) = summary.by_rig["explored"] = rig_summary(1.234, controller);
+  summary.by_rig["unseen"] = rig_summary(2.345, controller);
+  write(folder + "/deploy/summary.json", artefact_to_json(summary).dump());
+  for (const char* rig : {"explored", "unseen"})
+    write(folder + "/deploy/" + rig + "/trials.json",
+          Json::array({artefact_to_json(trial(controller, true)), artefact_to_json(trial("baseline", true))})
+              .dump());
+}
+
+runs::DynamicsEvaluation evaluation() {
+  runs::DynamicsEvaluation made;
+  made.one_step = {2.718, 20.5};
+  made.normalised_l2 = 0.0625;
+  made.n = 400;
+  made.k_step_mm = {{1, 2.718}, {2, 4.5}, {5, 9.0}, {10, std::nullopt}};
+  made.baselines = runs::DynamicsBaselines{{13.5, 93.0}, {4.55, 32.0}};
+  made.error_map = {{0.0, 0.0, 2.0, 10}};
+  return made;
+}
+
+void write_run(const std::string& folder, const std::string& controller = "policy") {
   write(folder + "/collect/config.json", R"({"transitions": 4321})");
-  write(folder + "/dynamics/evaluation.json",
-        R"({"position_rms_mm": 2.718, "heading_rms_deg": 20.5, "normalised_l2": 0.0625, "n": 400,
-            "k_step": {"1": 2.718, "2": 4.5, "5": 9.0, "10": 15.0},
-            "baselines": {"no_motion": {"position_rms_mm": 13.5, "heading_rms_deg": 93.0},
-                          "knn10": {"position_rms_mm": 4.55, "heading_rms_deg": 32.0}},
-            "error_map": [{"x_m": 0.0, "y_m": 0.0, "rms_mm": 2.0, "n": 10}]})");
+  write(folder + "/dynamics/evaluation.json", artefact_to_json(evaluation()).dump());
   write(folder + "/dynamics/metrics.jsonl",
         "{\"step\":1,\"train_loss\":0.5,\"validation_loss\":0.6}\n{\"step\":2,\"train_loss\":0.4,\"valida");
-  write(folder + "/policy/result.json", R"({"env_steps": 1000, "updates": 100, "train_seconds": 12.5})");
+  runs::PolicyResult result;
+  result.env_steps = 1000;
+  result.updates = 100;
+  result.train_seconds = 12.5;
+  write(folder + "/policy/result.json", artefact_to_json(result).dump());
   write(folder + "/policy/metrics.jsonl",
         "{\"step\":1000,\"evaluation/episode_return\":3.5,\"evaluation/success_rate\":0.5}\n");
-  write_deployment(folder, "explored", 1.234);
-  write_deployment(folder, "unseen", 2.345);
+  write_deployment(folder, controller);
 }
 
 }  // namespace
@@ -102,7 +137,7 @@ TEST_CASE("the table sets the paper's figures first, task by task") {
 
 TEST_CASE("what is missing is said, with the command that makes it") {
   const lodestone::tests::TemporaryFolder folder;
-  write(folder / "dynamics/evaluation.json", R"({"position_rms_mm": 2.718, "n": 4})");
+  write(folder / "dynamics/evaluation.json", artefact_to_json(evaluation()).dump());
   write_report(folder.path(), "", folder / "report.html");
   const std::string page = lodestone::common::read_file(folder / "report.html");
   CHECK(page.find("lodestone collect") != std::string::npos);
@@ -114,4 +149,41 @@ TEST_CASE("a damaged file is named") {
   const lodestone::tests::TemporaryFolder folder;
   write(folder / "dynamics/evaluation.json", "{\"position_rms_mm\": ");
   CHECK_THROWS_WITH(read_run(folder.path()), Catch::Contains("evaluation.json"));
+}
+
+TEST_CASE("a planner's run is tabled and drawn as the planner's") {
+  const lodestone::tests::TemporaryFolder folder;
+  write_run(folder.path(), "planner");
+  write_report(folder.path(), "", folder / "report.html");
+  const std::vector<ErrorRow> rows = error_rows(read_run(folder.path()));
+  const auto by = [&](const std::string& controller) {
+    return std::count_if(rows.begin(), rows.end(),
+                         [&](const ErrorRow& row) { return row.controller == controller; });
+  };
+  CHECK(by("planner") == 2);
+  CHECK(by("policy") == 0);
+  const std::string page = lodestone::common::read_file(folder / "report.html");
+  CHECK(page.find("Trajectories: centre, planner") != std::string::npos);
+  CHECK(page.find("Trajectories: centre, policy") == std::string::npos);
+  CHECK(page.find("planner, unseen rigs") != std::string::npos);
+  CHECK(std::filesystem::exists(folder / "images/unseen_planner_centre.svg"));
+}
+
+TEST_CASE("where nobody knows the true pose, there is none in the table, and what was seen is drawn") {
+  const lodestone::tests::TemporaryFolder folder;
+  runs::DeploymentSummary summary;
+  summary.controller = "policy";
+  summary.scored_by = "camera";
+  runs::TaskSummary task = errors(1.0);
+  task.truth.reset();
+  summary.tasks.by_task["centre"] = task;
+  write(folder / "deploy/summary.json", artefact_to_json(summary).dump());
+  write(folder / "deploy/trials.json", Json::array({artefact_to_json(trial("policy", false))}).dump());
+  write_report(folder.path(), "", folder / "report.html");
+  const std::vector<ErrorRow> rows = error_rows(read_run(folder.path()));
+  CHECK(rows.back().rig == "real");
+  CHECK_FALSE(rows.back().mean_mm);
+  CHECK(rows.back().sensed_mean_mm == 1.5);
+  CHECK(lodestone::common::read_file(folder / "images/real_policy_centre.svg").find("xmlns") !=
+        std::string::npos);
 }

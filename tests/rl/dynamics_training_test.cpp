@@ -51,6 +51,19 @@ bool same_networks(const nets::DynamicsModel& a, const nets::DynamicsModel& b) {
   return a.members.size() == b.members.size();
 }
 
+DynamicsTrainingResult train(const data::Dataset& dataset, const TrainDynamicsConfig& config,
+                             const std::string& folder, bool resume) {
+  runs::RunFolder run(run_request(config, folder, resume));
+  return train_dynamics(dataset, config, run);
+}
+
+DynamicsTrainingResult train(const data::Dataset& dataset, const TrainDynamicsConfig& config) {
+  const ::lodestone::tests::TemporaryFolder temporary;
+  return train(dataset, config, temporary / "run", false);
+}
+
+}  // namespace
+
 TEST_CASE("both forms learn a known motion", "[unit]") {
   for (const char* form : {"paper", "delta"}) {
     for (const auto layout : {data::StateLayout::kPose, data::StateLayout::kPosition}) {
@@ -58,15 +71,15 @@ TEST_CASE("both forms learn a known motion", "[unit]") {
       TrainDynamicsConfig config = small_config(form);
       config.training.epochs = 20;
       const data::Dataset dataset = known_dataset(layout, 150, 20, 1);
-      DynamicsTrainingResult result = train_dynamics(dataset, config, "", false);
+      DynamicsTrainingResult result = train(dataset, config);
       const DynamicsEvaluation evaluation =
           evaluate_dynamics(result.model, select_split(result.model, dataset, "test"));
-      CHECK(evaluation.one_step.position_rms_mm < 0.8 * evaluation.no_motion.position_rms_mm);
+      CHECK(evaluation.one_step.position_rms_mm < 0.8 * evaluation.baselines->no_motion.position_rms_mm);
       // The change form knows that it starts where it is, so it must be far better.
       if (std::string(form) == "delta") {
-        CHECK(evaluation.one_step.position_rms_mm < 0.1 * evaluation.no_motion.position_rms_mm);
+        CHECK(evaluation.one_step.position_rms_mm < 0.1 * evaluation.baselines->no_motion.position_rms_mm);
       }
-      CHECK(result.validation_loss < 0.2);
+      CHECK(result.facts.validation_loss < 0.2);
     }
   }
 }
@@ -78,10 +91,10 @@ TEST_CASE("every optimiser lowers the loss", "[unit]") {
     config.training.optimiser = optimiser;
     config.training.loss = "l2";
     config.training.epochs = 1;
-    const double early = train_dynamics(dataset, config, "", false).validation_loss;
+    const double early = train(dataset, config).facts.validation_loss;
     config.training.epochs = 10;
     CAPTURE(optimiser);
-    CHECK(train_dynamics(dataset, config, "", false).validation_loss < 0.7 * early);
+    CHECK(train(dataset, config).facts.validation_loss < 0.7 * early);
   }
 }
 
@@ -90,13 +103,13 @@ TEST_CASE("training depends on the seed and not on threads", "[unit]") {
   TrainDynamicsConfig config = small_config("paper");
   config.model.members = 3;
   config.training.bootstrap = true;
-  const DynamicsTrainingResult one = train_dynamics(dataset, config, "", false);
+  const DynamicsTrainingResult one = train(dataset, config);
   for (const std::int64_t threads : {2, 4}) {
     config.threads = threads;
-    CHECK(same_networks(one.model, train_dynamics(dataset, config, "", false).model));
+    CHECK(same_networks(one.model, train(dataset, config).model));
   }
   config.seed = 4;
-  CHECK_FALSE(same_networks(one.model, train_dynamics(dataset, config, "", false).model));
+  CHECK_FALSE(same_networks(one.model, train(dataset, config).model));
 }
 
 TEST_CASE("a stopped training goes on bitwise", "[unit]") {
@@ -105,18 +118,18 @@ TEST_CASE("a stopped training goes on bitwise", "[unit]") {
     const ::lodestone::tests::TemporaryFolder temporary;
     TrainDynamicsConfig config = small_config(form);
     config.model.members = 2;
-    const DynamicsTrainingResult whole = train_dynamics(dataset, config, "", false);
+    const DynamicsTrainingResult whole = train(dataset, config);
     TrainDynamicsConfig stopped = config;
     stopped.training.max_seconds = 1e-9;  // after one epoch
-    CHECK(train_dynamics(dataset, stopped, temporary.path(), false).epochs == 1);
-    CHECK(train_dynamics(dataset, stopped, temporary.path(), true).epochs == 2);
+    CHECK(train(dataset, stopped, temporary / "run", false).facts.epochs == 1);
+    CHECK(train(dataset, stopped, temporary / "run", true).facts.epochs == 2);
     // A row that a killed run wrote after its last checkpoint is not written twice.
-    std::ofstream(temporary / "metrics.jsonl", std::ios::app) << "{\"step\": 3, \"train_loss\": 1.0}\n";
-    const DynamicsTrainingResult resumed = train_dynamics(dataset, config, temporary.path(), true);
-    CHECK(resumed.epochs == config.training.epochs);
+    std::ofstream(temporary / "run/metrics.jsonl", std::ios::app) << "{\"step\": 3, \"train_loss\": 1.0}\n";
+    const DynamicsTrainingResult resumed = train(dataset, config, temporary / "run", true);
+    CHECK(resumed.facts.epochs == config.training.epochs);
     CHECK(same_networks(whole.model, resumed.model));
-    CHECK(whole.validation_loss == resumed.validation_loss);
-    std::ifstream metrics(temporary / "metrics.jsonl");
+    CHECK(whole.facts.validation_loss == resumed.facts.validation_loss);
+    std::ifstream metrics(temporary / "run/metrics.jsonl");
     std::int64_t step = 0;
     for (std::string line; std::getline(metrics, line);) {
       CHECK(common::Json::parse(line).at("step") == ++step);
@@ -131,19 +144,19 @@ TEST_CASE("resuming with other settings or other data is refused", "[unit]") {
   const data::Dataset dataset = known_dataset(data::StateLayout::kPosition, 40, 10, 1);
   TrainDynamicsConfig config = small_config("delta");
   config.training.epochs = 1;
-  train_dynamics(dataset, config, temporary.path(), false);
+  train(dataset, config, temporary / "run", false);
   TrainDynamicsConfig other = config;
   other.training.learning_rate *= 2.0;
-  CHECK_THROWS_WITH(train_dynamics(dataset, other, temporary.path(), true), Contains("other settings"));
+  CHECK_THROWS_WITH(train(dataset, other, temporary / "run", true), Contains("other settings"));
   CHECK_THROWS_WITH(
-      train_dynamics(known_dataset(data::StateLayout::kPosition, 40, 10, 2), config, temporary.path(), true),
+      train(known_dataset(data::StateLayout::kPosition, 40, 10, 2), config, temporary / "run", true),
       Contains("other transitions"));
 }
 
 TEST_CASE("NaN in the data is an error that says where", "[unit]") {
   data::Dataset dataset = known_dataset(data::StateLayout::kPose, 20, 10, 1);
   dataset.episodes[7].observations[4] = std::numeric_limits<double>::quiet_NaN();
-  CHECK_THROWS_AS(train_dynamics(dataset, small_config("delta"), "", false), common::DataError);
+  CHECK_THROWS_AS(train(dataset, small_config("delta")), common::DataError);
 }
 
 TEST_CASE("a diverging training says what to do", "[unit]") {
@@ -152,7 +165,7 @@ TEST_CASE("a diverging training says what to do", "[unit]") {
   config.training.loss = "l2";
   config.training.learning_rate = 10.0;
   config.training.epochs = 50;
-  CHECK_THROWS_WITH(train_dynamics(known_dataset(data::StateLayout::kPose, 60, 20, 1), config, "", false),
+  CHECK_THROWS_WITH(train(known_dataset(data::StateLayout::kPose, 60, 20, 1), config),
                     Contains("lower training.learning_rate"));
 }
 
@@ -166,13 +179,13 @@ TEST_CASE("patience ends members that only learn noise, and the best weights are
   config.training.epochs = 300;
   config.training.learning_rate = 1e-2;
   config.training.schedule = "constant";
-  const double kept = train_dynamics(dataset, config, "", false).validation_loss;
+  const double kept = train(dataset, config).facts.validation_loss;
   config.training.patience = 5;
-  const DynamicsTrainingResult patient = train_dynamics(dataset, config, "", false);
-  CHECK(patient.epochs < 300);
-  CHECK(patient.validation_loss >= kept);
+  const DynamicsTrainingResult patient = train(dataset, config);
+  CHECK(patient.facts.epochs < 300);
+  CHECK(patient.facts.validation_loss >= kept);
   config.training.keep_best = false;
-  CHECK(train_dynamics(dataset, config, "", false).validation_loss > patient.validation_loss);
+  CHECK(train(dataset, config).facts.validation_loss > patient.facts.validation_loss);
 }
 
 TEST_CASE("a mixture learns that the robot stays or jumps, which a mean hides", "[unit]") {
@@ -196,7 +209,7 @@ TEST_CASE("a mixture learns that the robot stays or jumps, which a mean hides", 
   TrainDynamicsConfig config = small_config("delta");
   config.model.components = 2;
   config.training.epochs = 60;
-  const DynamicsTrainingResult result = train_dynamics(dataset, config, "", false);
+  const DynamicsTrainingResult result = train(dataset, config);
   const inference::FoldedDynamics folded = nets::fold(*result.model.members.front());
   inference::FoldedDynamics::Workspace workspace;
   int stayed = 0;

@@ -2,7 +2,6 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <filesystem>
 
 #include <torch/types.h>
 
@@ -13,22 +12,18 @@
 #include "rl/toy_environments.h"
 #include "temporary_folder.h"
 
-using lodestone::rl::PolicyRunResult;
 using lodestone::rl::train_policy;
 using lodestone::rl::TrainPolicyConfig;
 using lodestone::rl::testing::PointEnv;
+using lodestone::runs::PolicyResult;
 
 namespace {
 
-namespace fs = std::filesystem;
-
-/// An empty folder under the test's working directory.
+/// A name that is free, in a folder that goes away.
 std::string fresh_folder(const std::string& name) {
   static const lodestone::tests::TemporaryFolder
       root;  // not the working folder, which may be the source tree
-  const std::string folder = root / name;
-  fs::create_directories(folder);
-  return folder;
+  return root / name;
 }
 
 /// The point environment's observation is a position in units of the length scale, its goal the centre.
@@ -50,10 +45,13 @@ TrainPolicyConfig point_config(std::int64_t env_steps) {
   return config;
 }
 
-PolicyRunResult run(const TrainPolicyConfig& config, const std::string& folder, bool resume = false) {
+PolicyResult run(const TrainPolicyConfig& config, const std::string& folder, bool resume = false) {
   PointEnv training(config.training.environments, 1);
   PointEnv evaluation(config.training.evaluation_episodes, 2);
-  return train_policy(config, training, evaluation, folder, resume);
+  lodestone::runs::RunFolder run_folder(lodestone::rl::run_request(config, folder, resume));
+  const PolicyResult result = train_policy(config, training, evaluation, run_folder);
+  run_folder.finish();
+  return result;
 }
 
 int count_lines_with(const std::string& file, const std::string& text) {
@@ -67,7 +65,7 @@ int count_lines_with(const std::string& file, const std::string& text) {
 
 TEST_CASE("A run leaves its best policy, its curves and its figures", "[rl]") {
   const std::string folder = fresh_folder("whole");
-  const PolicyRunResult result = run(point_config(2000), folder);
+  const PolicyResult result = run(point_config(2000), folder);
   CHECK(result.env_steps == 2000);
   CHECK(result.updates == 360);
   CHECK(result.best_env_steps >= 400);
@@ -95,13 +93,13 @@ TEST_CASE("A run leaves its best policy, its curves and its figures", "[rl]") {
 TEST_CASE("An interrupted run goes on to the same weights", "[rl]") {
   const std::string whole = fresh_folder("uninterrupted");
   const std::string part = fresh_folder("interrupted");
-  const PolicyRunResult expected = run(point_config(1600), whole);
+  const PolicyResult expected = run(point_config(1600), whole);
   TrainPolicyConfig config = point_config(1600);
   config.training.max_seconds = 1e-6;  // stops at its first look, long before the end
   CHECK(run(config, part).env_steps < 1600);
   config.training.max_seconds = 0.0;
   config.threads = 2;
-  const PolicyRunResult resumed = run(config, part, true);
+  const PolicyResult resumed = run(config, part, true);
   CHECK(resumed.env_steps == expected.env_steps);
   CHECK(resumed.updates == expected.updates);
   CHECK(count_lines_with(part + "/metrics.jsonl", "\"step\":0,") == 1);
@@ -114,6 +112,16 @@ TEST_CASE("An interrupted run goes on to the same weights", "[rl]") {
       CHECK(torch::equal(tensor, two.parts.at(part_name).at(name)));
     }
   }
+}
+
+TEST_CASE("A finished run trains on when it is given more steps", "[rl]") {
+  const std::string folder = fresh_folder("longer");
+  const PolicyResult first = run(point_config(800), folder);
+  const PolicyResult longer = run(point_config(1600), folder, true);
+  CHECK(longer.env_steps == 1600);
+  CHECK(longer.updates > first.updates);
+  CHECK(count_lines_with(folder + "/metrics.jsonl", "\"step\":800,") == 1);
+  CHECK(count_lines_with(folder + "/metrics.jsonl", "\"step\":1600,") == 1);
 }
 
 TEST_CASE("Resuming with other settings, or from an altered checkpoint, is refused", "[rl]") {

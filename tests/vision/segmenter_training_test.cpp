@@ -61,8 +61,8 @@ TEST_CASE("training depends on the seed, not on threads, and resumes bitwise", "
   const auto train = [&](const std::string& name, std::int64_t threads, std::int64_t epochs, bool resume) {
     config.threads = threads;
     config.training.epochs = epochs;
-    common::make_folders(folder / name);
-    auto result = vision::train_segmenter(config, folder / name, resume);
+    runs::RunFolder run(vision::run_request(config, folder / name, resume));
+    auto result = vision::train_segmenter(config, run);
     return weights(result.network);
   };
   const std::string straight = train("a", 1, 2, false);

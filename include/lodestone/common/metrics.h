@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -13,12 +14,17 @@ namespace lodestone::common {
 /// Named numbers at one step.
 using Scalars = std::vector<std::pair<std::string, double>>;
 
+constexpr std::int64_t kNoStep = std::numeric_limits<std::int64_t>::min();
+constexpr std::int64_t kEveryStep = std::numeric_limits<std::int64_t>::max();
+
 /// Where a run's curves go: `metrics.jsonl` (one object a line, flushed) and TensorBoard events, both in one
-/// folder. Opening appends, so a resumed run goes on in the same file.
+/// folder; they are made by the first write.
 class MetricsLog {
  public:
-  /// Throws IoError when the files cannot be opened.
-  explicit MetricsLog(const std::string& folder);
+  /// Appends to what is there up to `last_step`. Lines beyond it were written by a killed process after its
+  /// last checkpoint; their steps are run again, so that they are dropped (TensorBoard is told to do so).
+  /// `earlier_s` is the run's time before this process. Throws IoError.
+  explicit MetricsLog(std::string folder, std::int64_t last_step = kEveryStep, double earlier_s = 0.0);
   ~MetricsLog();
 
   /// Writes {"step": step, "wall_s": ..., name: value...}. Throws IoError when the disk is full.
@@ -28,7 +34,11 @@ class MetricsLog {
                    std::int64_t height);
 
  private:
-  std::string path_;
+  class TensorBoardWriter& events();
+
+  std::string folder_;
+  std::int64_t last_step_;
+  double earlier_s_;
   std::ofstream lines_;
   std::unique_ptr<class TensorBoardWriter> events_;
   double start_s_;

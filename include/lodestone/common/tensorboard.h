@@ -15,6 +15,8 @@ class TensorBoardWriter {
  public:
   /// Creates `folder`/events.out.tfevents.<time>.lodestone. Throws IoError.
   explicit TensorBoardWriter(const std::string& folder);
+  /// A resumed run begins: what earlier files of the folder hold from this step on is not shown.
+  void start_at(std::int64_t step);
   /// Throws IoError when the disk is full, as write_image() does.
   void write(std::int64_t step, const std::vector<std::pair<std::string, double>>& scalars);
   /// `png`: a whole PNG file of 8-bit RGB, `width` x `height` pixels. Throws LogicFault when it is no PNG.

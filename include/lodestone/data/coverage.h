@@ -34,13 +34,26 @@ struct Coverage {
   std::vector<std::int64_t> position_counts;  ///< [P, P], row 0 at the lowest y; -1 outside the dish
   std::vector<std::int64_t> heading_counts;   ///< from -pi
   std::vector<std::int64_t> drive_counts;     ///< from the weakest
+
+  static constexpr const char* kFile = "coverage.json";  ///< in the folder of a recording
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("transitions", transitions);
+    v.field("cells", cells);
+    v.field("visited", visited);
+    v.field("fraction", fraction);
+    v.field("evenness", evenness);
+    v.field("workspace_radius_m", workspace_radius_m);
+    v.field("position_cells", position_cells);
+    v.field("position_counts", position_counts);
+    v.field("heading_counts", heading_counts);
+    v.field("drive_counts", drive_counts);
+  }
+  /// Throws DataError when the counts do not fit the cells.
+  void validate() const;
 };
 
 /// Counts rows with current; rows outside the dish count for no cell.
 Coverage measure_coverage(const Dataset& dataset, const CoverageConfig& config = {});
-
-/// The report's `coverage.json`, both ways. from_json throws DataError naming the missing key.
-common::Json coverage_to_json(const Coverage& coverage);
-Coverage coverage_from_json(const common::Json& json);
 
 }  // namespace lodestone::data

@@ -100,9 +100,9 @@ struct DeploymentConfig {
 };
 
 /// A rig that was explored (friction map and camera of collect), or one never seen before (own friction map,
-/// camera and temperature in every trial, calibrated from its first image).
-enum class RigKind { kExplored, kUnseen };
-const char* to_string(RigKind kind);
+/// camera and temperature in every trial, calibrated from its first image), or one that is connected.
+enum class RigKind { kExplored, kUnseen, kReal };
+std::string to_string(RigKind kind);
 
 /// Start, target or path of trial `index` of a task ("centre", "point", "pose", "square", "circle", or "path"
 /// with `path`). `target_m`, when given, replaces the drawn target of `point`. `fits` says whether a start
@@ -142,11 +142,14 @@ struct RigDrive {
 };
 using MakeDrive = std::function<RigDrive(rig::VirtualRig& rig)>;
 
-/// One trial on a bench, from where the needle lies. `truth`, where somebody knows it, is for scoring only;
-/// the sensed pose stands for it elsewhere. `watch` sees every observation before its pulse.
+/// One trial on a bench, from where the needle lies. `watch` sees every observation before its pulse.
 TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& config, const TrialPlan& plan,
-                           const ControllerSource& source, const std::function<geometry::Pose2()>& truth = {},
+                           const ControllerSource& source, const TruePose& truth = {},
                            const control::ControlLoop::Observer& watch = {});
+
+/// Name of a trial's video, without ending.
+std::string video_file(const std::string& folder, RigKind kind, const ControllerSource& source,
+                       const TrialPlan& plan);
 
 /// Runs trials, each on a virtual rig of its own with its own random streams, so that results depend neither
 /// on threads nor on which other trials are run.

@@ -1,18 +1,21 @@
 #pragma once
 
+#include <cstdint>
 #include <fstream>
 #include <string>
 
-#include "lodestone/common/config.h"
 #include "lodestone/experiments/trial.h"
+#include "lodestone/runs/deployment_results.h"
 
 namespace lodestone::experiments {
 
-/// Writes every step of every trial as one CSV line, flushed after each trial. Columns carry their units.
+/// Writes every step of every trial as one CSV line, flushed after each trial. Columns carry their units;
+/// what is not known is empty.
 class Recorder {
  public:
-  /// Throws IoError when the file cannot be opened.
-  explicit Recorder(const std::string& file);
+  /// Begins the file, or goes on with it after the first `keep_rows` rows; throws IoError when it cannot be
+  /// written.
+  explicit Recorder(const std::string& file, std::int64_t keep_rows = 0);
   /// Throws IoError when the disk is full.
   void write(const TrialResult& result);
 
@@ -21,8 +24,7 @@ class Recorder {
   std::ofstream file_;
 };
 
-/// One entry of trials.json: task, controller, trial, start, target_mm or path_mm, trajectory and
-/// sensed_trajectory as [x_mm, y_mm, heading_rad] per observation, reference_mm, errors in mm, success.
-common::Json trial_to_json(const TrialResult& result);
+/// What is kept of a trial, in mm and degrees.
+runs::TrialRecord record_of(const TrialResult& result);
 
 }  // namespace lodestone::experiments

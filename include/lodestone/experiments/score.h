@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "lodestone/common/config.h"
 #include "lodestone/geometry/path.h"
+#include "lodestone/runs/deployment_results.h"
 
 namespace lodestone::experiments {
 
@@ -68,10 +68,9 @@ struct ErrorSummary {
 /// Throws LogicFault when there are no values.
 ErrorSummary summarise(std::vector<double> values);
 
-/// Keys of summary.json for one task and one source of positions: mean_error_mm, std_error_mm,
-/// median_error_mm and rms_error_mm over the pooled `errors_m` of all trials, success_rate, n_trials, and
-/// means over the trials that have them of steps_to_reach, seconds_to_reach, hold_error_mm,
-/// heading_error_deg, cross_track_rms_mm and time_rms_error_mm (null without).
-common::Json summarise_trials(const std::vector<const TrialScore*>& trials);
+/// Throws LogicFault when there are no trials.
+runs::ErrorStatistics summarise_trials(const std::vector<const runs::TrialFigures*>& trials);
+/// One task by one controller; the trials need not hold their trajectories any more.
+runs::TaskSummary summarise_task(const std::vector<runs::TrialRecord>& trials);
 
 }  // namespace lodestone::experiments

@@ -24,28 +24,31 @@ struct TrialPlan {
   control::PathReferenceConfig reference;                  ///< path tasks
 };
 
-/// One observation with the true pose beside it. Only scoring sees the latter.
+/// One observation with the true pose beside it, where somebody knows it. Only scoring sees the latter.
 struct TrialSample {
   control::StepRecord step;
-  geometry::Pose2 true_pose;
+  std::optional<geometry::Pose2> true_pose;
   bool approach = false;
 };
 
 struct TrialResult {
   TrialPlan plan;
-  std::string rig;         ///< "explored" or "unseen"
-  std::string controller;  ///< "policy" or "baseline"
+  std::string rig;         ///< "explored", "unseen" or "real"
+  std::string controller;  ///< "policy", "planner" or "baseline"
   std::vector<TrialSample> samples;
   bool completed = false;
   std::string stop_reason;
-  TrialScore truth;
+  std::optional<TrialScore> truth;  ///< absent where nobody knows the true pose
   TrialScore sensed;
 };
 
-/// Runs one trial and scores it. `true_pose` is for scoring only. `watch`, when given, sees every observation
+/// Where the needle truly is: for scoring only, and empty where nobody knows.
+using TruePose = std::function<geometry::Pose2()>;
+
+/// Runs one trial and scores it. `watch`, when given, sees every observation
 /// before its pulse.
 TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control::Controller& controller,
-                      const std::function<geometry::Pose2()>& true_pose, const ScoreConfig& score,
+                      const TruePose& true_pose, const ScoreConfig& score,
                       const control::ControlLoop::Observer& watch = {});
 
 }  // namespace lodestone::experiments

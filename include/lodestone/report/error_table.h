@@ -11,8 +11,8 @@ namespace lodestone::report {
 /// One line of the error table: a task driven by something on some rig.
 struct ErrorRow {
   std::string task;        ///< "centre", "point", "square", "circle" or "path"
-  std::string controller;  ///< "policy", "baseline", or what the paper calls it
-  std::string rig;         ///< "explored", "unseen", or "paper"
+  std::string controller;  ///< "policy", "planner", "baseline", or what the paper calls it
+  std::string rig;         ///< "explored", "unseen", "real", or "paper"
   std::optional<double> mean_mm, std_mm, median_mm, rms_mm;
   std::optional<double> sensed_mean_mm, sensed_std_mm;
   std::optional<double> time_rms_mm, hold_mm, seconds_to_reach, success_rate, trials;
@@ -27,6 +27,6 @@ std::string error_table_text(const std::vector<ErrorRow>& rows);
 
 /// The run in numbers: the tasks on the explored rig, `explored` and `unseen` in full, dynamics, policy and
 /// collect. Parts that are missing are left out.
-common::Json merged_summary(const RunData& run);
+runs::DeploymentSummary merged_summary(const RunData& run);
 
 }  // namespace lodestone::report

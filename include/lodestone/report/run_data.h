@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <initializer_list>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,6 +8,7 @@
 
 #include "lodestone/common/config.h"
 #include "lodestone/data/coverage.h"
+#include "lodestone/runs/deployment_results.h"
 
 namespace lodestone::report {
 
@@ -20,19 +20,16 @@ struct StepData {
   std::string name;                   ///< "collect", "dynamics", "policy" or "deploy"
   common::Json config;                ///< config.json
   common::Json manifest;              ///< manifest.json
-  common::Json result;                ///< evaluation.json of dynamics, result.json of policy
   std::vector<common::Json> metrics;  ///< metrics.jsonl, one object a line
 
-  bool present() const {
-    return !config.is_null() || !manifest.is_null() || !result.is_null() || !metrics.empty();
-  }
+  bool present() const { return !config.is_null() || !manifest.is_null() || !metrics.empty(); }
 };
 
 /// Trials on one kind of rig.
 struct DeployData {
-  std::string rig;       ///< "explored" or "unseen"
-  common::Json summary;  ///< summary.json
-  common::Json trials;   ///< trials.json
+  std::string rig;  ///< "explored", "unseen" or "real"
+  runs::RigSummary summary;
+  std::optional<std::vector<runs::TrialRecord>> trials;
 };
 
 /// A trial of which there is a video.
@@ -41,14 +38,17 @@ struct FilmedTrial {
   std::string last_image;  ///< JPEG
 };
 
-/// Everything found in a run folder: DIR/collect, DIR/dynamics, DIR/policy, DIR/deploy/{explored,unseen}.
+/// Everything found in a run folder: DIR/collect, DIR/dynamics, DIR/policy, DIR/deploy.
 struct RunData {
   std::string folder;
   StepData collect;
   std::optional<data::Coverage> coverage;
   StepData dynamics;
+  std::optional<runs::DynamicsEvaluation> evaluation;  ///< of dynamics
   StepData policy;
+  std::optional<runs::PolicyResult> trained;  ///< of policy
   StepData deploy;
+  runs::Provenance provenance;  ///< of the policy that was deployed
   std::vector<DeployData> rigs;
   std::vector<FilmedTrial> filmed;  ///< of DIR/deploy/videos, by name
 };
@@ -58,16 +58,10 @@ struct RunData {
 /// half-written is dropped.
 RunData read_run(const std::string& folder);
 
-/// A JSON file, or null where there is none. Throws DataError when it is damaged.
-common::Json read_if_there(const std::string& path);
 /// The objects of a .jsonl file, one a line; none where there is no file.
 std::vector<common::Json> read_lines(const std::string& path);
 
-/// The curve of the first of `keys` that the log holds; empty when none is there.
-Curve curve(const std::vector<common::Json>& metrics, std::initializer_list<const char*> keys);
-
-/// A number under nested keys ({"baselines", "knn10", "position_rms_mm"}); nullopt when absent or not a
-/// number.
-std::optional<double> number_at(const common::Json& json, std::initializer_list<const char*> path);
+/// The curve of that name; empty where the log holds none.
+Curve curve(const std::vector<common::Json>& metrics, const char* name);
 
 }  // namespace lodestone::report

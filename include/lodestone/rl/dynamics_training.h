@@ -6,6 +6,8 @@
 #include "lodestone/common/config.h"
 #include "lodestone/data/dataset.h"
 #include "lodestone/nets/dynamics.h"
+#include "lodestone/runs/run_folder.h"
+#include "lodestone/runs/training_results.h"
 
 namespace lodestone::rl {
 
@@ -80,19 +82,19 @@ struct TrainDynamicsConfig {
 
 struct DynamicsTrainingResult {
   nets::DynamicsModel model;
-  std::int64_t epochs = 0;
-  double train_loss = 0.0;       ///< normalised, mean of the members, last epoch
-  double validation_loss = 0.0;  ///< normalised squared error (negative log-likelihood of mixtures), mean of
-                                 ///< the members' kept weights
-  double seconds = 0.0;          ///< wall time of this process's training
+  /// Losses are normalised: of training the mean of the members' last epoch; of validation squared error
+  /// (negative log-likelihood of mixtures), mean of the members' kept weights.
+  runs::TrainingFacts facts;
 };
 
-/// Trains the ensemble, one member per thread; results depend on the seed alone, not on threads. With a
-/// non-empty `folder` it writes metrics (train_loss, validation_loss per epoch) and, every so often,
-/// `folder`/training, from which `resume` goes on bitwise as if never stopped. Throws DataError (NaN, empty
-/// split), CheckpointError, ConfigError (resuming with other data or settings), and Interrupted after saving
-/// when the user asked to stop.
+/// The run of a configuration, and which of its keys may change when it is gone on with.
+runs::RunRequest run_request(const TrainDynamicsConfig& config, const std::string& folder, bool resume);
+
+/// Trains the ensemble, one member per thread; results depend on the seed alone, not on threads. Writes
+/// metrics (train_loss, validation_loss per epoch) and, every so often, `training` into the run's folder,
+/// from which a resumption goes on bitwise. Throws DataError (NaN, empty split), CheckpointError, ConfigError
+/// (resuming with other data), and Interrupted after saving when the user asked to stop.
 DynamicsTrainingResult train_dynamics(const data::Dataset& dataset, const TrainDynamicsConfig& config,
-                                      const std::string& folder, bool resume);
+                                      runs::RunFolder& run);
 
 }  // namespace lodestone::rl

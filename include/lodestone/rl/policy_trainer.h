@@ -14,6 +14,8 @@
 #include "lodestone/rl/ou_noise.h"
 #include "lodestone/rl/policy_evaluation.h"
 #include "lodestone/rl/td3_config.h"
+#include "lodestone/runs/run_folder.h"
+#include "lodestone/runs/training_results.h"
 #include "lodestone/task/action.h"
 #include "lodestone/task/observation.h"
 #include "lodestone/task/task.h"
@@ -96,27 +98,16 @@ TrainPolicyConfig adopt_rig(TrainPolicyConfig config);
 /// heading.
 TrainPolicyConfig adopt_data(TrainPolicyConfig config, const data::DatasetInfo& info);
 
-struct PolicyRunResult {
-  std::int64_t env_steps = 0;
-  std::int64_t updates = 0;
-  double train_seconds = 0.0;       ///< wall time of learning, interruptions left out
-  PolicyScore evaluation;           ///< of the policy kept in `folder`/checkpoint
-  std::int64_t best_env_steps = 0;  ///< when that one was reached
-  /// Training time, evaluations included, until an evaluation first came 95 % of the way from the untrained
-  /// policy's return to the last one's: the paper's Table I.
-  double seconds_to_95_percent = 0.0;
-  double peak_memory_mb = 0.0;  ///< of the whole program so far
+/// The run of a configuration, and which of its keys may change when it is gone on with.
+runs::RunRequest run_request(const TrainPolicyConfig& config, const std::string& folder, bool resume);
 
-  common::Json json() const;
-};
-
-/// Trains until env_steps, writing into `folder`: metrics (the first line is of the untrained policy),
-/// `checkpoint` (the policy with the best evaluation return so far) and, every checkpoint_every_s,
-/// `training`, from which `resume` goes on bitwise. `evaluation` must have another seed than `training`.
-/// Throws Interrupted after saving when the user asked to stop; ConfigError when resuming with other
-/// settings; CheckpointError. `region`, when given, is
+/// Trains until env_steps, writing into the run's folder: metrics (the first line is of the untrained
+/// policy), `checkpoint` (the policy with the best evaluation return so far) and, every checkpoint_every_s,
+/// `training`, from which a resumption goes on bitwise. `evaluation` must have another seed than `training`.
+/// Throws Interrupted after saving when the user asked to stop, and CheckpointError. `region`, when given, is
 /// kept with the policy.
-PolicyRunResult train_policy(const TrainPolicyConfig& config, env::VecEnv& training, env::VecEnv& evaluation,
-                             const std::string& folder, bool resume, const task::Region* region = nullptr);
+runs::PolicyResult train_policy(const TrainPolicyConfig& config, env::VecEnv& training,
+                                env::VecEnv& evaluation, runs::RunFolder& run,
+                                const task::Region* region = nullptr);
 
 }  // namespace lodestone::rl

@@ -6,6 +6,8 @@
 
 #include "lodestone/common/config.h"
 #include "lodestone/imaging/scene.h"
+#include "lodestone/runs/run_folder.h"
+#include "lodestone/runs/training_results.h"
 #include "lodestone/vision/sample_config.h"
 #include "lodestone/vision/segmenter.h"
 
@@ -70,19 +72,18 @@ struct TrainSegmenterConfig {
 
 struct SegmenterTrainingResult {
   std::shared_ptr<nets::UNetImpl> network;
-  std::int64_t epochs = 0;
-  double train_loss = 0.0;
-  double validation_loss = 0.0;  ///< of the weights that were kept
+  runs::TrainingFacts facts;     ///< validation_loss: of the weights that were kept; time with rendering
   double validation_dice = 0.0;  ///< overlap of predicted and true needle, 1 is perfect
-  double seconds = 0.0;          ///< wall time of this process, rendering included
 };
+
+/// The run of a configuration, and which of its keys may change when it is gone on with.
+runs::RunRequest run_request(const TrainSegmenterConfig& config, const std::string& folder, bool resume);
 
 /// Trains the U-Net on rendered images: cross-entropy plus Dice (Milletari et al., 2016), AdamW, flips and
 /// quarter turns and colour gains as augmentation. Each batch is cut into four fixed shards with a batch
 /// normalisation of their own, so that the result depends on the seed and not on threads. Writes metrics,
-/// TensorBoard images of predictions and, after every epoch, `folder`/training, from which `resume` goes on
-/// bitwise. Throws ConfigError, CheckpointError, IoError, and Interrupted after saving.
-SegmenterTrainingResult train_segmenter(const TrainSegmenterConfig& config, const std::string& folder,
-                                        bool resume);
+/// TensorBoard images of predictions and, after every epoch, `training` into the run's folder, from which a
+/// resumption goes on bitwise. Throws ConfigError, CheckpointError, IoError, and Interrupted after saving.
+SegmenterTrainingResult train_segmenter(const TrainSegmenterConfig& config, runs::RunFolder& run);
 
 }  // namespace lodestone::vision

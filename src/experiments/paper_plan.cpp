@@ -1,11 +1,11 @@
-#include "paper_cells.h"
+#include "lodestone/experiments/paper_plan.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "lodestone/common/random.h"
 
-namespace lodestone::apps {
+namespace lodestone::experiments {
 namespace {
 
 using Settings = std::vector<std::string>;
@@ -24,32 +24,34 @@ struct Ablation {
   Settings policy;    ///< of train-policy
 };
 
-class Plan {
+class Builder {
  public:
-  explicit Plan(const PaperScale& scale) : scale_(scale) {}
+  explicit Builder(const PaperScale& scale) : scale_(scale) {
+    plan_.subfolder = "cells";
+    plan_.keep_checkpoints = false;  // hundreds of replay buffers would fill a disk
+  }
 
-  std::vector<Cell> take() {
+  runs::Plan take() {
     add_data();
     for (std::int64_t s = 1; s <= scale_.seeds; ++s) add_tables(s);
     for (std::int64_t s = 1; s <= scale_.seeds; ++s) add_mixes(s);
     for (std::int64_t s = 1; s <= scale_.ablation_seeds; ++s) {
       for (const Ablation& ablation : ablations()) add_ablation(ablation, s);
     }
-    return std::move(cells_);
+    return std::move(plan_);
   }
 
  private:
-  Cell& add(const std::string& id, const std::string& verb, const std::string& config, Settings settings,
-            Settings needs) {
-    Cell cell;
+  runs::Cell& add(const std::string& id, const std::string& verb, const std::string& config,
+                  Settings settings) {
+    runs::Cell cell;
     cell.id = id;
     cell.verb = verb;
     cell.config = config;
     cell.settings = std::move(settings);
-    cell.needs = std::move(needs);
     cell.seed = seed_of(id);
-    cells_.push_back(std::move(cell));
-    return cells_.back();
+    plan_.cells.push_back(std::move(cell));
+    return plan_.cells.back();
   }
 
   /// Doubles hold integers up to 2^53, and so does JSON everywhere.
@@ -72,35 +74,32 @@ class Plan {
   /// The explorer's recording, a first policy made from it, and what that policy records.
   void add_data() {
     add("data/explorer", "collect", "paper/collect.json",
-        {set("transitions", scale_.transitions), "sessions=2"}, {})
+        {set("transitions", scale_.transitions), "sessions=2"})
         .all_threads = true;
     add("first/dynamics", "train-dynamics", "best/dynamics.json",
-        {"data={data/explorer}/transitions.h5", set("training.epochs", scale_.best_epochs)},
-        {"data/explorer"})
+        {"data={data/explorer}/transitions.h5", set("training.epochs", scale_.best_epochs)})
         .all_threads = true;
     add("first/policy", "train-policy", "best/policy_target.json",
-        joined({"dynamics={first/dynamics}/checkpoint"}, steps(scale_.ablation_steps)), {"first/dynamics"})
+        joined({"dynamics={first/dynamics}/checkpoint"}, steps(scale_.ablation_steps)))
         .all_threads = true;
     add("data/policy", "collect", "best/collect.json",
-        {"policy={first/policy}/checkpoint", set("transitions", scale_.second_transitions), "sessions=2"},
-        {"first/policy"})
+        {"policy={first/policy}/checkpoint", set("transitions", scale_.second_transitions), "sessions=2"})
         .all_threads = true;
   }
 
   void add_policy(const std::string& id, const std::string& config, const Settings& settings,
-                  const Settings& needs, std::int64_t count) {
-    add(id, "train-policy", config, joined(settings, steps(count)), needs);
+                  std::int64_t count) {
+    add(id, "train-policy", config, joined(settings, steps(count)));
   }
 
   /// Errors on unseen rigs: the same trials for every row.
   void add_transfer(const std::string& row, const std::string& task, std::int64_t s,
-                    const std::string& config, Settings settings, Settings needs,
-                    const std::string& table = "transfer") {
+                    const std::string& config, Settings settings, const std::string& table = "transfer") {
     const bool ablation = table != "transfer";
     settings.push_back("task=" + task);
     settings.push_back(set("trials.count", ablation ? scale_.ablation_trials : scale_.trials));
-    Cell& cell = add(with_seed(table + "/" + row + "/" + task, s), "deploy", config, std::move(settings),
-                     std::move(needs));
+    runs::Cell& cell =
+        add(with_seed(table + "/" + row + "/" + task, s), "deploy", config, std::move(settings));
     cell.seed = seed_of(with_seed("evaluation/" + task, s));
   }
 
@@ -109,73 +108,60 @@ class Plan {
     const std::string paper = with_seed("dynamics/paper", s);
     const std::string best = with_seed("dynamics/best", s);
     add(paper, "train-dynamics", "paper/dynamics.json",
-        {"data={data/explorer}/transitions.h5", set("training.epochs", scale_.paper_epochs)},
-        {"data/explorer"});
+        {"data={data/explorer}/transitions.h5", set("training.epochs", scale_.paper_epochs)});
     add(best, "train-dynamics", "best/dynamics.json",
         {"data={data/explorer}/transitions.h5,{data/policy}/transitions.h5",
-         set("training.epochs", scale_.best_epochs)},
-        {"data/policy"});
+         set("training.epochs", scale_.best_epochs)});
     struct Row {
       std::string name, presets;
-      Settings settings, needs;
+      Settings settings;
       std::int64_t centre_steps, target_steps;
       std::string deploy;
     };
-    const std::vector<Row> rows = {{"simulator",
-                                    "simulator",
-                                    {},
-                                    {},
-                                    scale_.simulator_steps,
-                                    scale_.simulator_steps,
-                                    "best/deploy.json"},
-                                   {"randomised",
-                                    "simulator",
-                                    {"physics.randomise.enabled=true"},
-                                    {},
-                                    scale_.simulator_steps,
-                                    scale_.simulator_steps,
-                                    "best/deploy.json"},
-                                   {"paper",
-                                    "paper",
-                                    {"dynamics={" + paper + "}/checkpoint"},
-                                    {paper},
-                                    scale_.paper_steps,
-                                    scale_.paper_steps,
-                                    "paper/deploy.json"},
-                                   {"best",
-                                    "best",
-                                    {"dynamics={" + best + "}/checkpoint"},
-                                    {best},
-                                    scale_.best_centre_steps,
-                                    scale_.best_target_steps,
-                                    "best/deploy.json"}};
+    const std::vector<Row> rows = {
+        {"simulator", "simulator", {}, scale_.simulator_steps, scale_.simulator_steps, "best/deploy.json"},
+        {"randomised",
+         "simulator",
+         {"physics.randomise.enabled=true"},
+         scale_.simulator_steps,
+         scale_.simulator_steps,
+         "best/deploy.json"},
+        {"paper",
+         "paper",
+         {"dynamics={" + paper + "}/checkpoint"},
+         scale_.paper_steps,
+         scale_.paper_steps,
+         "paper/deploy.json"},
+        {"best",
+         "best",
+         {"dynamics={" + best + "}/checkpoint"},
+         scale_.best_centre_steps,
+         scale_.best_target_steps,
+         "best/deploy.json"}};
     for (const Row& row : rows) {
       const std::string centre = with_seed("policy/" + row.name + "/centre", s);
       const std::string target = with_seed("policy/" + row.name + "/target", s);
-      add_policy(centre, row.presets + "/policy_centre.json", row.settings, row.needs, row.centre_steps);
-      add_policy(target, row.presets + "/policy_target.json", row.settings, row.needs, row.target_steps);
+      add_policy(centre, row.presets + "/policy_centre.json", row.settings, row.centre_steps);
+      add_policy(target, row.presets + "/policy_target.json", row.settings, row.target_steps);
       const Settings alone = {"controller=policy", "on_rig=unseen"};
-      add_transfer(row.name, "centre", s, row.deploy, joined({"policy={" + centre + "}/checkpoint"}, alone),
-                   {centre});
+      add_transfer(row.name, "centre", s, row.deploy, joined({"policy={" + centre + "}/checkpoint"}, alone));
       for (const char* task : {"point", "square"})
-        add_transfer(row.name, task, s, row.deploy, joined({"policy={" + target + "}/checkpoint"}, alone),
-                     {target});
+        add_transfer(row.name, task, s, row.deploy, joined({"policy={" + target + "}/checkpoint"}, alone));
     }
     for (const char* task : {"centre", "point", "square"}) {
       add_transfer("planner", task, s, "best/deploy.json",
-                   {"controller=planner", "on_rig=unseen", "dynamics={" + best + "}/checkpoint"}, {best});
-      add_transfer("baseline", task, s, "best/deploy.json", {"controller=baseline", "on_rig=unseen"}, {});
+                   {"controller=planner", "on_rig=unseen", "dynamics={" + best + "}/checkpoint"});
+      add_transfer("baseline", task, s, "best/deploy.json", {"controller=baseline", "on_rig=unseen"});
     }
     const std::string pose = with_seed("policy/best/pose", s);
-    add_policy(pose, "best/policy_pose.json", {"dynamics={" + best + "}/checkpoint"}, {best},
+    add_policy(pose, "best/policy_pose.json", {"dynamics={" + best + "}/checkpoint"},
                scale_.best_target_steps);
     add_transfer(
         "best", "pose", s, "best/deploy_pose.json",
-        {"policy={" + pose + "}/checkpoint", "controller=policy", "on_rig=unseen", "turn.current_A=0"},
-        {pose});
+        {"policy={" + pose + "}/checkpoint", "controller=policy", "on_rig=unseen", "turn.current_A=0"});
     const std::string target = with_seed("policy/best/target", s);
     add_transfer("turning", "pose", s, "best/deploy_pose.json",
-                 {"policy={" + target + "}/checkpoint", "controller=policy", "on_rig=unseen"}, {target});
+                 {"policy={" + target + "}/checkpoint", "controller=policy", "on_rig=unseen"});
   }
 
   /// Figure 5: k of the paper's three environments play recorded steps; and learning from the recording
@@ -185,12 +171,12 @@ class Plan {
     const Settings both = {"dynamics={" + paper + "}/checkpoint", "recorded={data/explorer}/transitions.h5"};
     for (std::int64_t k = 0; k <= 3; ++k) {
       add_policy(with_seed("mix/" + std::to_string(k), s), "paper/policy_centre.json",
-                 joined(both, {set("replay.environments", k)}), {paper}, scale_.mix_steps);
+                 joined(both, {set("replay.environments", k)}), scale_.mix_steps);
     }
     const std::string offline = with_seed("mix/offline", s);
-    add_policy(offline, "best/policy_offline.json", both, {paper}, scale_.ablation_steps);
+    add_policy(offline, "best/policy_offline.json", both, scale_.ablation_steps);
     add_transfer("offline", "centre", s, "best/deploy.json",
-                 {"policy={" + offline + "}/checkpoint", "controller=policy", "on_rig=unseen"}, {offline});
+                 {"policy={" + offline + "}/checkpoint", "controller=policy", "on_rig=unseen"});
   }
 
   /// Each changes one thing in the best preset.
@@ -240,25 +226,22 @@ class Plan {
       add(dynamics, "train-dynamics", "best/dynamics.json",
           joined({"data={data/explorer}/transitions.h5,{data/policy}/transitions.h5",
                   set("training.epochs", scale_.best_epochs)},
-                 ablation.dynamics),
-          {"data/policy"});
+                 ablation.dynamics));
     }
     const std::string policy = with_seed("ablation/" + name + "/policy", s);
     add_policy(policy, "best/policy_target.json",
-               joined({"dynamics={" + dynamics + "}/checkpoint"}, ablation.policy), {dynamics},
-               scale_.ablation_steps);
+               joined({"dynamics={" + dynamics + "}/checkpoint"}, ablation.policy), scale_.ablation_steps);
     for (const char* task : {"point", "square"})
       add_transfer(name, task, s, "best/deploy.json",
-                   {"policy={" + policy + "}/checkpoint", "controller=policy", "on_rig=unseen"}, {policy},
-                   "ablation");
+                   {"policy={" + policy + "}/checkpoint", "controller=policy", "on_rig=unseen"}, "ablation");
   }
 
   PaperScale scale_;
-  std::vector<Cell> cells_;
+  runs::Plan plan_;
 };
 
 }  // namespace
 
-std::vector<Cell> paper_cells(const PaperScale& scale) { return Plan(scale).take(); }
+runs::Plan paper_plan(const PaperScale& scale) { return Builder(scale).take(); }
 
-}  // namespace lodestone::apps
+}  // namespace lodestone::experiments

@@ -1,12 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
-#include "lodestone/common/config.h"
+#include "lodestone/runs/plan.h"
 
-namespace lodestone::apps {
+namespace lodestone::experiments {
 
 /// How large the paper's experiments are run: configs/bench/paper_{smoke,quick,full}.json.
 struct PaperScale {
@@ -56,21 +55,9 @@ struct PaperScale {
   }
 };
 
-/// One run of one verb, in a folder of its own: independent of every other but those it needs.
-struct Cell {
-  std::string id;  ///< also its folder under OUT/cells
-  std::string verb;
-  std::string config;                 ///< preset under configs/
-  std::vector<std::string> settings;  ///< key=value; {ID} stands for the folder of another cell
-  std::vector<std::string> needs;     ///< ids
-  std::string rig_file;               ///< --rig; empty: the paper's rig
-  std::int64_t seed = 1;
-  bool all_threads = false;  ///< may use every processor, as nothing else can run beside it
-};
+/// Every run of section V at a scale, each after those it needs. Runs have different seeds; the transfer
+/// cells of one task and training seed have the same one, so that every row meets the same starts, targets
+/// and rigs.
+runs::Plan paper_plan(const PaperScale& scale);
 
-/// Every cell of section V at a scale, each after those it needs. Cells of different runs have different
-/// seeds; the transfer cells of one task and training seed have the same one, so that every row meets the
-/// same starts, targets and rigs.
-std::vector<Cell> paper_cells(const PaperScale& scale);
-
-}  // namespace lodestone::apps
+}  // namespace lodestone::experiments

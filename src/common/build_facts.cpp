@@ -1,14 +1,11 @@
-#include "lodestone/common/run_folder.h"
+#include "lodestone/common/build_facts.h"
 
 #include <sys/utsname.h>
 
 #include <ctime>
-#include <filesystem>
 #include <fstream>
 #include <thread>
 
-#include "lodestone/common/error.h"
-#include "lodestone/common/files.h"
 #include "lodestone_build_info.h"
 
 namespace lodestone::common {
@@ -23,6 +20,8 @@ std::string processor_name() {
   return "unknown";
 }
 
+}  // namespace
+
 std::string utc_now() {
   const std::time_t now = std::time(nullptr);
   std::tm parts{};
@@ -31,8 +30,6 @@ std::string utc_now() {
   std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
   return text;
 }
-
-}  // namespace
 
 Json build_and_host_facts() {
   utsname host{};
@@ -46,21 +43,6 @@ Json build_and_host_facts() {
           {"processor", processor_name()},
           {"processors", std::thread::hardware_concurrency()},
           {"time_utc", utc_now()}};
-}
-
-void start_run_folder(const std::string& folder, const std::string& verb, const Json& config,
-                      std::int64_t seed, bool reuse) {
-  namespace fs = std::filesystem;
-  if (folder.empty()) throw ConfigError(verb + " needs --out DIR: the folder to write the run into");
-  if (!reuse && fs::exists(folder) && !fs::is_empty(folder))
-    throw ConfigError("--out " + folder +
-                      " is not empty: name a new folder, or continue the run in it with --resume");
-  make_folders(folder);
-  Json manifest = {{"verb", verb}, {"seed", seed}};
-  if (config.contains("threads")) manifest["threads"] = config["threads"];
-  manifest.update(build_and_host_facts());
-  write_file_atomically(folder + "/config.json", config.dump(2) + "\n");
-  write_file_atomically(folder + "/manifest.json", manifest.dump(2) + "\n");
 }
 
 }  // namespace lodestone::common

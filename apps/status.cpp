@@ -1,0 +1,51 @@
+#include <cstdio>
+#include <memory>
+
+#include "lodestone/runs/plan.h"
+#include "verb.h"
+
+namespace lodestone::apps {
+namespace {
+
+void print_row(const runs::StatusRow& row, int width) {
+  if (!row.state) {
+    std::printf("%-*s  %-8s\n", width, row.name.c_str(), "waiting");
+    return;
+  }
+  const runs::RunState& state = *row.state;
+  std::string far;
+  if (state.total > 0)
+    far = std::to_string(100 * state.done / state.total) + " %  " + std::to_string(state.done) + " of " +
+          std::to_string(state.total) + " " + state.unit;
+  std::printf("%-*s  %-8s  %-15s  %s%s%s  %s\n", width, row.name.c_str(),
+              state.finished ? "finished"
+              : row.running  ? "running"
+                             : "stopped",
+              state.verb.c_str(), far.c_str(), state.note.empty() ? "" : "  ", state.note.c_str(),
+              state.updated_utc.c_str());
+}
+
+void status(const std::string& folder) {
+  const std::vector<runs::StatusRow> rows = runs::status_of(folder);
+  std::size_t width = 0;
+  std::size_t finished = 0;
+  for (const runs::StatusRow& row : rows) {
+    width = std::max(width, row.name.size());
+    if (row.state && row.state->finished) ++finished;
+  }
+  for (const runs::StatusRow& row : rows) print_row(row, static_cast<int>(width));
+  if (rows.size() > 1) std::printf("%zu of %zu runs are finished\n", finished, rows.size());
+}
+
+}  // namespace
+
+void add_status(CLI::App& program, ConfigCatalogue&) {
+  CLI::App* verb = program.add_subcommand("status", "how far a run is, a plan, or all runs below a folder");
+  auto folder = std::make_shared<std::string>();
+  verb->add_option("folder", *folder, "the --out of a run or plan, or a folder of them")
+      ->type_name("DIR")
+      ->required();
+  verb->callback([folder] { status(*folder); });
+}
+
+}  // namespace lodestone::apps

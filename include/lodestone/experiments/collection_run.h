@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lodestone/common/thread_pool.h"
+#include "lodestone/data/dataset_file.h"
+#include "lodestone/experiments/collection.h"
+#include "lodestone/runs/resumable_run.h"
+
+namespace lodestone::experiments {
+
+using Sessions = std::vector<std::unique_ptr<Collection>>;
+
+/// Phase 1 as resumable work: several explorations of one rig side by side, into `transitions.h5` of the
+/// run's folder, flushed after each episode. All sessions explore some episodes, which are written in the
+/// order of the sessions, so that the file does not depend on threads.
+class CollectionRun : public runs::ResumableWork {
+ public:
+  /// `repeatable`: what was lost with a killed process can be driven again exactly as it was; else each
+  /// episode counts as soon as it is on the disk, and there is one session. `sessions` must outlive it.
+  CollectionRun(const CollectionConfig& config, const Sessions& sessions, bool repeatable,
+                std::int64_t threads, const std::string& folder);
+
+  runs::Progress progress() const override;
+  void step(common::MetricsLog& metrics) override;
+  void save(const std::string& folder) override;
+  void load(const std::string& folder) override;
+
+ private:
+  void open_file();
+  /// Episodes of one round, in the order of the sessions.
+  std::vector<data::Episode> explore();
+
+  CollectionConfig config_;
+  const Sessions& sessions_;
+  bool repeatable_;
+  common::ThreadPool pool_;
+  std::string file_;
+  std::unique_ptr<data::DatasetWriter> writer_;
+  std::int64_t stored_ = 0;  ///< episodes in the file when it was opened
+  std::int64_t episodes_ = 0;
+  std::int64_t transitions_ = 0;
+};
+
+/// Name of the recording in the folder of a run.
+constexpr const char* kRecording = "transitions.h5";
+
+}  // namespace lodestone::experiments

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lodestone/experiments/recorder.h"
+#include "lodestone/experiments/trial_driver.h"
+#include "lodestone/runs/deployment_results.h"
+#include "lodestone/runs/resumable_run.h"
+
+namespace lodestone::experiments {
+
+/// What is driven: every task by every controller on every kind of rig.
+struct DeploymentJob {
+  std::vector<std::string> tasks;
+  std::optional<geometry::Path> path;         ///< of task "path"
+  std::optional<geometry::Vector2> target_m;  ///< of task "point"; drawn for each trial without
+  std::optional<task::Region> region;         ///< that starts and targets lie in
+  std::vector<RigKind> rigs;
+  std::vector<ControllerSource> sources;
+  runs::Provenance provenance;  ///< of the policy
+};
+
+/// Phase 3 as resumable work: a trial that has ended is kept (`trajectories.csv`, `trials.jsonl`, both
+/// flushed, and `summary.json` of all so far), whatever happens to the process.
+class DeploymentRun : public runs::ResumableWork {
+ public:
+  /// `config` and `job` must outlive it.
+  DeploymentRun(const DeploymentConfig& config, const DeploymentJob& job, std::string folder,
+                TrialDriver driver);
+
+  runs::Progress progress() const override;
+  void step(common::MetricsLog& metrics) override;
+  void save(const std::string& folder) override;
+  void load(const std::string& folder) override;
+
+  /// The trials that have ended.
+  runs::DeploymentSummary summary() const;
+  /// Writes trials.json of every kind of rig from trials.jsonl.
+  void write_trials() const;
+
+ private:
+  /// One task by one controller on one kind of rig, with the trials of it that have ended, without
+  /// trajectories.
+  struct Part {
+    std::size_t rig, source, task;
+    std::vector<runs::TrialRecord> ended;
+  };
+  std::vector<TrialPlan> next_plans(const Part& part) const;
+  void keep(Part& part, const TrialResult& result);
+  Part& part_of(const runs::TrialRecord& record);
+  runs::RigSummary summary_of(std::size_t rig) const;
+  /// trials.json of a kind of rig lies in a folder of its own where there are two.
+  std::string folder_of(std::size_t rig) const;
+
+  const DeploymentConfig& config_;
+  const DeploymentJob& job_;
+  std::string folder_;
+  TrialDriver driver_;
+  std::vector<Part> parts_;
+  std::int64_t done_ = 0;
+  std::int64_t rows_ = 0;  ///< of trajectories.csv that belong to trials that have ended
+  std::string note_;
+  std::optional<Recorder> recorder_;
+  std::ofstream journal_;
+};
+
+}  // namespace lodestone::experiments

@@ -1,0 +1,181 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lodestone/runs/training_results.h"
+
+namespace lodestone::runs {
+
+/// A list of TrialRecord, once a deployment has ended.
+constexpr const char* kTrialsFile = "trials.json";
+
+/// Tasks in the order of every table.
+constexpr std::array<const char*, 6> kTasks = {"centre", "point", "pose", "square", "circle", "path"};
+
+/// How well one trial went, by one source of positions.
+struct TrialFigures {
+  std::vector<double>
+      errors_mm;  ///< point: the distance at the end; path: the cross-track error of every sample
+  double final_error_mm = 0.0;  ///< distance to the target at the end
+  bool success = false;
+  std::optional<double> hold_error_mm;
+  std::optional<double> heading_error_deg;
+  std::optional<double> cross_track_rms_mm;
+  std::optional<double> time_rms_error_mm;
+  std::optional<std::int64_t> steps_to_reach;
+  std::optional<double> seconds_to_reach;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("final_error_mm", final_error_mm);
+    v.field("success", success);
+    v.field("hold_error_mm", hold_error_mm);
+    v.field("heading_error_deg", heading_error_deg);
+    v.field("cross_track_rms_mm", cross_track_rms_mm);
+    v.field("time_rms_error_mm", time_rms_error_mm);
+    v.field("steps_to_reach", steps_to_reach);
+    v.field("seconds_to_reach", seconds_to_reach);
+    v.field("errors_mm", errors_mm);
+  }
+};
+
+using PointMm = std::array<double, 2>;  ///< x, y in mm
+using PoseMm = std::array<double, 3>;   ///< x, y in mm, heading in rad
+
+/// One trial, as a line of trials.jsonl while a deployment runs, and in trials.json when it has ended.
+struct TrialRecord {
+  std::string task;
+  std::string rig;         ///< "explored", "unseen" or "real"
+  std::string controller;  ///< "policy", "planner" or "baseline"
+  std::int64_t trial = 0;
+  PoseMm start = {};
+  std::optional<std::vector<PointMm>> path_mm;
+  std::optional<PointMm> target_mm;
+  std::optional<double> target_heading_rad;
+  std::vector<double> time_s;                            ///< of every observation
+  std::optional<std::vector<PoseMm>> trajectory;         ///< true poses; absent where nobody knows them
+  std::vector<std::optional<PoseMm>> sensed_trajectory;  ///< null: no pose was found
+  std::optional<std::vector<PointMm>> reference_mm;      ///< paths only
+  std::optional<std::vector<int>> approach;              ///< paths only: 1 on the way to the start
+  std::optional<TrialFigures> truth;                     ///< by true poses; absent likewise
+  TrialFigures sensed;
+  bool completed = false;
+  std::string stop_reason;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("task", task);
+    v.field("rig", rig);
+    v.field("controller", controller);
+    v.field("trial", trial);
+    v.field("start", start);
+    v.field("path_mm", path_mm);
+    v.field("target_mm", target_mm);
+    v.field("target_heading_rad", target_heading_rad);
+    v.field("time_s", time_s);
+    v.field("trajectory", trajectory);
+    v.field("sensed_trajectory", sensed_trajectory);
+    v.field("reference_mm", reference_mm);
+    v.field("approach", approach);
+    v.part("final_error_mm", truth);
+    v.field("sensed", sensed);
+    v.field("completed", completed);
+    v.field("stop_reason", stop_reason);
+  }
+  /// By true poses where they are known, else as sensed.
+  const TrialFigures& figures() const { return truth ? *truth : sensed; }
+};
+
+/// Errors of several trials by one source of positions: over the pooled errors_mm of all, and means over the
+/// trials that have a figure.
+struct ErrorStatistics {
+  double mean_error_mm = 0.0, std_error_mm = 0.0, median_error_mm = 0.0, rms_error_mm = 0.0;
+  double success_rate = 0.0;
+  std::optional<double> steps_to_reach, seconds_to_reach, hold_error_mm, heading_error_deg,
+      cross_track_rms_mm, time_rms_error_mm;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("mean_error_mm", mean_error_mm);
+    v.field("std_error_mm", std_error_mm);
+    v.field("median_error_mm", median_error_mm);
+    v.field("rms_error_mm", rms_error_mm);
+    v.field("success_rate", success_rate);
+    v.field("steps_to_reach", steps_to_reach);
+    v.field("seconds_to_reach", seconds_to_reach);
+    v.field("hold_error_mm", hold_error_mm);
+    v.field("heading_error_deg", heading_error_deg);
+    v.field("cross_track_rms_mm", cross_track_rms_mm);
+    v.field("time_rms_error_mm", time_rms_error_mm);
+  }
+};
+
+/// One task by one controller on one kind of rig.
+struct TaskSummary {
+  std::int64_t n_trials = 0;
+  std::int64_t n_stopped = 0;            ///< trials that ended early
+  std::optional<ErrorStatistics> truth;  ///< against true poses; absent where nobody knows them
+  ErrorStatistics sensed;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("n_trials", n_trials);
+    v.field("n_stopped", n_stopped);
+    v.part("mean_error_mm", truth);
+    v.field("sensed", sensed);
+  }
+};
+
+/// What one controller did, by task.
+struct TaskTable {
+  std::map<std::string, TaskSummary> by_task;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    for (const char* task : kTasks) v.entry(task, by_task);
+  }
+};
+
+/// The trials of a folder that deploy wrote; nothing where there are none. Throws DataError naming a damaged
+/// file.
+std::optional<std::vector<TrialRecord>> find_trials(const std::string& folder);
+
+/// One kind of rig: the tasks of what was asked for, and under "baseline" what it is held against.
+struct RigSummary {
+  std::optional<std::string> controller;  ///< "policy" or "planner"; absent where only the baseline drove
+  TaskTable tasks;
+  std::optional<TaskTable> baseline;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("controller", controller);
+    tasks.visit(v);
+    v.field("baseline", baseline);
+  }
+};
+
+/// `summary.json` of deploy: the first kind of rig at the top, each below its name where there are two, and
+/// what made the policy. The report merges the whole run's into one.
+struct DeploymentSummary : RigSummary {
+  static constexpr const char* kFile = "summary.json";
+  std::map<std::string, RigSummary> by_rig;  ///< "explored" and "unseen", where both were driven
+  std::optional<std::string> scored_by;      ///< "camera" on a real rig, where nobody knows the true pose
+  std::optional<std::string> stopped;        ///< why the rig was stopped for good
+  Provenance provenance;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    RigSummary::visit(v);
+    for (const char* rig : {"explored", "unseen"}) v.entry(rig, by_rig);
+    v.field("scored_by", scored_by);
+    v.field("stopped", stopped);
+    provenance.visit(v);
+  }
+};
+
+}  // namespace lodestone::runs

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lodestone/runs/run_folder.h"
+
+namespace lodestone::runs {
+
+/// One run of one verb, in a folder of its own. {ID} in a setting stands for the folder of another cell,
+/// which it then needs.
+struct Cell {
+  std::string id;  ///< also its folder
+  std::string verb;
+  std::string config;                 ///< preset under configs/; empty: none
+  std::vector<std::string> settings;  ///< key=value
+  std::optional<std::int64_t> seed;   ///< without: the plan's
+  std::int64_t seed_offset = 0;       ///< added to it
+  bool all_threads = false;           ///< may use every processor
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("id", id);
+    v.field("verb", verb);
+    v.field("config", config);
+    v.field("settings", settings);
+    v.field("seed", seed);
+    v.field("seed_offset", seed_offset);
+    v.field("all_threads", all_threads);
+  }
+  /// Ids in its settings, in order.
+  std::vector<std::string> needs() const;
+};
+
+/// Runs that need each other: the experiments of the paper, the steps of the quickstart, or a sweep of the
+/// user's.
+struct Plan {
+  std::vector<Cell> cells;
+  std::int64_t seed = 1;
+  std::string subfolder;  ///< of the plan's folder that the cells' folders lie in; empty: directly in it
+  bool keep_checkpoints = true;  ///< else what only training on would need goes when a cell is finished
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("seed", seed);
+    v.field("subfolder", subfolder);
+    v.field("keep_checkpoints", keep_checkpoints);
+    v.field("cells", cells);
+  }
+  /// Throws ConfigError: no cell, two of one id, a need that is no cell or comes later, a verb that cannot be
+  /// a cell.
+  void validate() const;
+  const Cell* find(const std::string& id) const;
+};
+
+/// Reads a plan; keys of cells that are not given have their defaults. Throws ConfigError and DataError.
+Plan read_plan(const std::string& path);
+
+/// Where a plan is run, and with what.
+struct PlanPlace {
+  std::string folder;
+  std::string program;        ///< path of lodestone
+  std::string configs;        ///< folder of the presets
+  std::string rig_file = "";  ///< of every cell; empty: the paper's rig
+  std::int64_t threads = 1;
+};
+
+std::string cell_folder(const Plan& plan, const PlanPlace& place, const std::string& id);
+/// The command line of a cell, without the program. It goes on with what was interrupted and finds what is
+/// finished.
+std::vector<std::string> cell_arguments(const Plan& plan, const PlanPlace& place, const Cell& cell);
+
+/// How far one run is.
+struct StatusRow {
+  std::string name;               ///< id of the cell, or the folder
+  std::optional<RunState> state;  ///< absent: not begun
+  bool running = false;           ///< a process works on it right now
+};
+
+/// The run in a folder, the cells of the plan in it, or all runs below it. Throws DataError where one is
+/// damaged, and ConfigError where there is none.
+std::vector<StatusRow> status_of(const std::string& folder);
+
+/// Says in the folder which plan is run there, for status_of().
+void write_plan(const Plan& plan, const std::string& folder);
+
+}  // namespace lodestone::runs

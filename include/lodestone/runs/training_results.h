@@ -1,0 +1,194 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lodestone::runs {
+
+/// Figures of the deterministic policy over one episode per environment.
+struct PolicyScore {
+  double episode_return = 0.0;
+  double success_rate = 0.0;    ///< fraction of episodes that were within the success radius at some step
+  double final_error_mm = 0.0;  ///< mean distance to the goal when the episode ended
+  double final_error_median_mm = 0.0;
+  double episode_length = 0.0;
+  double action_saturation = 0.0;  ///< fraction of action components beyond 0.95
+  std::int64_t episodes = 0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("episode_return", episode_return);
+    v.field("success_rate", success_rate);
+    v.field("final_error_mm", final_error_mm);
+    v.field("final_error_median_mm", final_error_median_mm);
+    v.field("episode_length", episode_length);
+    v.field("action_saturation", action_saturation);
+    v.field("episodes", episodes);
+  }
+};
+
+/// How much a policy was trained.
+struct PolicyFacts {
+  std::int64_t env_steps = 0;
+  std::int64_t updates = 0;
+  double train_seconds = 0.0;  ///< wall time of learning, interruptions left out
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("env_steps", env_steps);
+    v.field("updates", updates);
+    v.field("train_seconds", train_seconds);
+  }
+};
+
+/// `result.json` of train-policy.
+struct PolicyResult : PolicyFacts {
+  static constexpr const char* kFile = "result.json";
+  std::int64_t best_env_steps = 0;  ///< when the policy that was kept was reached
+  /// Training time, evaluations included, until an evaluation first came 95 % of the way from the untrained
+  /// policy's return to the last one's: the paper's Table I.
+  double seconds_to_95_percent = 0.0;
+  double peak_memory_mb = 0.0;  ///< of the whole program so far
+  PolicyScore evaluation;       ///< of the policy that was kept
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    PolicyFacts::visit(v);
+    v.field("best_env_steps", best_env_steps);
+    v.field("seconds_to_95_percent", seconds_to_95_percent);
+    v.field("peak_memory_mb", peak_memory_mb);
+    v.field("evaluation", evaluation);
+  }
+};
+
+/// Root-mean-square errors of predicted next states.
+struct StateError {
+  double position_rms_mm = 0.0;           ///< of the distance between predicted and recorded position
+  std::optional<double> heading_rms_deg;  ///< wrapped; none where the state has no heading
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("position_rms_mm", position_rms_mm);
+    v.field("heading_rms_deg", heading_rms_deg);
+  }
+};
+
+/// What a learned simulator is held against.
+struct DynamicsBaselines {
+  StateError no_motion;           ///< the next state is the state
+  StateError nearest_neighbours;  ///< mean motion of the ten nearest training rows
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("no_motion", no_motion);
+    v.field("knn10", nearest_neighbours);
+  }
+};
+
+/// A learned simulator in numbers; as much as is known of it.
+struct DynamicsFacts {
+  StateError one_step;
+  std::optional<double> normalised_l2;  ///< mean squared error in the networks' own normalised output
+  /// Open-loop position RMS by the number of steps; none when no episode is that long.
+  std::optional<std::map<int, std::optional<double>>> k_step_mm;
+  std::optional<DynamicsBaselines> baselines;
+  std::optional<std::int64_t> n;  ///< rows with current
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    one_step.visit(v);
+    v.field("normalised_l2", normalised_l2);
+    v.field("k_step", k_step_mm);
+    v.field("baselines", baselines);
+    v.field("n", n);
+  }
+};
+
+/// One square of the dish: the one-step error of the rows that start in it.
+struct ErrorCell {
+  double x_m = 0.0;  ///< its centre
+  double y_m = 0.0;
+  double rms_mm = 0.0;
+  std::int64_t n = 0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("x_m", x_m);
+    v.field("y_m", y_m);
+    v.field("rms_mm", rms_mm);
+    v.field("n", n);
+  }
+};
+
+/// How a network's training went.
+struct TrainingFacts {
+  double validation_loss = 0.0;
+  double train_loss = 0.0;
+  std::int64_t epochs = 0;
+  double train_seconds = 0.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("validation_loss", validation_loss);
+    v.field("train_loss", train_loss);
+    v.field("epochs", epochs);
+    v.field("train_seconds", train_seconds);
+  }
+};
+
+/// `evaluation.json` of train-dynamics: how well an ensemble's mean predicts recorded transitions (section
+/// V-A, and more).
+struct DynamicsEvaluation : DynamicsFacts {
+  static constexpr const char* kFile = "evaluation.json";
+  /// As normalised_l2, next state over its standard deviation in training: any form.
+  std::optional<double> normalised_state_l2;
+  std::vector<ErrorCell> error_map;         ///< squares of 5 mm that hold rows
+  std::optional<std::string> split;         ///< of the data: "test" or "all"
+  std::optional<std::int64_t> transitions;  ///< recorded, all splits together
+  std::optional<TrainingFacts> training;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    DynamicsFacts::visit(v);
+    v.field("normalised_state_l2", normalised_state_l2);
+    v.field("error_map", error_map);
+    v.field("split", split);
+    v.field("transitions", transitions);
+    v.part("validation_loss", training);
+  }
+};
+
+/// What was recorded.
+struct CollectionFacts {
+  std::int64_t transitions = 0;
+  std::optional<std::int64_t> transitions_with_current;
+  std::optional<double> coverage;
+  std::optional<double> evenness;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("transitions", transitions);
+    v.field("transitions_with_current", transitions_with_current);
+    v.field("coverage", coverage);
+    v.field("evenness", evenness);
+  }
+};
+
+/// What made a policy, as far as its checkpoint tells.
+struct Provenance {
+  std::optional<PolicyFacts> policy;
+  std::optional<CollectionFacts> collect;
+  std::optional<DynamicsFacts> dynamics;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("policy", policy);
+    v.field("collect", collect);
+    v.field("dynamics", dynamics);
+  }
+};
+
+}  // namespace lodestone::runs

@@ -1,0 +1,105 @@
+#include "lodestone/experiments/collection_run.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/error.h"
+
+namespace lodestone::experiments {
+namespace {
+
+/// All sessions explore so many episodes, then their records are written, then the next round begins.
+constexpr std::int64_t kEpisodesPerRound = 4;
+
+/// What goes on with a recording, besides the file.
+struct CollectionState {
+  static constexpr const char* kFile = "/state.json";
+  std::int64_t episodes = 0;
+  std::int64_t transitions = 0;
+  std::vector<common::Json> sessions;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("episodes", episodes);
+    v.field("transitions", transitions);
+    v.field("sessions", sessions);
+  }
+};
+
+}  // namespace
+
+CollectionRun::CollectionRun(const CollectionConfig& config, const Sessions& sessions, bool repeatable,
+                             std::int64_t threads, const std::string& folder)
+    : config_(config),
+      sessions_(sessions),
+      repeatable_(repeatable),
+      pool_(static_cast<std::size_t>(threads)),
+      file_(folder + "/" + kRecording) {}
+
+runs::Progress CollectionRun::progress() const {
+  return {transitions_, config_.transitions, transitions_ >= config_.transitions,
+          std::to_string(episodes_) + " episodes"};
+}
+
+void CollectionRun::open_file() {
+  const bool there = std::filesystem::exists(file_);
+  if (there && !repeatable_) {
+    // Nobody can drive it again: what is on disk counts.
+    const data::Dataset saved = data::read_dataset(file_);
+    episodes_ = static_cast<std::int64_t>(saved.episodes.size());
+    transitions_ = saved.transitions();
+  }
+  writer_ = std::make_unique<data::DatasetWriter>(file_, dataset_info(config_), there);
+  // The file may hold episodes that the state does not know yet: they are explored again, which gives the
+  // same numbers, and not written twice.
+  stored_ = writer_->episodes();
+  if (stored_ < episodes_)
+    throw common::DataError(file_ + " holds " + std::to_string(stored_) + " episodes, the state says " +
+                            std::to_string(episodes_) + "; start again in another folder");
+}
+
+void CollectionRun::step(common::MetricsLog& /*metrics*/) {
+  if (!writer_) open_file();
+  if (progress().finished) return;
+  for (data::Episode& episode : explore()) {
+    if (transitions_ >= config_.transitions) break;
+    if (transitions_ + episode.length() > config_.transitions)
+      episode = data::first_steps(episode, config_.transitions - transitions_);
+    if (episodes_ >= stored_) writer_->write(episode);
+    ++episodes_;
+    transitions_ += episode.length();
+  }
+}
+
+std::vector<data::Episode> CollectionRun::explore() {
+  std::vector<std::vector<data::Episode>> found(sessions_.size());
+  pool_.for_each(sessions_.size(), [&](std::size_t session) {
+    // What cannot be repeated is saved episode by episode.
+    for (std::int64_t i = 0; i < (repeatable_ ? kEpisodesPerRound : 1); ++i)
+      found[session].push_back(sessions_[session]->next_episode(config_.episode_steps));
+  });
+  std::vector<data::Episode> episodes;
+  for (std::vector<data::Episode>& of_session : found)
+    for (data::Episode& episode : of_session) episodes.push_back(std::move(episode));
+  return episodes;
+}
+
+void CollectionRun::save(const std::string& folder) {
+  CollectionState state{episodes_, transitions_, {}};
+  for (const auto& session : sessions_) state.sessions.push_back(session->save());
+  common::write_artefact(folder + CollectionState::kFile, state);
+}
+
+void CollectionRun::load(const std::string& folder) {
+  const auto state = common::read_artefact<CollectionState>(folder + CollectionState::kFile);
+  if (state.sessions.size() != sessions_.size())
+    throw common::DataError(folder + CollectionState::kFile + " holds " +
+                            std::to_string(state.sessions.size()) + " sessions, expected " +
+                            std::to_string(sessions_.size()));
+  for (std::size_t i = 0; i < sessions_.size(); ++i) sessions_[i]->restore(state.sessions[i]);
+  episodes_ = state.episodes;
+  transitions_ = state.transitions;
+}
+
+}  // namespace lodestone::experiments

@@ -1,0 +1,58 @@
+#include "lodestone/experiments/trial_driver.h"
+
+#include <memory>
+#include <optional>
+
+namespace lodestone::experiments {
+namespace {
+
+/// One trial on the connected rig, filmed where that is asked for.
+TrialResult drive_one(session::RigSession& rig, const DeploymentConfig& config, const TrialPlan& plan,
+                      const ControllerSource& source, const std::string& video_folder) {
+  std::optional<TrialVideo> video;
+  const RecordingConfig& record = config.record;
+  if (!video_folder.empty() && plan.index < record.trials)
+    video.emplace(video_file(video_folder, RigKind::kReal, source, plan), record, config.loop.period_s(),
+                  rig::bench_of(config.rig), source.action.scale, plan);
+  TrialResult result = run_on_session(rig, config, plan, source, {}, [&](const control::StepRecord& step) {
+    const session::CameraPoseSensor* camera = rig.camera();
+    if (video && camera->calibration()) video->show(camera->frame(), camera->calibration()->camera, step);
+  });
+  if (video) video->finish();
+  return result;
+}
+
+}  // namespace
+
+TrialDriver virtual_driver(const DeploymentConfig& config, std::int64_t threads, bool realtime,
+                           const std::string& video_folder) {
+  const auto deployment = std::make_shared<const Deployment>(config);
+  const auto pool = std::make_shared<common::ThreadPool>(realtime ? 1 : static_cast<std::size_t>(threads));
+  TrialDriver driver;
+  driver.drive = [=](const std::vector<TrialPlan>& plans, RigKind kind, const ControllerSource& source) {
+    return deployment->run(plans, kind, source, *pool, realtime, video_folder);
+  };
+  driver.fits = [deployment](const geometry::Pose2& pose) { return deployment->fits(pose); };
+  driver.stopped = [] { return std::string(); };
+  driver.batch = 2 * pool->size();
+  return driver;
+}
+
+TrialDriver session_driver(session::RigSession& rig, const DeploymentConfig& config, bool ask_to_place,
+                           const std::string& video_folder) {
+  TrialDriver driver;
+  driver.drive = [&rig, config, ask_to_place, video_folder](const std::vector<TrialPlan>& plans, RigKind,
+                                                            const ControllerSource& source) {
+    std::vector<TrialResult> results;
+    for (const TrialPlan& plan : plans) {
+      if (ask_to_place) rig.place(plan.start);
+      results.push_back(drive_one(rig, config, plan, source, video_folder));
+    }
+    return results;
+  };
+  driver.fits = [&rig](const geometry::Pose2& pose) { return rig.fits(pose); };
+  driver.stopped = [&rig] { return rig.coils().latched() ? rig.coils().reason() : std::string(); };
+  return driver;
+}
+
+}  // namespace lodestone::experiments

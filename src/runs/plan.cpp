@@ -1,0 +1,145 @@
+#include "lodestone/runs/plan.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <utility>
+
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/error.h"
+
+namespace lodestone::runs {
+namespace {
+
+namespace fs = std::filesystem;
+using common::ConfigError;
+using common::Json;
+
+constexpr const char* kPlanFile = "/plan.json";
+const std::set<std::string> kVerbs = {"collect", "train-segmenter", "train-dynamics", "train-policy",
+                                      "deploy"};
+
+/// Calls `use` with every {ID} of a text, and puts in its place what that returns.
+template <class Use>
+std::string with_folders(std::string text, Use use) {
+  for (std::size_t open = text.find('{'); open != std::string::npos;) {
+    const std::size_t close = text.find('}', open);
+    if (close == std::string::npos) break;
+    const std::string folder = use(text.substr(open + 1, close - open - 1));
+    text.replace(open, close - open + 1, folder);
+    open = text.find('{', open + folder.size());
+  }
+  return text;
+}
+
+/// A cell as written by hand: what is left out has its default, and a key that is not known is refused.
+Json completed(const Json& cell, const std::string& where) {
+  Cell defaults;
+  defaults.seed = 1;
+  const Json known = common::artefact_to_json(defaults);
+  if (!cell.is_object()) throw ConfigError(where + " must be a JSON object {...}");
+  for (const auto& [key, value] : cell.items())
+    if (!known.contains(key)) throw ConfigError(where + ": unknown key " + key + " = " + value.dump());
+  Json whole = common::artefact_to_json(Cell{});
+  whole.update(cell);
+  return whole;
+}
+
+}  // namespace
+
+std::vector<std::string> Cell::needs() const {
+  std::vector<std::string> ids;
+  for (const std::string& setting : settings)
+    with_folders(setting, [&](const std::string& id_of_other) {
+      if (std::find(ids.begin(), ids.end(), id_of_other) == ids.end()) ids.push_back(id_of_other);
+      return std::string();
+    });
+  return ids;
+}
+
+const Cell* Plan::find(const std::string& id) const {
+  const auto found =
+      std::find_if(cells.begin(), cells.end(), [&](const Cell& cell) { return cell.id == id; });
+  return found == cells.end() ? nullptr : &*found;
+}
+
+void Plan::validate() const {
+  if (cells.empty()) throw ConfigError("a plan needs at least one cell");
+  std::set<std::string> before;
+  for (const Cell& cell : cells) {
+    const std::string what = "cell \"" + cell.id + "\"";
+    if (kVerbs.count(cell.verb) == 0)
+      throw ConfigError(what + ": verb = \"" + cell.verb +
+                        "\" must be collect, train-segmenter, train-dynamics, train-policy or deploy");
+    for (const std::string& need : cell.needs())
+      if (before.count(need) == 0)
+        throw ConfigError(what + " needs {" + need + "}, which is no cell before it in the plan");
+    if (cell.id.empty() || cell.id.front() == '/' || cell.id.find("..") != std::string::npos)
+      throw ConfigError(what + ": an id is the name of a folder below the plan's");
+    if (!before.insert(cell.id).second) throw ConfigError(what + " is in the plan twice");
+  }
+}
+
+Plan read_plan(const std::string& path) {
+  Json json = common::read_json_file(path);
+  Json whole = common::artefact_to_json(Plan{});
+  if (!json.is_object() || !json.contains("cells") || !json["cells"].is_array())
+    throw ConfigError(path + ": a plan is an object with a list \"cells\"");
+  for (const auto& [key, value] : json.items())
+    if (!whole.contains(key)) throw ConfigError(path + ": unknown key " + key + " = " + value.dump());
+  for (Json& cell : json["cells"]) cell = completed(cell, path + ": a cell");
+  whole.update(json);
+  return common::artefact_from_json<Plan>(whole, path);
+}
+
+std::string cell_folder(const Plan& plan, const PlanPlace& place, const std::string& id) {
+  return place.folder + "/" + (plan.subfolder.empty() ? "" : plan.subfolder + "/") + id;
+}
+
+std::vector<std::string> cell_arguments(const Plan& plan, const PlanPlace& place, const Cell& cell) {
+  std::vector<std::string> out = {cell.verb};
+  const auto add = [&out](const char* flag, const std::string& value) {
+    out.insert(out.end(), {flag, value});
+  };
+  if (!cell.config.empty()) add("--config", place.configs + "/" + cell.config);
+  if (!place.rig_file.empty()) add("--rig", place.rig_file);
+  for (const std::string& setting : cell.settings)
+    add("--set", with_folders(setting, [&](const std::string& id) { return cell_folder(plan, place, id); }));
+  add("--seed", std::to_string(cell.seed.value_or(plan.seed) + cell.seed_offset));
+  add("--threads", std::to_string(cell.all_threads ? place.threads : 1));
+  add("--out", cell_folder(plan, place, cell.id));
+  out.emplace_back("--resume");
+  return out;
+}
+
+void write_plan(const Plan& plan, const std::string& folder) {
+  common::write_artefact(folder + kPlanFile, plan);
+}
+
+std::vector<StatusRow> status_of(const std::string& folder) {
+  std::vector<StatusRow> rows;
+  const auto add = [&rows](const std::string& name, const std::string& path) {
+    const bool there = fs::is_directory(path);
+    rows.push_back({name, there ? find_run(path) : std::nullopt, there && is_running(path)});
+  };
+  if (const auto plan = common::find_artefact<Plan>(folder + kPlanFile)) {
+    for (const Cell& cell : plan->cells) add(cell.id, cell_folder(*plan, {folder, "", ""}, cell.id));
+  } else if (find_run(folder)) {
+    add(folder, folder);
+  } else if (fs::is_directory(folder)) {
+    std::vector<std::string> found;
+    for (auto entry = fs::recursive_directory_iterator(folder); entry != fs::recursive_directory_iterator();
+         ++entry) {
+      if (!entry->is_directory() || !find_run(entry->path().string())) continue;
+      found.push_back(entry->path().string());
+      entry.disable_recursion_pending();
+    }
+    std::sort(found.begin(), found.end());
+    for (const std::string& path : found) add(path, path);
+  }
+  if (rows.empty())
+    throw ConfigError("status: " + folder + " holds no run and no plan; name the --out of a run");
+  return rows;
+}
+
+}  // namespace lodestone::runs

@@ -1,0 +1,171 @@
+#include "lodestone/runs/run_folder.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <utility>
+
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/build_facts.h"
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+
+namespace lodestone::runs {
+namespace {
+
+namespace fs = std::filesystem;
+using common::ConfigError;
+using common::Json;
+
+constexpr const char* kStateFile = "/run.json";
+constexpr const char* kConfigFile = "/config.json";
+constexpr std::size_t kMostNamed = 8;  // differing keys in a message
+
+/// A lock on a folder: it is free as soon as the process that held it has gone, however it went.
+int open_locked(const std::string& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) throw common::IoError("cannot open the folder " + folder);
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
+  ::close(descriptor);
+  return -1;
+}
+
+void flatten(const Json& json, const std::string& prefix, std::map<std::string, std::string>& out) {
+  const bool list_of_objects = json.is_array() && !json.empty() && json.front().is_object();
+  if (!json.is_object() && !list_of_objects) {
+    out[prefix] = json.dump();
+    return;
+  }
+  for (const auto& [key, value] : json.items())
+    flatten(value, prefix.empty() ? key : prefix + "." + key, out);
+}
+
+std::string joined(const std::vector<std::string>& items) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(items.size(), kMostNamed); ++i) text += (i > 0 ? "; " : "") + items[i];
+  if (items.size() > kMostNamed) text += "; and " + std::to_string(items.size() - kMostNamed) + " more";
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> differing_keys(const Json& there, const Json& here,
+                                        const std::vector<std::string>& ignored) {
+  std::map<std::string, std::string> before;
+  std::map<std::string, std::string> now;
+  flatten(there, "", before);
+  flatten(here, "", now);
+  for (const std::string& key : ignored) {
+    before.erase(key);
+    now.erase(key);
+  }
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : now) {
+    const auto found = before.find(key);
+    if (found == before.end())
+      keys.push_back(key + " = " + value + " (there: absent)");
+    else if (found->second != value)
+      keys.push_back(key + " = " + value + " (there: " + found->second + ")");
+  }
+  for (const auto& [key, value] : before)
+    if (now.count(key) == 0) keys.push_back(key + " is absent (there: " + value + ")");
+  return keys;
+}
+
+RunFolder::RunFolder(RunRequest request) : request_(std::move(request)) {
+  const std::string& folder = request_.folder;
+  if (folder.empty())
+    throw ConfigError(request_.verb + ": --out DIR is missing; name the folder to write into");
+  state_.verb = request_.verb;
+  if (!fs::exists(folder) || (fs::is_directory(folder) && fs::is_empty(folder))) return;
+  if (!request_.resume)
+    throw ConfigError("--out " + folder +
+                      " is not empty: name a new folder, or go on with the run in it with --resume");
+  lock();
+  try {
+    find_again();
+  } catch (...) {
+    ::close(lock_);
+    throw;
+  }
+}
+
+RunFolder::~RunFolder() {
+  if (lock_ >= 0) ::close(lock_);
+}
+
+void RunFolder::lock() {
+  lock_ = open_locked(path());
+  if (lock_ < 0)
+    throw common::Error(request_.verb + ": another process is working in " + path() +
+                        "; wait until it has ended");
+}
+
+void RunFolder::find_again() {
+  const std::optional<RunState> found = find_run(path());
+  if (!found)
+    throw ConfigError("--out " + path() +
+                      " is not empty and holds no run (no run.json): name another folder");
+  if (found->verb != request_.verb)
+    throw ConfigError("--resume: " + path() + " holds a run of " + found->verb + ", not of " + request_.verb +
+                      "; name its own folder, or a new one");
+  const Json there = common::read_json_if_there(path() + kConfigFile);
+  if (there.is_null()) return;  // killed while it began
+  state_ = *found;
+  std::vector<std::string> ignored = request_.free_keys;
+  ignored.insert(ignored.end(), request_.length_keys.begin(), request_.length_keys.end());
+  const std::vector<std::string> differing = differing_keys(there, request_.config, ignored);
+  if (!differing.empty())
+    throw ConfigError("--resume: the run in " + path() + " has other settings: " + joined(differing) +
+                      "; use the same --config and --set as before, or another --out");
+  const bool longer = !differing_keys(there, request_.config, request_.free_keys).empty();
+  stage_ = state_.finished && !longer ? RunStage::kFinished : RunStage::kResumable;
+}
+
+void RunFolder::begin() {
+  if (begun_) return;
+  begun_ = true;
+  common::make_folders(path());
+  if (lock_ < 0) lock();
+  update(state_);  // first, so that a run that is killed right here is found again
+  if (stage_ == RunStage::kFresh) {
+    Json manifest = {{"verb", request_.verb}, {"seed", request_.seed}};
+    if (request_.config.contains("threads")) manifest["threads"] = request_.config["threads"];
+    manifest.update(common::build_and_host_facts());
+    common::write_file_atomically(file("manifest.json"), manifest.dump(2) + "\n");
+  }
+  common::write_file_atomically(path() + kConfigFile, request_.config.dump(2) + "\n");
+}
+
+void RunFolder::update(const RunState& state) {
+  begin();
+  state_ = state;
+  state_.verb = request_.verb;
+  state_.finished = false;
+  state_.updated_utc = common::utc_now();
+  common::write_artefact(path() + kStateFile, state_);
+}
+
+void RunFolder::finish() {
+  begin();
+  state_.finished = true;
+  state_.updated_utc = common::utc_now();
+  common::write_artefact(path() + kStateFile, state_);
+  stage_ = RunStage::kFinished;
+}
+
+std::optional<RunState> find_run(const std::string& folder) {
+  return common::find_artefact<RunState>(folder + kStateFile);
+}
+
+bool is_running(const std::string& folder) {
+  const int descriptor = open_locked(folder);
+  if (descriptor >= 0) ::close(descriptor);
+  return descriptor < 0;
+}
+
+}  // namespace lodestone::runs

@@ -1,0 +1,114 @@
+#include "lodestone/runs/run_folder.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+#include "temporary_folder.h"
+
+namespace {
+
+using lodestone::common::ConfigError;
+using lodestone::common::Json;
+using lodestone::runs::RunFolder;
+using lodestone::runs::RunRequest;
+using lodestone::runs::RunStage;
+
+RunRequest request(const std::string& folder, bool resume) {
+  RunRequest made;
+  made.folder = folder;
+  made.verb = "train-policy";
+  made.config = {{"threads", 2}, {"td3", {{"discount", 0.9}}}, {"training", {{"env_steps", 100}}}};
+  made.resume = resume;
+  made.length_keys = {"training.env_steps"};
+  return made;
+}
+
+}  // namespace
+
+TEST_CASE("a run is fresh, then resumable, then finished, whatever else lies in its folder") {
+  const lodestone::tests::TemporaryFolder root;
+  const std::string folder = root / "run";
+  {
+    RunFolder run(request(folder, true));  // there is none to go on with yet
+    CHECK(run.stage() == RunStage::kFresh);
+    CHECK_FALSE(std::filesystem::exists(folder));
+    run.begin();
+  }
+  CHECK(Json::parse(lodestone::common::read_file(folder + "/manifest.json"))["verb"] == "train-policy");
+  lodestone::common::write_file_atomically(folder + "/result.json", "{}");
+  {
+    RunFolder run(request(folder, true));
+    CHECK(run.stage() == RunStage::kResumable);
+    run.finish();
+  }
+  CHECK(RunFolder(request(folder, true)).finished());
+  CHECK(lodestone::runs::find_run(folder)->finished);
+}
+
+TEST_CASE("a run that was killed while it began is begun again") {
+  const lodestone::tests::TemporaryFolder root;
+  RunFolder(request(root / "run", false)).begin();
+  std::filesystem::remove(root / "run/config.json");
+  RunFolder run(request(root / "run", true));
+  CHECK(run.stage() == RunStage::kFresh);
+  run.begin();
+  CHECK(std::filesystem::exists(root / "run/config.json"));
+}
+
+TEST_CASE("a folder in use is refused: not empty, no run, another verb, other settings by name") {
+  const lodestone::tests::TemporaryFolder root;
+  const std::string folder = root / "run";
+  RunFolder(request(folder, false)).begin();
+  CHECK_THROWS_WITH(RunFolder(request(folder, false)), Catch::Contains("--resume"));
+  RunRequest other = request(folder, true);
+  other.verb = "collect";
+  CHECK_THROWS_WITH(RunFolder(other), Catch::Contains("holds a run of train-policy"));
+  other = request(folder, true);
+  other.config["td3"]["discount"] = 0.5;
+  other.config["threads"] = 8;
+  CHECK_THROWS_WITH(RunFolder(other), Catch::Contains("td3.discount = 0.5 (there: 0.9)") &&
+                                          !Catch::Contains("threads") && !Catch::Contains("env_steps"));
+  lodestone::common::write_file_atomically(root / "letter.txt", "dear");
+  CHECK_THROWS_WITH(RunFolder(request(root.path(), true)), Catch::Contains("holds no run"));
+  CHECK_THROWS_AS(RunFolder(request("", false)), ConfigError);
+}
+
+TEST_CASE("a finished run goes on when it is told to go further") {
+  const lodestone::tests::TemporaryFolder root;
+  const std::string folder = root / "run";
+  {
+    RunFolder run(request(folder, false));
+    run.finish();
+  }
+  RunRequest longer = request(folder, true);
+  longer.config["training"]["env_steps"] = 200;
+  {
+    RunFolder run(longer);
+    CHECK(run.stage() == RunStage::kResumable);
+    run.begin();
+    CHECK_FALSE(lodestone::runs::find_run(folder)->finished);
+  }
+  CHECK(Json::parse(lodestone::common::read_file(folder + "/config.json"))["training"]["env_steps"] == 200);
+}
+
+TEST_CASE("one process at a time works in a folder") {
+  const lodestone::tests::TemporaryFolder root;
+  const std::string folder = root / "run";
+  {
+    RunFolder run(request(folder, false));
+    run.begin();
+    CHECK(lodestone::runs::is_running(folder));
+    CHECK_THROWS_WITH(RunFolder(request(folder, true)), Catch::Contains("another process"));
+  }
+  CHECK_FALSE(lodestone::runs::is_running(folder));
+}
+
+TEST_CASE("a damaged state is named") {
+  const lodestone::tests::TemporaryFolder root;
+  RunFolder(request(root / "run", false)).begin();
+  lodestone::common::write_file_atomically(root / "run/run.json", "{\"verb\": 3}");
+  CHECK_THROWS_WITH(RunFolder(request(root / "run", true)), Catch::Contains("run.json: verb"));
+}
