@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numeric>
 #include <sstream>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/common/spelling.h"
 
 namespace lodestone::common {
 namespace {
@@ -23,27 +23,6 @@ std::string bounds_text(const Bounds& bounds) {
   if (std::isinf(bounds.max)) return ">= " + number_text(bounds.min);
   if (std::isinf(bounds.min)) return "<= " + number_text(bounds.max);
   return number_text(bounds.min) + " .. " + number_text(bounds.max);
-}
-
-std::string joined(const Choices& words, const char* separator) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
-  return text;
-}
-
-/// Levenshtein distance, to suggest the key that was meant.
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      diagonal = above;
-    }
-  }
-  return row[b.size()];
 }
 
 }  // namespace
@@ -120,7 +99,7 @@ void ConfigReader::field(const char* key, std::string& value, const char*, const
   if (!json->is_string()) fail(key, *json, "text");
   const std::string text = json->get<std::string>();
   if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end())
-    fail(key, *json, "one of " + joined(choices, ", "));
+    fail(key, *json, "one of " + joined(choices));
   value = text;
 }
 
@@ -173,18 +152,7 @@ void ConfigReader::retired(const char* key, const char* successor) const {
 void ConfigReader::finish() const {
   for (const auto& [key, value] : object_.items()) {
     if (known_.count(key) != 0) continue;
-    std::string nearest;
-    std::size_t least = std::max<std::size_t>(3, key.size() / 2);
-    for (const std::string& candidate : known_) {
-      const std::size_t distance = edit_distance(key, candidate);
-      if (distance < least) {
-        least = distance;
-        nearest = candidate;
-      }
-    }
-    const std::string hint = nearest.empty()
-                                 ? "known keys are " + joined({known_.begin(), known_.end()}, ", ")
-                                 : "did you mean " + prefix_ + nearest + "?";
+    const std::string hint = spelling_hint(key, {known_.begin(), known_.end()}, "known keys", prefix_);
     throw ConfigError(sources_.of(prefix_ + key) + ": unknown key " + prefix_ + key + " = " + value.dump() +
                       "; " + hint);
   }

@@ -20,9 +20,7 @@ TrialVideo::~TrialVideo() = default;
 
 void TrialVideo::show(const imaging::Frame& frame, const imaging::CameraModel& camera,
                       const control::StepRecord& step) {
-  if (!writer_)
-    writer_ = std::make_unique<imaging::VideoWriter>(file_ + ".mp4", frame.image.size(),
-                                                     config_.speed / period_s_, config_.scale);
+  if (!writer_) open(frame.image.size());
   annotation_.pose.reset();
   annotation_.error_m.reset();
   annotation_.no_pose_reason = step.estimate.reason;
@@ -37,16 +35,22 @@ void TrialVideo::show(const imaging::Frame& frame, const imaging::CameraModel& c
   cv::Mat image = frame.image.clone();
   imaging::annotate(image, camera, annotation_);
   writer_->write(image);
-  last_ = image;
+  cv::resize(image, last_, writer_->size(), 0.0, 0.0, cv::INTER_AREA);
+  if (gif_) gif_->write(last_);
+}
+
+void TrialVideo::open(cv::Size size) {
+  const double rate_hz = config_.speed / period_s_;
+  writer_ = std::make_unique<imaging::VideoWriter>(file_ + ".mp4", size, rate_hz, config_.scale);
+  if (config_.gif) gif_ = std::make_unique<imaging::GifWriter>(file_ + ".gif", writer_->size(), rate_hz);
 }
 
 void TrialVideo::finish() {
   if (!writer_) return;
   writer_->finish();
-  cv::Mat small;
-  cv::resize(last_, small, {}, config_.scale, config_.scale, cv::INTER_AREA);
+  if (gif_) gif_->finish();
   std::vector<unsigned char> jpeg;
-  cv::imencode(".jpg", small, jpeg, {cv::IMWRITE_JPEG_QUALITY, 85});
+  cv::imencode(".jpg", last_, jpeg, {cv::IMWRITE_JPEG_QUALITY, 85});
   common::write_file_atomically(file_ + ".jpg", std::string(jpeg.begin(), jpeg.end()));
 }
 

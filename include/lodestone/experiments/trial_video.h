@@ -8,6 +8,7 @@
 #include "lodestone/experiments/trial.h"
 #include "lodestone/imaging/annotate.h"
 #include "lodestone/imaging/frame.h"
+#include "lodestone/imaging/gif_writer.h"
 #include "lodestone/imaging/video_writer.h"
 
 namespace lodestone::experiments {
@@ -18,6 +19,7 @@ struct RecordingConfig {
   std::int64_t trials = 1;
   double speed = 3.0;
   double scale = 0.6;
+  bool gif = false;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -25,11 +27,13 @@ struct RecordingConfig {
     v.field("trials", trials, "", "so many of every task, rig and controller", {0, 100000});
     v.field("speed", speed, "", "how much faster than in reality the video runs", {0.1, 100.0});
     v.field("scale", scale, "", "size of the video, of the camera's image", {0.05, 1.0});
+    v.field("gif", gif, "",
+            "also as an animated GIF beside the video, which web pages show without a player");
   }
 };
 
 /// Films one trial: every image the controller acted on, with dish, estimated pose, target, reference path,
-/// path so far and currents drawn in. Beside the video lies its last image as a JPEG.
+/// path so far and currents drawn in. Beside the video lies its last image as a JPEG, and the GIF.
 class TrialVideo {
  public:
   /// `file` without ending. Throws IoError.
@@ -44,12 +48,15 @@ class TrialVideo {
   void finish();
 
  private:
+  void open(cv::Size size);
+
   std::string file_;
   RecordingConfig config_;
   double period_s_;
   imaging::Annotation annotation_;
   std::unique_ptr<imaging::VideoWriter> writer_;  ///< opened at the first image, when its size is known
-  cv::Mat last_;
+  std::unique_ptr<imaging::GifWriter> gif_;       ///< likewise
+  cv::Mat last_;                                  ///< at the size of the video
 };
 
 }  // namespace lodestone::experiments
