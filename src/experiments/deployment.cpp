@@ -167,7 +167,8 @@ TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& c
                            const control::ControlLoop::Observer& watch) {
   control::ControlLoop loop(config.loop, source.action, bench.coils(), bench.sensor(), bench.clock());
   const std::unique_ptr<control::Controller> controller = source.make();
-  TrialResult result = run_trial(plan, loop, *controller, truth, config.score, watch);
+  TrialResult result = run_trial(plan, loop, *controller, truth, config.score, watch,
+                                 [&bench] { return bench.coils().temperature_C(); });
   if (!result.samples.empty() && result.samples.front().step.estimate.valid)
     result.plan.start = result.samples.front().step.estimate.pose;
   result.rig = to_string(RigKind::kReal);
@@ -232,7 +233,8 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
     if (video && camera->calibration()) video->show(camera->frame(), camera->calibration()->camera, step);
   };
   TrialResult result = run_trial(
-      plan, loop, *controller, [&rig] { return rig.true_pose(); }, config_.score, watch);
+      plan, loop, *controller, [&rig] { return rig.true_pose(); }, config_.score, watch,
+      [&coils] { return coils.temperature_C(); });
   if (video) video->finish();
   result.rig = to_string(kind);
   result.controller = source.name;

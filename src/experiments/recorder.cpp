@@ -1,5 +1,6 @@
 #include "lodestone/experiments/recorder.h"
 
+#include <cmath>
 #include <iomanip>
 #include <optional>
 
@@ -111,11 +112,19 @@ runs::TrialRecord record_of(const TrialResult& result) {
     record.target_mm = point_mm(plan.target_m);
   }
   if (result.truth) record.trajectory.emplace();
+  record.current_A.emplace();
+  const bool temperatures = !result.samples.empty() && result.samples.back().temperature_C;
+  if (temperatures) record.temperature_C.emplace();
   for (const TrialSample& sample : result.samples) {
     record.time_s.push_back(sample.step.time_s);
     if (record.trajectory) record.trajectory->push_back(pose_mm(*sample.true_pose));
     const control::PoseEstimate& estimate = sample.step.estimate;
     record.sensed_trajectory.push_back(estimate.valid ? std::optional(pose_mm(estimate.pose)) : std::nullopt);
+    record.current_A->push_back(sample.step.current_A);
+    // Before the first pulse nothing has been reported.
+    if (temperatures)
+      record.temperature_C->push_back(sample.temperature_C.value_or(
+          runs::PerCoil{std::nan(""), std::nan(""), std::nan(""), std::nan("")}));
     if (!plan.path) continue;
     record.reference_mm->push_back(point_mm(sample.step.target_m));
     record.approach->push_back(sample.approach ? 1 : 0);

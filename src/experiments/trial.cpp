@@ -54,7 +54,7 @@ TrialScore score_trial(const TrialResult& result, bool truth, const ScoreConfig&
 
 TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control::Controller& controller,
                       const TruePose& true_pose, const ScoreConfig& score,
-                      const control::ControlLoop::Observer& watch) {
+                      const control::ControlLoop::Observer& watch, const CoilTemperatures& temperatures) {
   TrialResult result;
   result.plan = plan;
   control::PointReference point(plan.target_m, plan.duration_s, plan.target_heading_rad);
@@ -63,7 +63,8 @@ TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control
   control::Reference& reference = path ? static_cast<control::Reference&>(*path) : point;
   const auto truth = [&true_pose] { return true_pose ? std::optional(true_pose()) : std::nullopt; };
   const control::LoopOutcome outcome = loop.run(controller, reference, [&](const control::StepRecord& step) {
-    result.samples.push_back({step, truth(), path && path->approaching()});
+    result.samples.push_back({step, truth(), path && path->approaching(), {}});
+    if (temperatures) result.samples.back().temperature_C = temperatures();
     if (watch) watch(step);
   });
   result.completed = outcome.completed;

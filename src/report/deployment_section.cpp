@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <map>
+#include <functional>
 
 #include "lodestone/report/charts.h"
 #include "lodestone/report/error_table.h"
@@ -11,30 +11,72 @@
 namespace lodestone::report {
 namespace {
 
-std::string error_table_html(const std::vector<ErrorRow>& rows) {
+/// Classes of the table's rows: the paper's, ours, and where a task begins.
+std::string class_of(const ErrorRow& row, bool first_of_task) {
+  const std::string kind = row.published ? "published" : row.controller == "baseline" ? "" : "ours";
+  return kind + (first_of_task ? " first" : "");
+}
+
+std::string interval(const std::optional<common::Interval>& range, double scale, int decimals) {
+  return range ? fixed(scale * range->low, decimals) + " to " + fixed(scale * range->high, decimals) : "–";
+}
+
+/// `columns`: headers of the figures, and the cells of one row.
+std::string rows_table(const std::vector<ErrorRow>& rows, const std::vector<std::string>& columns,
+                       const std::function<std::vector<std::string>(const ErrorRow&)>& cells_of) {
+  std::vector<std::string> headers = {"task", "controller", "rig"};
+  headers.insert(headers.end(), columns.begin(), columns.end());
   std::vector<std::vector<std::string>> cells;
   std::vector<std::string> classes;
   std::string task;
   for (const ErrorRow& row : rows) {
-    const bool first = row.task != task;
+    const bool first = row.task != task && !task.empty();
     task = row.task;
-    std::string name = escape(row.task);
-    if (row.task == "square" && row.published) name += " (“box”)";
-    cells.push_back({name, escape(row.controller), escape(row.rig),
-                     plus_minus(row.mean_mm, row.std_mm, row.published ? 1 : 2), fixed(row.median_mm, 2),
-                     fixed(row.rms_mm, 2), plus_minus(row.sensed_mean_mm, row.sensed_std_mm, 2),
-                     fixed(row.hold_mm, 2), fixed(row.time_rms_mm, 2), fixed(row.seconds_to_reach, 1),
-                     percent(row.success_rate), fixed(row.trials, 0)});
-    std::string kind = row.published ? "published" : row.controller != "baseline" ? "ours" : "";
-    if (first && cells.size() > 1) kind += " first";
-    classes.push_back(kind);
+    const std::string name = row.task == "square" && row.published ? "square (“box”)" : row.task;
+    cells.push_back({escape(name), escape(row.controller), escape(row.rig)});
+    for (std::string& cell : cells_of(row)) cells.back().push_back(std::move(cell));
+    classes.push_back(class_of(row, first));
   }
-  return table({"task", "controller", "rig", "error, mean ± std (mm)", "median (mm)", "RMS (mm)",
-                "as sensed, mean ± std (mm)", "holding (mm)", "RMS to moving reference (mm)", "to reach (s)",
-                "success", "trials"},
-               cells, 3, classes);
+  return table(headers, cells, 3, classes);
 }
 
+std::string error_tables(const std::vector<ErrorRow>& rows) {
+  std::string html = rows_table(
+      rows,
+      {"error, mean ± std (mm)", "RMS (mm)", "95 % interval (mm)", "success", "95 % interval (%)", "trials"},
+      [](const ErrorRow& row) -> std::vector<std::string> {
+        return {plus_minus(row.mean_mm, row.std_mm, row.published ? 1 : 2),
+                fixed(row.rms_mm, 2),
+                interval(row.rms_interval_mm, 1.0, 2),
+                percent(row.success_rate),
+                interval(row.success_interval, 100.0, 0),
+                fixed(row.trials, 0)};
+      });
+  std::vector<ErrorRow> ours;
+  for (const ErrorRow& row : rows)
+    if (!row.published) ours.push_back(row);
+  html +=
+      "<details><summary>Further figures: medians, as sensed, holding, time to reach</summary>" +
+      rows_table(ours,
+                 {"median (mm)", "as sensed, mean ± std (mm)", "holding (mm)", "RMS to moving reference (mm)",
+                  "to reach (s)"},
+                 [](const ErrorRow& row) -> std::vector<std::string> {
+                   return {fixed(row.median_mm, 2), plus_minus(row.sensed_mean_mm, row.sensed_std_mm, 2),
+                           fixed(row.hold_mm, 2), fixed(row.time_rms_mm, 2), fixed(row.seconds_to_reach, 1)};
+                 }) +
+      "</details>\n";
+  return html;
+}
+
+std::string rig_words(const std::string& rig) { return rig == "unseen" ? "unseen rigs" : rig + " rig"; }
+
+const char* bar_colour(const ErrorRow& row) {
+  if (row.published) return kPaperColour;
+  if (row.controller == "baseline") return row.rig == "unseen" ? kUnseenBaselineColour : kBaselineColour;
+  return row.rig == "unseen" ? kUnseenColour : kPolicyColour;
+}
+
+/// One series for each controller and rig that is in the rows; of the paper's rows those of its own method.
 std::string bar_chart(const std::vector<ErrorRow>& rows) {
   BarChart chart;
   chart.id = "deploy-errors";
@@ -42,82 +84,105 @@ std::string bar_chart(const std::vector<ErrorRow>& rows) {
   chart.x_label = "task";
   chart.y_label = "mean error (mm)";
   for (const ErrorRow& row : rows)
-    if (!row.published &&
-        std::find(chart.categories.begin(), chart.categories.end(), row.task) == chart.categories.end())
+    if (std::find(chart.categories.begin(), chart.categories.end(), row.task) == chart.categories.end())
       chart.categories.push_back(row.task);
-  const auto series = [&](const char* name, const char* colour, const std::string& controller,
-                          const std::string& rig) {
-    BarSeries bars;
-    bars.name = name;
-    bars.colour = colour;
-    bool any = false;
-    for (const std::string& task : chart.categories) {
-      bars.values.emplace_back();
-      for (const ErrorRow& row : rows)
-        if (row.task == task && row.controller == controller && row.rig == rig)
-          bars.values.back() = row.mean_mm;
-      any = any || bars.values.back().has_value();
+  for (const ErrorRow& row : rows) {
+    if (row.published && row.controller != "trained in an MBS") continue;
+    const std::string name =
+        row.published ? "paper's policy, on its real rig" : row.controller + ", " + rig_words(row.rig);
+    auto series = std::find_if(chart.series.begin(), chart.series.end(),
+                               [&name](const BarSeries& each) { return each.name == name; });
+    if (series == chart.series.end()) {
+      chart.series.push_back(
+          {name, std::vector<std::optional<double>>(chart.categories.size()), bar_colour(row)});
+      series = chart.series.end() - 1;
     }
-    if (any) chart.series.push_back(bars);
-  };
-  std::string ours = "policy";
-  for (const ErrorRow& row : rows)
-    if (!row.published && row.controller != "baseline") ours = row.controller;
-  series((ours + ", explored rig").c_str(), kPolicyColour, ours, "explored");
-  series((ours + ", unseen rigs").c_str(), kUnseenColour, ours, "unseen");
-  series("baseline, explored rig", kBaselineColour, "baseline", "explored");
-  series("paper, MBS policy on the real rig", kPaperColour, "trained in an MBS", "paper");
+    const auto place = std::find(chart.categories.begin(), chart.categories.end(), row.task);
+    series->values[static_cast<std::size_t>(place - chart.categories.begin())] = row.mean_mm;
+  }
   return chart_html(chart);
 }
 
+std::string bar_caption(const std::vector<ErrorRow>& rows) {
+  const bool paper = std::any_of(rows.begin(), rows.end(), [](const ErrorRow& row) {
+    return row.published && row.controller == "trained in an MBS";
+  });
+  return std::string("<b>Mean error by task.</b> Lower is better.") +
+         (paper ? " Grey: the paper's policy trained in its own learned simulator, on its real rig." : "");
+}
+
 /// One small dish: some trials of a task by one controller.
-std::string panel(const std::vector<runs::TrialRecord>& trials, const std::string& task,
-                  const std::string& controller, double radius_mm, const ErrorRow* row) {
-  const std::string drawing = draw_trials(trials, task, controller, radius_mm);
-  if (drawing.empty()) return "";
-  std::string html = "<div class=\"panel\">" + drawing + "<b>" + escape(task) + "</b>";
-  if (row != nullptr)
-    html +=
-        "<br>" + plus_minus(row->mean_mm, row->std_mm, 1) + " mm, " + percent(row->success_rate) + " success";
+std::string panel(const std::vector<const Trial*>& trials, const std::string& task,
+                  const std::string& controller, double radius_mm, const std::vector<ErrorRow>& rows) {
+  std::string html = "<div class=\"panel\">" +
+                     draw_trials(trials, radius_mm, "Trajectories: " + task + ", " + controller) + "<b>" +
+                     escape(task) + "</b>";
+  for (const ErrorRow& row : rows)
+    if (row.task == task && row.controller == controller && row.rig == trials.front()->rig)
+      html +=
+          "<br>" + plus_minus(row.mean_mm, row.std_mm, 1) + " mm, " + percent(row.success_rate) + " success";
   return html + "</div>";
 }
 
-std::string panels(const DeployData& deploy, const std::string& controller, const std::vector<ErrorRow>& rows,
-                   double radius_mm) {
+std::string panels(const std::vector<Trial>& trials, const std::string& controller,
+                   const std::vector<ErrorRow>& rows, double radius_mm) {
   std::string html;
-  for (const char* task : runs::kTasks) {
-    const ErrorRow* found = nullptr;
-    for (const ErrorRow& row : rows)
-      if (row.task == task && row.controller == controller && row.rig == deploy.rig) found = &row;
-    html += panel(*deploy.trials, task, controller, radius_mm, found);
+  std::vector<const Trial*> drawn;
+  for (const char* task : {"centre", "point", "pose", "square", "circle", "path"}) {
+    const std::vector<const Trial*> chosen = select(trials, task, controller);
+    if (chosen.empty()) continue;
+    html += panel(chosen, task, controller, radius_mm, rows);
+    drawn.insert(drawn.end(), chosen.begin(), chosen.end());
   }
-  if (html.empty()) return "";
+  if (drawn.empty()) return "";
   return figure(
       "<div class=\"panels\">" + html + "</div>",
-      "<b>" + escape(controller) + " on the " + escape(deploy.rig) +
-          (deploy.rig == "unseen" ? " rigs" : " rig") + ".</b> True trajectories of up to " +
-          std::to_string(kDrawnTrials) +
-          " trials of each task, seen from above, with the coils drawn schematically. Rings: starts; dots: "
-          "ends; green: targets with the 3 mm circle that counts as reached, or the path; grey: the way to "
-          "the start of a path, which is not scored.");
+      "<b>" + escape(controller) + " on the " + escape(rig_words(drawn.front()->rig)) + ".</b> " +
+          (drawn.front()->track_is_true ? "True trajectories" : "Trajectories as the camera saw them") +
+          " of up to " + std::to_string(kDrawnTrials) +
+          " trials of each task, seen from above, with the coils drawn schematically. " + legend_of(drawn));
 }
 
 std::string trajectories(const RunData& run, const std::vector<ErrorRow>& rows) {
   std::string html;
   for (const DeployData& deploy : run.rigs) {
-    if (!deploy.trials) {
+    const std::vector<Trial> trials = read_trials(deploy);
+    if (trials.empty()) {
       html += missing("The list of trials on the " + deploy.rig + " rig (trials.json)", "lodestone deploy");
       continue;
     }
-    const bool first = &deploy == &run.rigs.front();
-    const std::string shown =
-        panels(deploy, deploy.summary.controller.value_or("policy"), rows, dish_radius_mm(run)) +
-        panels(deploy, "baseline", rows, dish_radius_mm(run));
-    html += first ? shown
-                  : "<details><summary>Trajectories on the " + escape(deploy.rig) + " rigs</summary>" +
-                        shown + "</details>\n";
+    std::string shown;
+    for (const std::string& controller : controllers_of(trials))
+      shown += panels(trials, controller, rows, dish_radius_mm(run));
+    html += &deploy == &run.rigs.front()
+                ? shown
+                : "<details><summary>Trajectories on the " + escape(rig_words(deploy.rig)) + "</summary>" +
+                      shown + "</details>\n";
   }
   return html;
+}
+
+/// What the figures below are, as far as it is true of these rows.
+std::string introduction(const std::vector<ErrorRow>& rows) {
+  const auto any = [&rows](auto what) { return std::any_of(rows.begin(), rows.end(), what); };
+  const bool real = any([](const ErrorRow& row) { return row.rig == "real"; });
+  std::string text = real
+                         ? "The rig was driven by camera, and is scored by what the camera saw: nobody knows "
+                           "the true pose. "
+                         : "The virtual rig was driven. Errors are against the true pose unless "
+                           "they say <i>as sensed</i>. ";
+  if (any([](const ErrorRow& row) { return row.rig == "unseen"; }))
+    text += "Unseen rigs have a friction map and a calibration error that are new to the controller. ";
+  if (any([](const ErrorRow& row) { return row.controller == "baseline"; }))
+    text += "The baseline is a proportional pull through the inverse field of the plain simulator. ";
+  text +=
+      "For points the error is the distance at the end of a trial, for paths the cross-track error of every "
+      "sample after the approach. Intervals are 95 %: a bootstrap over the trials, each with its RMS error, "
+      "and "
+      "Wilson's for success.";
+  if (any([](const ErrorRow& row) { return row.published; }))
+    text += " The paper's figures (Table II, italic) come from its real rig.";
+  return "<p>" + text + "</p>\n";
 }
 
 }  // namespace
@@ -127,21 +192,8 @@ std::string deployment_section(const RunData& run) {
     return missing("The deployment",
                    "lodestone deploy --policy RUN/policy/checkpoint --task all --rig both --out RUN/deploy");
   const std::vector<ErrorRow> rows = error_rows(run);
-  std::string html =
-      "<p>The " + escape(run.rigs.front().summary.controller.value_or("controller")) +
-      " drives the virtual rig at about 3 Hz and is scored on the rig that was explored and on "
-      "rigs "
-      "whose friction map and calibration error are new to it. The baseline is a proportional pull through "
-      "the inverse "
-      "field of the plain simulator. Errors are against the true pose unless they say <i>as sensed</i>: for "
-      "centre and "
-      "point the distance at the end of a trial, for paths the cross-track error of every sample after the "
-      "approach. "
-      "The paper's figures (Table II, italic) come from the real rig.</p>\n" +
-      error_table_html(rows);
-  html += figure(bar_chart(rows),
-                 "<b>Mean error by task.</b> Lower is better. Grey: the paper's policy trained in "
-                 "its own learned simulator, on its real rig.");
+  std::string html = introduction(rows) + error_tables(rows);
+  html += figure(bar_chart(rows), bar_caption(rows));
   return html + trajectories(run, rows);
 }
 

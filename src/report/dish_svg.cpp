@@ -48,7 +48,7 @@ double tick_step(double radius_mm) {
 std::string coil(double x0, double y0, double width, double height) {
   return "<rect" + attribute("x", x0) + attribute("y", y0) + attribute("width", width) +
          attribute("height", height) + attribute("rx", std::min(width, height) * 0.12) +
-         " fill=\"#ead3bd\" stroke=\"#b98a5e\" stroke-width=\"0.4\"/>";
+         " class=\"coil\" fill=\"#ead3bd\" stroke=\"#b98a5e\" stroke-width=\"0.4\"/>";
 }
 
 std::string coils() {
@@ -76,7 +76,7 @@ std::string axes(double radius_mm, bool compact) {
   const double f = kFrame * r;
   const double size = 0.085 * r;
   const double step_mm = tick_step(radius_mm);
-  std::string svg = "<g stroke=\"#c5ccd3\" stroke-width=\"0.25\">";
+  std::string svg = "<g class=\"frame\" stroke=\"#c5ccd3\" stroke-width=\"0.25\">";
   std::string labels;
   const int ticks = static_cast<int>(std::floor(radius_mm / step_mm));
   for (int i = -ticks; i <= ticks; ++i) {
@@ -98,7 +98,7 @@ std::string axes(double radius_mm, bool compact) {
     char caption[24];
     const double length = step_mm * scale;
     std::snprintf(caption, sizeof caption, "%.0f mm", step_mm);
-    return "<line stroke=\"#5b6773\" stroke-width=\"0.5\"" + attribute("x1", x0) +
+    return "<line class=\"rim\" stroke=\"#5b6773\" stroke-width=\"0.5\"" + attribute("x1", x0) +
            attribute("x2", x0 + length) + attribute("y1", y) + attribute("y2", y) + "/>" +
            label_at(x0 + length / 2.0, y - 0.04 * r, 0.1 * r, "middle", caption);
   }
@@ -163,8 +163,8 @@ void DishSvg::dot(double x_mm, double y_mm, double radius, const std::string& co
                   double opacity) {
   marks_ += "<circle" + attribute("cx", scale_ * x_mm) + attribute("cy", scale_ * -y_mm) +
             attribute("r", radius) + attribute("opacity", opacity) +
-            (hollow ? " fill=\"#ffffff\" stroke-width=\"0.35\" stroke=\"" : " fill=\"") + escape(colour) +
-            "\"/>";
+            (hollow ? " class=\"hollow\" fill=\"#ffffff\" stroke-width=\"0.35\" stroke=\"" : " fill=\"") +
+            escape(colour) + "\"/>";
 }
 
 void DishSvg::target(double x_mm, double y_mm, double radius_mm, const std::string& colour) {
@@ -189,9 +189,10 @@ std::string DishSvg::svg(const std::string& label) const {
          text(-top) + " " + text(left + right) + " " + text(top + bottom) + "\"><title>" + escape(label) +
          "</title><defs><clipPath id=\"dish\"><circle cx=\"0\" cy=\"0\"" + attribute("r", r) +
          "/></clipPath></defs>" + coils() +
-         "<circle cx=\"0\" cy=\"0\" fill=\"#ffffff\" stroke=\"#5b6773\" stroke-width=\"0.6\"" +
+         "<circle class=\"ground rim\" cx=\"0\" cy=\"0\" fill=\"#ffffff\" stroke=\"#5b6773\" "
+         "stroke-width=\"0.6\"" +
          attribute("r", r) + "/><g clip-path=\"url(#dish)\">" + cells_ +
-         "</g><circle cx=\"0\" cy=\"0\" fill=\"none\" "
+         "</g><circle class=\"rim\" cx=\"0\" cy=\"0\" fill=\"none\" "
          "stroke=\"#5b6773\" stroke-width=\"0.6\"" +
          attribute("r", r) + "/>" + marks_ + axes(radius_mm_, compact_) + legend_ + "</svg>";
 }

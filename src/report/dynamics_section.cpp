@@ -69,8 +69,42 @@ std::string open_loop(const runs::DynamicsEvaluation& evaluation, const std::str
   }
   return figure(
       chart_html(chart),
-      "<b>Open-loop error.</b> The simulator is fed its own prediction for several pulses in a row. Dashed "
-      "lines: what the two baselines miss after a single pulse.");
+      std::string(
+          "<b>Open-loop error.</b> The simulator is fed its own prediction for several pulses in a row.") +
+          (evaluation.baselines ? " Dashed lines: what the two baselines miss after a single pulse." : ""));
+}
+
+/// Points of one axis: what was predicted over what happened.
+LineSeries predicted_axis(const std::vector<runs::PredictedMotion>& predictions, std::size_t axis,
+                          const char* name, const char* colour) {
+  LineSeries series{name, {}, colour};
+  series.dots = true;
+  for (const runs::PredictedMotion& one : predictions)
+    series.points.emplace_back(one.moved_mm[axis], one.predicted_mm[axis]);
+  return series;
+}
+
+std::string predicted_against_actual(const runs::DynamicsEvaluation& evaluation, const std::string& prefix) {
+  if (!evaluation.predictions || evaluation.predictions->empty()) return "";
+  LineChart chart;
+  chart.id = prefix + "-predicted";
+  chart.title = "Predicted against actual";
+  chart.x_label = "way of the needle in one pulse (mm)";
+  chart.y_label = "way predicted (mm)";
+  chart.series = {predicted_axis(*evaluation.predictions, 0, "along x", kPolicyColour),
+                  predicted_axis(*evaluation.predictions, 1, "along y", kBaselineColour)};
+  double low = 0.0;
+  double high = 0.0;
+  for (const LineSeries& series : chart.series)
+    for (const auto& [moved, predicted] : series.points) {
+      low = std::min({low, moved, predicted});
+      high = std::max({high, moved, predicted});
+    }
+  chart.series.push_back({"as it was", {{low, low}, {high, high}}, kPaperColour, true});
+  return figure(
+      chart_html(chart),
+      "<b>Predicted against actual.</b> Some of the test pulses, evenly taken. On the dashed line the "
+      "prediction is right; a cloud flatter than the line promises too little motion.");
 }
 
 std::string error_rows_html(const runs::DynamicsEvaluation& evaluation) {
@@ -171,7 +205,9 @@ std::string dynamics_section(const RunData& run, const std::string& prefix) {
   html += "<div class=\"two\">";
   const std::string learning = learning_curve(run, prefix);
   html += learning.empty() ? missing("The learning curve", command) : learning;
-  if (run.evaluation) html += open_loop(*run.evaluation, prefix) + error_map(run);
+  if (run.evaluation)
+    html += open_loop(*run.evaluation, prefix) + predicted_against_actual(*run.evaluation, prefix) +
+            error_map(run);
   return html + "</div>\n";
 }
 

@@ -1,6 +1,9 @@
 #include "lodestone/report/error_table.h"
 
+#include <cmath>
 #include <cstdio>
+
+#include "trial_data.h"
 
 namespace lodestone::report {
 namespace {
@@ -40,10 +43,30 @@ ErrorRow measured(const runs::TaskSummary& summary, const char* task, const std:
   return row;
 }
 
-void add_rows(const runs::TaskTable& table, const char* task, const std::string& controller,
-              const std::string& rig, std::vector<ErrorRow>& rows) {
-  const auto found = table.by_task.find(task);
-  if (found != table.by_task.end()) rows.push_back(measured(found->second, task, controller, rig));
+void add_intervals(const std::vector<const Trial*>& trials, ErrorRow& row) {
+  std::vector<double> errors_mm;
+  std::int64_t successes = 0;
+  for (const Trial* trial : trials) {
+    if (std::isfinite(trial->error_mm)) errors_mm.push_back(trial->error_mm);
+    successes += trial->success ? 1 : 0;
+  }
+  if (errors_mm.empty()) return;
+  row.rms_interval_mm =
+      common::bootstrap_interval({errors_mm}, common::root_mean_square, common::RandomStream(1, "bootstrap"));
+  row.success_interval = common::wilson_interval(successes, static_cast<std::int64_t>(trials.size()));
+}
+
+/// What this run measured of a task on one kind of rig: what was asked for, then the baseline.
+void add_measured(const DeployData& rig, const char* task, std::vector<ErrorRow>& rows) {
+  const std::vector<Trial> trials = read_trials(rig);
+  const auto add = [&](const runs::TaskTable& table, const std::string& controller) {
+    const auto found = table.by_task.find(task);
+    if (found == table.by_task.end()) return;
+    rows.push_back(measured(found->second, task, controller, rig.rig));
+    add_intervals(select(trials, task, controller), rows.back());
+  };
+  add(rig.summary.tasks, rig.driver());
+  if (rig.summary.baseline) add(*rig.summary.baseline, "baseline");
 }
 
 std::string cell(const std::optional<double>& value, const char* format) {
@@ -59,10 +82,7 @@ std::vector<ErrorRow> error_rows(const RunData& run) {
   std::vector<ErrorRow> rows;
   for (const char* task : runs::kTasks) {
     std::vector<ErrorRow> ours;
-    for (const DeployData& rig : run.rigs) {
-      add_rows(rig.summary.tasks, task, rig.summary.controller.value_or("policy"), rig.rig, ours);
-      if (rig.summary.baseline) add_rows(*rig.summary.baseline, task, "baseline", rig.rig, ours);
-    }
+    for (const DeployData& rig : run.rigs) add_measured(rig, task, ours);
     if (ours.empty()) continue;
     for (const Published& published : kTableTwo) {
       if (std::string(published.task) != task) continue;

@@ -200,8 +200,9 @@ class PaperReport {
                                text("%.2f", f.rms_error_mm), iqm_text(f), success_text(f),
                                std::to_string(f.n_trials), std::to_string(f.n_seeds),
                                std::to_string(f.n_stopped)});
-        const std::string drawing =
-            draw_trials(errors->first_trials, task, errors->first_trials.front().controller, kDishRadius_mm);
+        const std::string drawing = draw_trials(
+            select(read_trials(errors->first_trials), task, errors->first_trials.front().controller),
+            kDishRadius_mm, std::string("Trajectories: ") + task + ", " + row.name);
         drawings_.emplace_back(std::string(row.key) + "_" + task, drawing);
         drawings += "<div class=\"panel\">" + drawing + "<b>" + escape(task) + "</b><br>" + escape(row.name) +
                     "</div>";

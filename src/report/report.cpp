@@ -18,12 +18,16 @@ double dish_radius_mm(const RunData& run) {
 
 std::string report_html(const RunData& run, const std::optional<RunData>& recorded) {
   HtmlPage page("Lodestone: a learned controller for a magnetic rig",
-                "From exploration to a learned simulator, to a policy, to the rig");
+                run.deployment_only ? "What one deployment measured"
+                                    : "From exploration to a learned simulator, to a policy, to the rig");
   page.add_section("overview", "What was run", overview_section(run, recorded ? &*recorded : nullptr));
-  page.add_section("collection", "Exploration", collection_section(run));
-  page.add_section("dynamics", "Learned simulator", dynamics_section(run, "dynamics"));
-  page.add_section("policy", "Policy", policy_section(run, "policy"));
+  if (!run.deployment_only) {
+    page.add_section("collection", "Exploration", collection_section(run));
+    page.add_section("dynamics", "Learned simulator", dynamics_section(run, "dynamics"));
+    page.add_section("policy", "Policy", policy_section(run, "policy"));
+  }
   page.add_section("deployment", "On the rig", deployment_section(run));
+  if (!run.rigs.empty()) page.add_section("trials", "Trial by trial", trials_section(run));
   if (!run.filmed.empty()) page.add_section("camera", "What the camera saw", camera_section(run));
   if (recorded) page.add_section("recorded", "Real recordings", recorded_section(run, *recorded));
   return page.render();
@@ -32,11 +36,12 @@ std::string report_html(const RunData& run, const std::optional<RunData>& record
 /// The trajectories of the page as files: images/RIG_CONTROLLER_TASK.svg.
 void write_images(const RunData& run) {
   for (const DeployData& rig : run.rigs) {
-    if (!rig.trials) continue;
-    for (const std::string& controller : {rig.summary.controller.value_or("policy"), std::string("baseline")})
+    const std::vector<Trial> trials = read_trials(rig);
+    for (const std::string& controller : controllers_of(trials))
       for (const char* task : runs::kTasks)
         write_svg(run.folder + "/images/" + rig.rig + "_" + controller + "_" + task + ".svg",
-                  draw_trials(*rig.trials, task, controller, dish_radius_mm(run)));
+                  draw_trials(select(trials, task, controller), dish_radius_mm(run),
+                              std::string("Trajectories: ") + task + ", " + controller));
   }
 }
 
@@ -45,7 +50,9 @@ void write_report(const std::string& run_folder, const std::string& recorded_fol
   std::optional<RunData> recorded;
   if (!recorded_folder.empty()) recorded = read_run(recorded_folder);
   common::write_file_atomically(out, report_html(run, recorded));
-  common::write_artefact(run_folder + "/" + runs::DeploymentSummary::kFile, merged_summary(run));
+  // The folder of a deployment holds a summary of its own.
+  if (!run.deployment_only)
+    common::write_artefact(run_folder + "/" + runs::DeploymentSummary::kFile, merged_summary(run));
   common::write_file_atomically(run_folder + "/table.txt", error_table_text(error_rows(run)));
   write_images(run);
 }

@@ -91,9 +91,12 @@ RunData read_run(const std::string& folder) {
                                                                    runs::DynamicsEvaluation::kFile);
   run.policy = read_step(folder, "policy");
   run.trained = common::find_artefact<runs::PolicyResult>(folder + "/policy/" + runs::PolicyResult::kFile);
-  run.deploy = read_step(folder, "deploy");
-  read_deployment(folder + "/deploy", run);
-  run.filmed = read_filmed(folder + "/deploy/videos");
+  run.deployment_only = fs::exists(folder + "/trajectories.csv");
+  run.deploy = read_step(folder, run.deployment_only ? "." : "deploy");
+  run.deploy.name = "deploy";
+  const std::string deployment = run.deployment_only ? folder : folder + "/deploy";
+  read_deployment(deployment, run);
+  run.filmed = read_filmed(deployment + "/videos");
   return run;
 }
 

@@ -14,6 +14,8 @@ std::string collection_section(const RunData& run);
 std::string dynamics_section(const RunData& run, const std::string& prefix);
 std::string policy_section(const RunData& run, const std::string& prefix);
 std::string deployment_section(const RunData& run);
+/// The trials one by one: errors over time and their distribution, the worst ones, currents and temperatures.
+std::string trials_section(const RunData& run);
 /// What the camera saw; only where trials were filmed.
 std::string camera_section(const RunData& run);
 /// Dynamics and policy learned from real recordings, beside the virtual rig's.

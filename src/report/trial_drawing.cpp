@@ -2,69 +2,58 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <set>
 #include <string_view>
 
 #include "lodestone/common/files.h"
 #include "lodestone/report/charts.h"
-#include "lodestone/report/dish_svg.h"
 
 namespace lodestone::report {
 namespace {
 
 constexpr double kSuccessRadius_mm = 3.0;
 constexpr const char* kTargetColour = "#2f7d4f";
+constexpr const char* kApproachColour = "#9aa5b0";
 
-/// The way of the needle: true, or as far as it was seen.
-Points track_of(const runs::TrialRecord& trial) {
-  Points points;
-  if (trial.trajectory) {
-    for (const runs::PoseMm& pose : *trial.trajectory) points.emplace_back(pose[0], pose[1]);
-    return points;
-  }
-  for (const auto& pose : trial.sensed_trajectory)
-    if (pose) points.emplace_back((*pose)[0], (*pose)[1]);
-  return points;
-}
-
-void draw_trial(const runs::TrialRecord& trial, const std::string& colour, DishSvg& dish) {
-  const Points track = track_of(trial);
+void draw_trial(const Trial& trial, DishSvg& dish) {
+  const Points& track = trial.track_mm;
   if (track.empty()) return;
-  // The way to the start of a path is not scored, and drawn pale.
-  std::size_t on_path = 0;
-  if (trial.approach)
-    while (on_path < trial.approach->size() && on_path < track.size() && trial.approach->at(on_path) == 1)
-      ++on_path;
-  const auto split = track.begin() + static_cast<std::ptrdiff_t>(on_path);
-  if (on_path > 0) dish.line(Points(track.begin(), std::min(split + 1, track.end())), "#9aa5b0", 0.45, 0.6);
-  dish.line(Points(split, track.end()), colour, 0.55, 0.6);
+  const std::string colour = colour_of(trial.controller);
+  const auto at = [&track](std::size_t i) {
+    return track.begin() + static_cast<std::ptrdiff_t>(std::min(i, track.size()));
+  };
+  if (trial.approach > 0)
+    dish.line(Points(track.begin(), at(trial.approach + 1)), kApproachColour, 0.45, 0.6);
+  dish.line(Points(at(trial.approach), track.end()), colour, 0.55, 0.6);
   dish.dot(track.front().first, track.front().second, 0.9, colour, true, 0.9);
   dish.dot(track.back().first, track.back().second, 0.95, colour);
 }
 
+void draw_targets(const std::vector<const Trial*>& trials, DishSvg& dish) {
+  Points marked;
+  for (const Trial* trial : trials) {
+    if (!trial->target_mm || std::find(marked.begin(), marked.end(), *trial->target_mm) != marked.end())
+      continue;
+    marked.push_back(*trial->target_mm);
+    dish.target(trial->target_mm->first, trial->target_mm->second, kSuccessRadius_mm, kTargetColour);
+  }
+}
+
 }  // namespace
 
-std::string draw_trials(const std::vector<runs::TrialRecord>& trials, const std::string& task,
-                        const std::string& controller, double radius_mm) {
+std::string colour_of(const std::string& controller) {
+  if (controller == "baseline") return kBaselineColour;
+  return controller == "planner" ? kSecondColour : kPolicyColour;
+}
+
+std::string draw_trials(const std::vector<const Trial*>& trials, double radius_mm, const std::string& label) {
+  if (trials.empty()) return "";
+  const std::vector<const Trial*> drawn(
+      trials.begin(), trials.begin() + static_cast<std::ptrdiff_t>(std::min(trials.size(), kDrawnTrials)));
   DishSvg dish(radius_mm, true);
-  std::vector<const runs::TrialRecord*> chosen;
-  for (const runs::TrialRecord& trial : trials)
-    if (trial.task == task && trial.controller == controller && chosen.size() < kDrawnTrials)
-      chosen.push_back(&trial);
-  if (chosen.empty()) return "";
-  if (const auto& path = chosen.front()->path_mm) {
-    Points points;
-    for (const runs::PointMm& point : *path) points.emplace_back(point[0], point[1]);
-    dish.line(points, kTargetColour, 0.7, 0.9, true);
-  }
-  const std::string colour = controller == "baseline" ? kBaselineColour : kPolicyColour;
-  std::set<runs::PointMm> marked;
-  for (const runs::TrialRecord* trial : chosen) {
-    draw_trial(*trial, colour, dish);
-    if (trial->target_mm && marked.insert(*trial->target_mm).second)
-      dish.target((*trial->target_mm)[0], (*trial->target_mm)[1], kSuccessRadius_mm, kTargetColour);
-  }
-  return dish.svg("Trajectories: " + task + ", " + controller);
+  dish.line(drawn.front()->path_mm, kTargetColour, 0.7, 0.9, true);
+  for (const Trial* trial : drawn) draw_trial(*trial, dish);
+  draw_targets(drawn, dish);
+  return dish.svg(label);
 }
 
 void write_svg(const std::string& path, const std::string& drawing) {
@@ -73,6 +62,19 @@ void write_svg(const std::string& path, const std::string& drawing) {
   common::make_folders(std::filesystem::path(path).parent_path().string());
   common::write_file_atomically(
       path, "<svg xmlns=\"http://www.w3.org/2000/svg\" " + drawing.substr(kTag.size()) + "\n");
+}
+
+std::string legend_of(const std::vector<const Trial*>& trials) {
+  const auto any = [&trials](auto what) {
+    return std::any_of(trials.begin(), trials.end(), [&](const Trial* trial) { return what(*trial); });
+  };
+  std::string text = "Rings: starts; dots: ends";
+  if (any([](const Trial& trial) { return trial.target_mm.has_value(); }))
+    text += "; green circles: the 3 mm around a target that count as reached";
+  if (any([](const Trial& trial) { return !trial.path_mm.empty(); })) text += "; green, dashed: the path";
+  if (any([](const Trial& trial) { return trial.approach > 0; }))
+    text += "; grey lines: the way to the start of a path, which is not scored";
+  return text + ".";
 }
 
 }  // namespace lodestone::report

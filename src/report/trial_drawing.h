@@ -4,19 +4,24 @@
 #include <string>
 #include <vector>
 
-#include "lodestone/runs/deployment_results.h"
+#include "trial_data.h"
 
 namespace lodestone::report {
 
 /// More lines than these hide one another.
 constexpr std::size_t kDrawnTrials = 16;
 
-/// Trajectories of the first trials of a task by one controller, seen from above: true ones, or as sensed
-/// where nobody knows those; empty when there are none.
-std::string draw_trials(const std::vector<runs::TrialRecord>& trials, const std::string& task,
-                        const std::string& controller, double radius_mm);
+/// Colour of a controller's lines, the same on every image.
+std::string colour_of(const std::string& controller);
+
+/// Trajectories of the first trials, seen from above, with starts, ends, and targets or the path; empty
+/// without trials. `label` describes it to those who cannot see it.
+std::string draw_trials(const std::vector<const Trial*>& trials, double radius_mm, const std::string& label);
 
 /// A drawing as a file of its own, for READMEs and papers. Throws IoError.
 void write_svg(const std::string& path, const std::string& drawing);
+
+/// What such drawings show, for their caption: only what is in these trials.
+std::string legend_of(const std::vector<const Trial*>& trials);
 
 }  // namespace lodestone::report

@@ -176,6 +176,23 @@ std::vector<ErrorCell> error_map(const data::TransitionTable& table, const std::
   return map;
 }
 
+/// Rows evenly taken, so that a chart of them can be read.
+std::vector<runs::PredictedMotion> some_predictions(const data::TransitionTable& table,
+                                                    const std::vector<double>& predicted) {
+  constexpr std::int64_t kMost = 400;
+  const std::int64_t stride = (table.size() + kMost - 1) / kMost;
+  std::vector<runs::PredictedMotion> some;
+  for (std::int64_t row = 0; row < table.size(); row += stride) {
+    runs::PredictedMotion& motion = some.emplace_back();
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const std::size_t i = static_cast<std::size_t>(row * table.state_size) + axis;
+      motion.moved_mm[axis] = kMillimetresPerMetre * (table.next_state[i] - table.state[i]);
+      motion.predicted_mm[axis] = kMillimetresPerMetre * (predicted[i] - table.state[i]);
+    }
+  }
+  return some;
+}
+
 }  // namespace
 
 DynamicsEvaluation evaluate_dynamics(nets::DynamicsModel& model, const data::Dataset& dataset) {
@@ -201,6 +218,7 @@ DynamicsEvaluation evaluate_dynamics(nets::DynamicsModel& model, const data::Dat
   baselines.nearest_neighbours =
       state_error(neighbours.predict(table.state, table.action), table.next_state, table.state_size);
   evaluation.error_map = error_map(table, predicted);
+  evaluation.predictions = some_predictions(table, predicted);
   return evaluation;
 }
 

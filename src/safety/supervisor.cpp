@@ -107,6 +107,7 @@ void Supervisor::apply(const rig::CoilPulse& pulse) {
     thermal_.advance(last_.current_A, context.on_s, context.passed_s);
     if (needle_required_) needle_seen_.check(safe, context);
     context.status = coils_.status();
+    temperature_C_ = context.status.temperature_C;
     for (const auto& check : pulse_checks_) check->check(safe, context);
   });
   if (safe.current_A != pulse.current_A || safe.duration_s != pulse.duration_s) ++limited_;

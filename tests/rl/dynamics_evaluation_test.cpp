@@ -116,6 +116,21 @@ TEST_CASE("the error map holds every row once", "[unit]") {
   CHECK(std::sqrt(squares / static_cast<double>(rows)) == Approx(evaluation.one_step.position_rms_mm));
 }
 
+TEST_CASE("predictions are held beside what happened, some of many rows", "[unit]") {
+  const data::Dataset dataset = marching(data::StateLayout::kPose, 100, 9);
+  nets::DynamicsModel model = constant_model(data::StateLayout::kPose, {1e-3, -2e-3, 0.0}, dataset);
+  const DynamicsEvaluation evaluation = evaluate_dynamics(model, dataset);
+  REQUIRE(evaluation.predictions.has_value());
+  CHECK(evaluation.predictions->size() > 100);
+  CHECK(evaluation.predictions->size() <= 400);
+  for (const runs::PredictedMotion& motion : *evaluation.predictions) {
+    CHECK(motion.moved_mm[0] == Approx(3.0));
+    CHECK(motion.moved_mm[1] == Approx(4.0));
+    CHECK(motion.predicted_mm[0] == Approx(1.0).epsilon(1e-3));
+    CHECK(motion.predicted_mm[1] == Approx(-2.0).epsilon(1e-3));
+  }
+}
+
 TEST_CASE("the JSON has the keys that scripts read", "[unit]") {
   const data::Dataset dataset = marching(data::StateLayout::kPosition, 2, 3);
   nets::DynamicsModel model = constant_model(data::StateLayout::kPosition, {0.0, 0.0}, dataset);

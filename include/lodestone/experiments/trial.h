@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -29,6 +30,7 @@ struct TrialSample {
   control::StepRecord step;
   std::optional<geometry::Pose2> true_pose;
   bool approach = false;
+  std::optional<std::array<double, rig::kCoilCount>> temperature_C;  ///< of the coils, as reported last
 };
 
 struct TrialResult {
@@ -45,10 +47,14 @@ struct TrialResult {
 /// Where the needle truly is: for scoring only, and empty where nobody knows.
 using TruePose = std::function<geometry::Pose2()>;
 
-/// Runs one trial and scores it. `watch`, when given, sees every observation
-/// before its pulse.
+/// What the coils reported last; nothing before they did.
+using CoilTemperatures = std::function<std::optional<std::array<double, rig::kCoilCount>>()>;
+
+/// Runs one trial and scores it. `watch`, when given, sees every observation before its pulse;
+/// `temperatures`, when given, is asked at each.
 TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control::Controller& controller,
                       const TruePose& true_pose, const ScoreConfig& score,
-                      const control::ControlLoop::Observer& watch = {});
+                      const control::ControlLoop::Observer& watch = {},
+                      const CoilTemperatures& temperatures = {});
 
 }  // namespace lodestone::experiments

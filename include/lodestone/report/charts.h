@@ -12,6 +12,7 @@ namespace lodestone::report {
 constexpr const char* kPolicyColour = "#1f5f8b";
 constexpr const char* kUnseenColour = "#6aa6c9";
 constexpr const char* kBaselineColour = "#c8553d";
+constexpr const char* kUnseenBaselineColour = "#e0a695";
 constexpr const char* kPaperColour = "#b9bfc5";
 constexpr const char* kSecondColour = "#7a8b3c";
 
@@ -20,6 +21,9 @@ struct LineSeries {
   Curve points;
   std::string colour = kPolicyColour;
   bool dashed = false;
+  bool dots = false;     ///< points without a line, as they are
+  bool stepped = false;  ///< a value holds until the next point
+  bool band = false;     ///< an edge of an area, lower and upper one after the other; not in the legend
 };
 
 /// Lines over a numeric axis; labels carry the units.
@@ -51,8 +55,12 @@ struct BarChart {
   std::vector<BarSeries> series;
 };
 
-/// HTML of a chart: a canvas and the script that draws it. Curves of more than 500 points are averaged over
-/// equal stretches.
+/// What a chart shows, in words: axes, and of each series where it starts, ends, and its extremes.
+std::string describe(const LineChart& chart);
+std::string describe(const BarChart& chart);
+
+/// HTML of a chart: a canvas and the script that draws it, with its description for those who cannot see it.
+/// Lines of more than 500 points are averaged over equal stretches; of dots, every so many-th is kept.
 std::string chart_html(const LineChart& chart);
 std::string chart_html(const BarChart& chart);
 

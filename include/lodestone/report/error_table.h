@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "lodestone/common/statistics.h"
 #include "lodestone/report/run_data.h"
 
 namespace lodestone::report {
@@ -16,6 +17,8 @@ struct ErrorRow {
   std::optional<double> mean_mm, std_mm, median_mm, rms_mm;
   std::optional<double> sensed_mean_mm, sensed_std_mm;
   std::optional<double> time_rms_mm, hold_mm, seconds_to_reach, success_rate, trials;
+  /// 95 %: bootstrap over the trials, each with its RMS error; Wilson's of the fraction of successes.
+  std::optional<common::Interval> rms_interval_mm, success_interval;
   bool published = false;  ///< from Table II of the paper
 };
 

@@ -29,6 +29,8 @@ struct StepData {
 struct DeployData {
   std::string rig;  ///< "explored", "unseen" or "real"
   runs::RigSummary summary;
+  /// Who drove besides the baseline: "policy" or "planner".
+  std::string driver() const { return summary.controller.value_or("policy"); }
   std::optional<std::vector<runs::TrialRecord>> trials;
 };
 
@@ -38,9 +40,11 @@ struct FilmedTrial {
   std::string last_image;  ///< JPEG
 };
 
-/// Everything found in a run folder: DIR/collect, DIR/dynamics, DIR/policy, DIR/deploy.
+/// Everything found in a run folder: DIR/collect, DIR/dynamics, DIR/policy, DIR/deploy. The folder of a
+/// deployment counts as a run that holds nothing else.
 struct RunData {
   std::string folder;
+  bool deployment_only = false;  ///< the folder is a deployment's own
   StepData collect;
   std::optional<data::Coverage> coverage;
   StepData dynamics;

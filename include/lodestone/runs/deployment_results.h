@@ -46,6 +46,7 @@ struct TrialFigures {
 
 using PointMm = std::array<double, 2>;  ///< x, y in mm
 using PoseMm = std::array<double, 3>;   ///< x, y in mm, heading in rad
+using PerCoil = std::array<double, 4>;  ///< +x, -x, +y, -y
 
 /// One trial, as a line of trials.jsonl while a deployment runs, and in trials.json when it has ended.
 struct TrialRecord {
@@ -62,6 +63,8 @@ struct TrialRecord {
   std::vector<std::optional<PoseMm>> sensed_trajectory;  ///< null: no pose was found
   std::optional<std::vector<PointMm>> reference_mm;      ///< paths only
   std::optional<std::vector<int>> approach;              ///< paths only: 1 on the way to the start
+  std::optional<std::vector<PerCoil>> current_A;         ///< asked of the coils; absent in older runs
+  std::optional<std::vector<PerCoil>> temperature_C;     ///< as they reported last, NaN before; likewise
   std::optional<TrialFigures> truth;                     ///< by true poses; absent likewise
   TrialFigures sensed;
   bool completed = false;
@@ -82,6 +85,8 @@ struct TrialRecord {
     v.field("sensed_trajectory", sensed_trajectory);
     v.field("reference_mm", reference_mm);
     v.field("approach", approach);
+    v.field("current_A", current_A);
+    v.field("temperature_C", temperature_C);
     v.part("final_error_mm", truth);
     v.field("sensed", sensed);
     v.field("completed", completed);

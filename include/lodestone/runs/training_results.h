@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -123,6 +124,18 @@ struct ErrorCell {
   }
 };
 
+/// One pulse of the test episodes: the way of the needle along x and y, and the way that was predicted.
+struct PredictedMotion {
+  std::array<double, 2> moved_mm = {};
+  std::array<double, 2> predicted_mm = {};
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("moved_mm", moved_mm);
+    v.field("predicted_mm", predicted_mm);
+  }
+};
+
 /// How a network's training went.
 struct TrainingFacts {
   double validation_loss = 0.0;
@@ -145,9 +158,10 @@ struct DynamicsEvaluation : DynamicsFacts {
   static constexpr const char* kFile = "evaluation.json";
   /// As normalised_l2, next state over its standard deviation in training: any form.
   std::optional<double> normalised_state_l2;
-  std::vector<ErrorCell> error_map;         ///< squares of 5 mm that hold rows
-  std::optional<std::string> split;         ///< of the data: "test" or "all"
-  std::optional<std::int64_t> transitions;  ///< recorded, all splits together
+  std::vector<ErrorCell> error_map;                         ///< squares of 5 mm that hold rows
+  std::optional<std::vector<PredictedMotion>> predictions;  ///< of some rows, evenly taken
+  std::optional<std::string> split;                         ///< of the data: "test" or "all"
+  std::optional<std::int64_t> transitions;                  ///< recorded, all splits together
   std::optional<TrainingFacts> training;
 
   template <class Visitor>
@@ -155,6 +169,7 @@ struct DynamicsEvaluation : DynamicsFacts {
     DynamicsFacts::visit(v);
     v.field("normalised_state_l2", normalised_state_l2);
     v.field("error_map", error_map);
+    v.field("predictions", predictions);
     v.field("split", split);
     v.field("transitions", transitions);
     v.part("validation_loss", training);

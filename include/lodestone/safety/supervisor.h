@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -85,6 +87,8 @@ class Supervisor final : public rig::Coils, public control::Guard {
 
   bool latched() const { return latched_; }
   std::string reason() const;
+  /// What the coils reported before the last pulse; nothing before the first. For the thread that drives.
+  const std::optional<std::array<double, rig::kCoilCount>>& temperature_C() const { return temperature_C_; }
   /// Pulses that were cut to a limit.
   std::int64_t limited() const { return limited_; }
 
@@ -103,6 +107,7 @@ class Supervisor final : public rig::Coils, public control::Guard {
   std::vector<std::unique_ptr<PoseCheck>> pose_checks_;
   std::vector<std::unique_ptr<PulseCheck>> pulse_checks_;
   bool needle_required_;
+  std::optional<std::array<double, rig::kCoilCount>> temperature_C_;
   rig::CoilPulse last_;
   double last_s_ = 0.0;
   std::atomic<std::int64_t> limited_{0};

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lodestone/report/dish_svg.h"
+#include "lodestone/report/run_data.h"
+
+namespace lodestone::report {
+
+/// One trial as it is drawn. Lists go by observation.
+struct Trial {
+  std::string task;
+  std::string rig;         ///< "explored", "unseen" or "real"
+  std::string controller;  ///< "policy", "planner" or "baseline"
+  std::int64_t number = 0;
+  Points path_mm;                                      ///< empty for points
+  std::optional<std::pair<double, double>> target_mm;  ///< none for paths
+  Points track_mm;  ///< true positions, or as sensed where nobody knows them
+  bool track_is_true = true;
+  Points reference_mm;       ///< where it should have been; the target, or the moving point of a path
+  std::size_t approach = 0;  ///< so many observations at the start are the way to a path, not scored
+  std::vector<double> time_s;
+  std::vector<std::array<double, 4>> current_A;      ///< coils +x, -x, +y, -y; empty when not recorded
+  std::vector<std::array<double, 4>> temperature_C;  ///< likewise
+  double error_mm = 0.0;  ///< path: RMS of the cross-track error; point: the distance at the end
+  bool success = false;
+  bool completed = true;
+  std::string stop_reason;
+
+  /// Distance to the reference at an observation.
+  double distance_mm(std::size_t observation) const;
+};
+
+std::vector<Trial> read_trials(const std::vector<runs::TrialRecord>& records);
+/// The trials of one kind of rig; none where their list is missing.
+std::vector<Trial> read_trials(const DeployData& deploy);
+
+/// Those of one task by one controller.
+std::vector<const Trial*> select(const std::vector<Trial>& trials, const std::string& task,
+                                 const std::string& controller);
+
+/// The controllers in order of appearance.
+std::vector<std::string> controllers_of(const std::vector<Trial>& trials);
+
+}  // namespace lodestone::report
