@@ -35,7 +35,7 @@ function lodestone_draw(id, spec) {
     borderColor: colour(s.colour), backgroundColor: colour(s.colour) + (s.band ? '2e' : ''),
     borderWidth: spec.categories || s.band ? 0 : 1.8, borderDash: s.dashed ? [6, 4] : [],
     showLine: !s.dots, stepped: !!s.stepped, fill: s.filled ? '-1' : false,
-    pointRadius: s.dots ? 1.6 : s.band ? 0 : s.points && s.points.length < 15 ? 3 : 0,
+    pointRadius: s.dots ? 1.6 : s.band || s.stepped ? 0 : s.points && s.points.length < 15 ? 3 : 0,
     pointHitRadius: s.band ? 0 : 6, tension: 0, maxBarThickness: 42,
   });
   return new Chart(document.getElementById(id), {

@@ -59,7 +59,7 @@ figcaption b { color: var(--ink); }
 .panels.wide .panel { max-width: none; min-width: 0; }
 img { max-width: 100%; height: auto; display: block; }
 .chart { position: relative; height: 270px; }
-.chart.small { height: 215px; }
+.chart.small { height: 235px; }
 .missing { background: var(--note); border: 1px solid var(--note-line); border-radius: 6px; padding: 10px 14px; }
 svg { width: 100%; height: auto; display: block; }
 svg text { font-family: var(--sans); }

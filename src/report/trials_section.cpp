@@ -85,9 +85,7 @@ std::string over_time(const std::vector<Group>& groups, const std::string& task)
   LineChart chart;
   chart.id = "over-time-" + task;
   chart.title = task;
-  chart.y_label = task == "square" || task == "circle" || task == "path"
-                      ? "distance to the moving reference (mm)"
-                      : "distance to the target (mm)";
+  chart.y_label = "distance (mm)";
   chart.from_zero = true;
   chart.small = true;
   bool times = true;
