@@ -7,9 +7,10 @@ namespace lodestone::report {
 std::string camera_section(const RunData& run) {
   std::string panels;
   for (const FilmedTrial& trial : run.filmed) {
-    panels += "<figure><img style=\"max-width:100%\" alt=\"" + escape(trial.name) +
-              "\" src=\"data:image/jpeg;base64," + common::base64(trial.last_image) + "\"><figcaption>" +
-              escape(trial.name) + "</figcaption></figure>\n";
+    panels += "<figure><img alt=\"The last camera image of " + escape(trial.name) +
+              ", with dish, needle, way and currents drawn in" + "\" src=\"data:image/jpeg;base64," +
+              common::base64(trial.last_image) + "\"><figcaption>" + escape(trial.name) +
+              "</figcaption></figure>\n";
   }
   return "<p>The last image of filmed trials, as the camera gave it to the localiser, with what the "
          "controller "

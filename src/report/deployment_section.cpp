@@ -40,12 +40,18 @@ std::string rows_table(const std::vector<ErrorRow>& rows, const std::vector<std:
   return table(headers, cells, 3, classes);
 }
 
+/// By the true pose, or as sensed where nobody knows that.
+std::string error_of(const ErrorRow& row) {
+  return row.mean_mm ? plus_minus(row.mean_mm, row.std_mm, row.published ? 1 : 2)
+                     : plus_minus(row.sensed_mean_mm, row.sensed_std_mm, 2) + " as sensed";
+}
+
 std::string error_tables(const std::vector<ErrorRow>& rows) {
   std::string html = rows_table(
       rows,
       {"error, mean ± std (mm)", "RMS (mm)", "95 % interval (mm)", "success", "95 % interval (%)", "trials"},
       [](const ErrorRow& row) -> std::vector<std::string> {
-        return {plus_minus(row.mean_mm, row.std_mm, row.published ? 1 : 2),
+        return {error_of(row),
                 fixed(row.rms_mm, 2),
                 interval(row.rms_interval_mm, 1.0, 2),
                 percent(row.success_rate),
@@ -119,8 +125,9 @@ std::string panel(const std::vector<const Trial*>& trials, const std::string& ta
                      escape(task) + "</b>";
   for (const ErrorRow& row : rows)
     if (row.task == task && row.controller == controller && row.rig == trials.front()->rig)
-      html +=
-          "<br>" + plus_minus(row.mean_mm, row.std_mm, 1) + " mm, " + percent(row.success_rate) + " success";
+      html += "<br>" + (row.mean_mm ? plus_minus(row.mean_mm, row.std_mm, 1) + " mm, " +
+                                          percent(row.success_rate) + " success"
+                                    : plus_minus(row.sensed_mean_mm, row.sensed_std_mm, 1) + " mm as sensed");
   return html + "</div>";
 }
 

@@ -202,7 +202,8 @@ class PaperReport {
                                std::to_string(f.n_stopped)});
         const std::string drawing = draw_trials(
             select(read_trials(errors->first_trials), task, errors->first_trials.front().controller),
-            kDishRadius_mm, std::string("Trajectories: ") + task + ", " + row.name);
+            kDishRadius_mm,
+            "Trajectories: " + std::string(task) + ", " + errors->first_trials.front().controller);
         drawings_.emplace_back(std::string(row.key) + "_" + task, drawing);
         drawings += "<div class=\"panel\">" + drawing + "<b>" + escape(task) + "</b><br>" + escape(row.name) +
                     "</div>";

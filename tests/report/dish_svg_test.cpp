@@ -1,0 +1,34 @@
+#include "lodestone/report/dish_svg.h"
+
+#include <catch2/catch.hpp>
+
+#include "report/small_run.h"
+
+using namespace lodestone::report;
+using lodestone::tests::holds;
+
+TEST_CASE("a dish drawing holds what was put into it, with y upwards") {
+  DishSvg dish(42.5);
+  dish.line({{0.0, 0.0}, {10.0, 20.0}}, "#123456", 1.0, 0.5);
+  dish.dot(0.0, 30.0, 1.0, "#abcdef");
+  dish.map({{5.0, 5.0, 1.0}}, 5.0, 0.0, 2.0, "error (mm)", 1);
+  const std::string svg = dish.svg("a <test>");
+  CHECK(svg.rfind("<svg", 0) == 0);
+  CHECK(holds(svg, "#123456"));
+  CHECK(holds(svg, "error (mm)"));
+  CHECK(holds(svg, "a &lt;test&gt;"));
+  for (const char* coil : {"+x", "−x", "+y", "−y"}) CHECK(holds(svg, coil));
+  // Upwards in the dish is a smaller y in the drawing.
+  const std::size_t dot = svg.find("#abcdef");
+  const std::size_t circle = svg.rfind("cy=\"", dot);
+  REQUIRE(circle != std::string::npos);
+  CHECK(std::stod(svg.substr(circle + 4)) < 0.0);
+}
+
+TEST_CASE("the map's scale runs from light to dark and ends at its ends") {
+  CHECK(map_colour(0.0) == map_colour(-3.0));
+  CHECK(map_colour(1.0) == map_colour(7.0));
+  const auto green = [](double t) { return std::stoi(map_colour(t).substr(3, 2), nullptr, 16); };
+  CHECK(green(0.0) > green(0.4));
+  CHECK(green(0.4) > green(1.0));
+}

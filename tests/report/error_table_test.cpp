@@ -1,0 +1,23 @@
+#include "lodestone/report/error_table.h"
+
+#include <catch2/catch.hpp>
+
+#include "report/small_run.h"
+
+using namespace lodestone::report;
+
+TEST_CASE("a row has the interval of its trials' errors and of their success") {
+  const std::vector<ErrorRow> rows = error_rows(lodestone::tests::small_run());
+  REQUIRE(rows.size() == 2);  // the paper's point first
+  CHECK(rows[0].published);
+  CHECK_FALSE(rows[0].rms_interval_mm.has_value());
+  CHECK(rows[1].rms_interval_mm->low == Approx(0.5));
+  CHECK(rows[1].rms_interval_mm->high == Approx(7.125));
+  CHECK(rows[1].success_interval->low == Approx(0.0945).epsilon(1e-2));
+}
+
+TEST_CASE("the table for terminals has a line for each row") {
+  const std::string text = error_table_text(error_rows(lodestone::tests::small_run()));
+  CHECK(std::count(text.begin(), text.end(), '\n') == 4);
+  CHECK(text.find("0.62") != std::string::npos);
+}

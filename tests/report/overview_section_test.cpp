@@ -1,0 +1,19 @@
+#include <catch2/catch.hpp>
+
+#include "../../src/report/sections.h"
+#include "report/small_run.h"
+
+using lodestone::tests::holds;
+
+TEST_CASE("the overview names where each step ran, and says no more than there was") {
+  lodestone::report::RunData run = lodestone::tests::small_run();
+  run.deploy.name = "deploy";
+  run.deploy.manifest = {{"git_commit", "0123456789abcdef"}, {"host", "a <host>"}, {"seed", 7}};
+  const std::string html = lodestone::report::overview_section(run, nullptr);
+  CHECK(holds(html, "0123456789ab<"));
+  CHECK(holds(html, "a &lt;host&gt;"));
+  CHECK(holds(html, "point, explored rig, policy"));
+  CHECK(holds(html, "a network learns"));
+  run.deployment_only = true;
+  CHECK_FALSE(holds(lodestone::report::overview_section(run, nullptr), "a network learns"));
+}

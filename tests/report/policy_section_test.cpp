@@ -1,0 +1,20 @@
+#include <catch2/catch.hpp>
+
+#include "../../src/report/sections.h"
+#include "report/small_run.h"
+
+using lodestone::tests::holds;
+
+TEST_CASE("training is told in a sentence and drawn, or missing") {
+  lodestone::report::RunData run;
+  CHECK(holds(lodestone::report::policy_section(run, "p"), "lodestone train-policy"));
+  run.trained.emplace().env_steps = 5000;
+  run.trained->train_seconds = 10.0;
+  run.policy.metrics = {{{"step", 1000}, {"evaluation/success_rate", 0.5}},
+                        {{"step", 5000}, {"evaluation/success_rate", 0.75}}};
+  const std::string html = lodestone::report::policy_section(run, "p");
+  CHECK(holds(html, "500 steps/s"));
+  CHECK(holds(html, "75 %"));
+  CHECK(holds(html, "id=\"p-success\""));
+  CHECK_FALSE(holds(html, "id=\"p-q\""));
+}

@@ -1,0 +1,47 @@
+#include "../../src/report/trial_data.h"
+
+#include <catch2/catch.hpp>
+
+#include "report/small_run.h"
+
+using namespace lodestone::report;
+using lodestone::tests::path_trial;
+using lodestone::tests::point_trial;
+
+TEST_CASE("a point's reference is its target, its error the distance at the end") {
+  const Trial trial = read_trials({point_trial("policy", "explored")}).front();
+  CHECK(trial.track_is_true);
+  CHECK(trial.distance_mm(0) == Approx(20.0));
+  CHECK(trial.distance_mm(2) == Approx(0.5));
+  CHECK(trial.error_mm == 0.5);
+  CHECK(trial.approach == 0);
+  CHECK(trial.current_A[1][1] == 7.5);
+}
+
+TEST_CASE("a path's reference moves, its error is that across the track, its approach counts") {
+  const Trial trial = read_trials({path_trial("planner", "unseen")}).front();
+  CHECK(trial.distance_mm(2) == Approx(5.0));
+  CHECK(trial.error_mm == 2.25);
+  CHECK(trial.approach == 2);
+  CHECK_FALSE(trial.target_mm.has_value());
+}
+
+TEST_CASE("where nobody knows the true pose, the way is what was seen") {
+  lodestone::runs::TrialRecord record = point_trial("policy", "real");
+  record.trajectory.reset();
+  record.truth.reset();
+  const Trial trial = read_trials({record}).front();
+  CHECK_FALSE(trial.track_is_true);
+  REQUIRE(trial.track_mm.size() == 3);
+  CHECK(trial.track_mm[1] == trial.track_mm[0]);  // not found: where it was before
+  CHECK(trial.error_mm == 1.0);
+}
+
+TEST_CASE("trials are chosen by task and controller") {
+  const auto trials = read_trials({point_trial("policy", "explored"), path_trial("policy", "explored"),
+                                   point_trial("baseline", "explored")});
+  CHECK(controllers_of(trials) == std::vector<std::string>{"policy", "baseline"});
+  CHECK(select(trials, "point", "baseline").size() == 1);
+  CHECK(select(trials, "circle", "policy").empty());
+  CHECK(read_trials(DeployData{}).empty());
+}

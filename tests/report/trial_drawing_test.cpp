@@ -1,0 +1,38 @@
+#include "../../src/report/trial_drawing.h"
+
+#include <catch2/catch.hpp>
+
+#include "lodestone/common/files.h"
+#include "report/small_run.h"
+#include "temporary_folder.h"
+
+using namespace lodestone::report;
+using lodestone::tests::holds;
+using lodestone::tests::path_trial;
+using lodestone::tests::point_trial;
+
+TEST_CASE("trials are drawn in their controller's colour, with what they were after") {
+  const auto trials = read_trials({point_trial("baseline", "explored")});
+  const std::string svg = draw_trials(select(trials, "point", "baseline"), 42.5, "some trials");
+  CHECK(holds(svg, "aria-label=\"some trials\""));
+  CHECK(holds(svg, colour_of("baseline")));
+  CHECK_FALSE(holds(svg, colour_of("policy")));
+  CHECK(colour_of("planner") != colour_of("policy"));
+  CHECK(draw_trials({}, 42.5, "none").empty());
+}
+
+TEST_CASE("the caption names what is drawn and nothing else") {
+  const auto trials = read_trials({point_trial("policy", "explored"), path_trial("policy", "explored")});
+  CHECK(holds(legend_of({&trials[0]}), "3 mm"));
+  CHECK_FALSE(holds(legend_of({&trials[0]}), "path"));
+  CHECK(holds(legend_of({&trials[1]}), "path"));
+  CHECK_FALSE(holds(legend_of({&trials[1]}), "3 mm"));
+}
+
+TEST_CASE("a drawing becomes a file that opens by itself, an empty one none") {
+  const lodestone::tests::TemporaryFolder folder;
+  write_svg(folder / "images/a.svg", "<svg viewBox=\"0 0 1 1\"></svg>");
+  CHECK(holds(lodestone::common::read_file(folder / "images/a.svg"), "xmlns=\"http://www.w3.org/2000/svg\""));
+  write_svg(folder / "images/b.svg", "");
+  CHECK_THROWS(lodestone::common::read_file(folder / "images/b.svg"));
+}
