@@ -11,7 +11,7 @@ TEST_CASE("predictions are held against what happened, and baselines are named w
   lodestone::runs::DynamicsEvaluation& evaluation = run.evaluation.emplace();
   evaluation.one_step.position_rms_mm = 2.5;
   evaluation.k_step_mm = {{1, 2.5}, {2, 4.0}};
-  evaluation.predictions = {{{{3.0, 4.0}, {2.5, 4.5}}}};
+  evaluation.predictions.emplace().push_back({{3.0, 4.0}, {2.5, 4.5}});
   std::string html = lodestone::report::dynamics_section(run, "d");
   CHECK(holds(html, "2.500 mm RMS"));
   CHECK(holds(html, "id=\"d-predicted\""));
