@@ -16,8 +16,8 @@ constexpr double kSignificant = 1e5;  // five figures are more than a screen sho
 
 double rounded(double value) {
   if (value == 0.0) return 0.0;
-  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value)))) / kSignificant;
-  return std::round(value / unit) * unit;
+  const double scale = kSignificant / std::pow(10.0, std::floor(std::log10(std::abs(value))));
+  return std::round(value * scale) / scale;  // divided: 3 stays 3, and not 3.0000000000000004
 }
 
 Json thinned(const LineSeries& series) {
