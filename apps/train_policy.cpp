@@ -41,7 +41,8 @@ void train_policy(const CommonOptions& options) {
   } else {
     const runs::PolicyResult result = rl::train_policy(
         config, *environments.training, *environments.evaluation, run, environments.region.get());
-    inference::set_policy_provenance(run.file("checkpoint"), common::artefact_to_json(provenance(config, result)));
+    inference::set_policy_provenance(run.file("checkpoint"),
+                                     common::artefact_to_json(provenance(config, result)));
     common::write_artefact(file, result);
     run.finish();
     common::log_info("wrote " + run.path() + "/checkpoint and result.json");

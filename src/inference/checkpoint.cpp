@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <system_error>
 
+#include "lodestone/common/build_facts.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
-#include "lodestone/common/build_facts.h"
 
 namespace lodestone::inference {
 namespace {

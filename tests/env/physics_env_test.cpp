@@ -72,9 +72,9 @@ TEST_CASE("randomised simulators keep the promises too, and differ from episode 
   expected.fluid.viscosity_Pa_s *= 0.9;
   expected.friction.static_coefficient *= 1.2;
   expected.friction.kinetic_coefficient *= 1.2;
-  const geometry::Pose2 next =
-      physics::PlainSimulator(expected, config.simulator)
-          .step({0.0425 * start[0], 0.0425 * start[1], start[2]}, {3.0, 0.0, 0.0, 1.5}, config.pulse_s, config.rest_s);
+  const geometry::Pose2 next = physics::PlainSimulator(expected, config.simulator)
+                                   .step({0.0425 * start[0], 0.0425 * start[1], start[2]},
+                                         {3.0, 0.0, 0.0, 1.5}, config.pulse_s, config.rest_s);
   const std::vector<float> seen = fixed.step({0.5F, -0.25F}).final_observation;
   CHECK(0.0425 * seen[0] == Approx(next.x_m).margin(2e-5));
   CHECK(0.0425 * seen[1] == Approx(next.y_m).margin(2e-5));
