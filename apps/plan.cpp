@@ -17,17 +17,21 @@ struct PlanOptions {
   std::optional<std::int64_t> seed;
   std::int64_t threads = 0;
   std::string only;
+  std::string rig_file;
 };
 
 void run_plan(const PlanOptions& options) {
   runs::Plan plan = runs::read_plan(options.file);
   if (options.seed) plan.seed = *options.seed;
   // A folder holds one plan and seed: cells of another would stand in the same places.
-  runs::RunFolder run({options.out, "plan run", common::artefact_to_json(plan), plan.seed, /*resume=*/true});
+  common::Json settings = common::artefact_to_json(plan);
+  settings["rig_file"] = options.rig_file;
+  runs::RunFolder run({options.out, "plan run", settings, plan.seed, /*resume=*/true});
   run.begin();
   const std::int64_t threads =
       options.threads > 0 ? options.threads : std::max<std::int64_t>(1, std::thread::hardware_concurrency());
-  runs::run_plan(plan, {options.out, own_path(), shipped_folder("configs"), threads}, "plan", options.only);
+  runs::run_plan(plan, {options.out, own_path(), shipped_folder("configs"), options.rig_file, threads},
+                 "plan", options.only);
   if (options.only.empty()) run.finish();
 }
 
@@ -48,6 +52,7 @@ void add_plan(CLI::App& program, ConfigCatalogue&) {
   run->add_option("--seed", options->seed, "seed of all cells that name none");
   run->add_option("--threads", options->threads, "cells at the same time; 0 means one per processor")
       ->check(CLI::Range(0, 1024));
+  run->add_option("--rig", options->rig_file, "rig.json of every cell")->type_name("FILE");
   run->add_option("--only", options->only, "run this cell, and what it needs")->type_name("ID");
   run->callback([options] { run_plan(*options); });
 }

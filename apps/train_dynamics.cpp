@@ -6,6 +6,7 @@
 #include "lodestone/data/dataset_file.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/nets/dynamics.h"
+#include "lodestone/rig/rig_config.h"
 #include "lodestone/rl/dynamics_evaluation.h"
 #include "lodestone/rl/dynamics_training.h"
 #include "verb.h"
@@ -14,6 +15,27 @@ namespace lodestone::apps {
 namespace {
 
 using rl::TrainDynamicsConfig;
+
+/// What is trained, and the rig that the recordings should be of.
+struct DynamicsRunConfig {
+  TrainDynamicsConfig training;
+  rig::RigConfig rig;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    training.visit(v);
+    v.group("rig", rig, "the rig, where one is named: recordings of another are refused");
+  }
+  void validate() const { rig.validate(); }
+};
+
+/// Recordings say what rig they are of.
+void check_rig(const CommonOptions& options, const rig::RigConfig& rig, const data::DatasetInfo& info) {
+  if (options.rig_file.empty() || !info.rig.contains("coils")) return;
+  if (info.rig != common::config_to_json<physics::RigDescription>(rig))
+    throw common::DataError("the recordings are of a rig with other figures than " + options.rig_file +
+                            ": leave --rig out, or record that rig");
+}
 
 void print_result(const rl::DynamicsEvaluation& evaluation) {
   char line[256];
@@ -26,7 +48,7 @@ void print_result(const rl::DynamicsEvaluation& evaluation) {
 }
 
 void train_dynamics(const CommonOptions& options) {
-  const auto config = resolve_config<TrainDynamicsConfig>(options);
+  const auto [config, rig] = resolve_config<DynamicsRunConfig>(options);
   if (config.data.empty()) {
     throw common::ConfigError(
         "train-dynamics needs transitions: --set data=FILE.h5 (from collect or import)");
@@ -39,6 +61,7 @@ void train_dynamics(const CommonOptions& options) {
     return print_result(common::read_artefact<rl::DynamicsEvaluation>(file));
   }
   data::Dataset dataset = data::read_recordings(config.data);
+  check_rig(options, rig, dataset.info);
   if (config.transitions > 0) dataset = data::first_transitions(std::move(dataset), config.transitions);
   rl::DynamicsTrainingResult result = rl::train_dynamics(dataset, config, run);
   rl::DynamicsEvaluation evaluation =
@@ -60,7 +83,7 @@ void add_train_dynamics(CLI::App& program, ConfigCatalogue& catalogue) {
   CLI::App* verb =
       program.add_subcommand("train-dynamics", "learn the model-based simulator (MBS) from transitions");
   auto options = std::make_shared<CommonOptions>();
-  catalogue["train-dynamics"] = [options] { return describe_resolved<TrainDynamicsConfig>(*options); };
+  catalogue["train-dynamics"] = [options] { return describe_resolved<DynamicsRunConfig>(*options); };
   add_common_options(*verb, *options, /*with_resume=*/true);
   verb->callback([options] { train_dynamics(*options); });
 }

@@ -73,7 +73,7 @@ TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control
   if (result.samples.empty()) {
     control::StepRecord step;
     step.target_m = plan.path ? plan.path->at(0.0) : plan.target_m;
-    result.samples.push_back({step, truth(), plan.path.has_value()});
+    result.samples.push_back({step, truth(), plan.path.has_value(), std::nullopt});
   }
   if (true_pose) result.truth = score_trial(result, true, score);
   result.sensed = score_trial(result, false, score);

@@ -56,6 +56,9 @@ with tempfile.TemporaryDirectory() as name:
     run("collect", *quick, "--set", "transitions=400", "--out", folder / "collect")
     run("train-dynamics", "--set", f"data={folder}/collect/transitions.h5", "--set", "model.form=delta", "--set",
         "model.batch_norm=false", "--set", "training.epochs=3", "--out", folder / "dynamics")
+    text = run("train-dynamics", "--rig", source / "configs/rigs/paper.json", "--set",
+               f"data={folder}/collect/transitions.h5", "--out", folder / "other", code=1)
+    assert "other figures" in text, text
     learned = json.loads((folder / "dynamics/checkpoint/manifest.json").read_text())["facts"]["dataset"]
     assert learned["workspace_radius_m"] == 0.035 and learned["action_scale"] == 11.0, learned
     assert learned["rig"]["coils"]["turns"] == 480 and learned["rig"]["needle"]["length_m"] == 0.018, learned["rig"]

@@ -28,6 +28,8 @@ task::Observation after(const Vector2& action, double moved_m, const Vector2& po
 
 inference::Policy small_policy() {
   inference::Policy policy;
+  policy.encoder = tests::paper_encoder();
+  policy.action = tests::paper_action();
   policy.encoder.memory = true;
   policy.hidden = {16, 16};
   tests::draw_weights(policy, 4);
@@ -97,7 +99,7 @@ TEST_CASE("the simulator's pull points where it is asked to") {
     // On the axis of a dipole B = mu0 m / 2 pi d^3, so dB/dx = 3 B / d.
     const physics::DipoleCoil coil(rig.coils.geometry, 0);
     const double field_T = 2e-7 * coil.moment_per_ampere_m2() * 4.0 / std::pow(0.08, 3);
-    CHECK(pull.x() == Approx(config.needle_moment_A_m2 * 3.0 * field_T / 0.08).epsilon(1e-6));
+    CHECK(pull.x() == Approx(rig.needle.moment_A_m2 * 3.0 * field_T / 0.08).epsilon(1e-6));
   }
   SECTION("the inverse gives the pull back") {
     for (const double angle : {0.3, 1.2, 2.5, -2.0, -0.4}) {

@@ -44,6 +44,7 @@ inline inference::DynamicsModel linear_model(data::StateLayout layout, const std
   model.config.members = static_cast<std::int64_t>(gain_m.size());
   model.info.layout = layout;
   model.info.action_scale = 10.0;
+  model.info.workspace_radius_m = 0.0425;
   model.start_states = spiral(layout);
   const std::int64_t inputs = model.config.inputs(layout);
   const std::int64_t states = data::state_size(layout);

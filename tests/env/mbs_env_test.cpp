@@ -20,9 +20,9 @@ constexpr double kGain_m = 1e-3;
 
 EpisodeSettings settings_for(std::int64_t count) {
   EpisodeSettings settings;
-  settings.task = tests::paper_task();
-  settings.encoder = tests::paper_encoder();
-  settings.action = tests::paper_action();
+  settings.task = lodestone::tests::paper_task();
+  settings.encoder = lodestone::tests::paper_encoder();
+  settings.action = lodestone::tests::paper_action();
   settings.count = count;
   settings.encoder.heading = "none";
   settings.action.scale = 10.0;

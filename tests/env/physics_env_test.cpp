@@ -10,9 +10,9 @@ namespace {
 
 EpisodeSettings short_episodes(std::int64_t count) {
   EpisodeSettings settings;
-  settings.task = tests::paper_task();
-  settings.encoder = tests::paper_encoder();
-  settings.action = tests::paper_action();
+  settings.task = lodestone::tests::paper_task();
+  settings.encoder = lodestone::tests::paper_encoder();
+  settings.action = lodestone::tests::paper_action();
   settings.count = count;
   settings.encoder.heading = "none";
   settings.action.scale = 6.0;
@@ -27,7 +27,8 @@ TEST_CASE("the plain simulator keeps the promises of a VecEnv", "[unit]") {
   PhysicsEnvConfig config;
   config.simulator.step_s = 2e-3;  // the promises do not depend on accuracy
   tests::check_vec_env({[&](std::int64_t threads) {
-                          return std::make_unique<PhysicsEnv>(settings, tests::paper_rig(), config, threads);
+                          return std::make_unique<PhysicsEnv>(settings, lodestone::tests::paper_rig(), config,
+                                                              threads);
                         },
                         6, 0.009, 0.0425, 0.0425});
 }
@@ -37,10 +38,10 @@ TEST_CASE("the environment moves the needle as the simulator does", "[unit]") {
   settings.encoder.heading = "angle";
   settings.task.success_radius_m = 1e-5;
   const PhysicsEnvConfig config;
-  PhysicsEnv environments(settings, tests::paper_rig(), config, 1);
+  PhysicsEnv environments(settings, lodestone::tests::paper_rig(), config, 1);
   const std::vector<float> start = environments.reset();
   const geometry::Pose2 pose{0.0425 * start[0], 0.0425 * start[1], start[2]};
-  const geometry::Pose2 expected = physics::PlainSimulator(tests::paper_rig(), config.simulator)
+  const geometry::Pose2 expected = physics::PlainSimulator(lodestone::tests::paper_rig(), config.simulator)
                                        .step(pose, {3.0, 0.0, 0.0, 1.5}, config.pulse_s, config.rest_s);
   const std::vector<float> next = environments.step({0.5F, -0.25F}).final_observation;
   CHECK(0.0425 * next[0] == Approx(expected.x_m).margin(2e-5));
@@ -54,7 +55,8 @@ TEST_CASE("randomised simulators keep the promises too, and differ from episode 
   config.simulator.step_s = 2e-3;
   config.randomise.enabled = true;
   tests::check_vec_env({[&](std::int64_t threads) {
-                          return std::make_unique<PhysicsEnv>(settings, tests::paper_rig(), config, threads);
+                          return std::make_unique<PhysicsEnv>(settings, lodestone::tests::paper_rig(), config,
+                                                              threads);
                         },
                         6, 0.009, 0.0425, 0.0425});
 
@@ -65,9 +67,9 @@ TEST_CASE("randomised simulators keep the promises too, and differ from episode 
   EpisodeSettings one = short_episodes(1);
   one.encoder.heading = "angle";
   one.task.success_radius_m = 1e-5;
-  PhysicsEnv fixed(one, tests::paper_rig(), config, 1);
+  PhysicsEnv fixed(one, lodestone::tests::paper_rig(), config, 1);
   const std::vector<float> start = fixed.reset();
-  physics::RigDescription expected = tests::paper_rig();
+  physics::RigDescription expected = lodestone::tests::paper_rig();
   expected.needle.moment_A_m2 *= 1.1;
   expected.fluid.viscosity_Pa_s *= 0.9;
   expected.friction.static_coefficient *= 1.2;

@@ -35,9 +35,9 @@ data::Dataset recording() {
 
 EpisodeSettings settings_for(std::int64_t count) {
   EpisodeSettings settings;
-  settings.task = tests::paper_task();
-  settings.encoder = tests::paper_encoder();
-  settings.action = tests::paper_action();
+  settings.task = lodestone::tests::paper_task();
+  settings.encoder = lodestone::tests::paper_encoder();
+  settings.action = lodestone::tests::paper_action();
   settings.count = count;
   settings.encoder.heading = "none";
   settings.task.end_on_success = false;

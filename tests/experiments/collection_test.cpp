@@ -100,8 +100,9 @@ TEST_CASE("a policy that explores goes on after a restore as if never stopped") 
       const geometry::Vector2 way_m = seen.target_m - seen.pose.position_m();
       return geometry::Vector2(0.5 * way_m / (way_m.norm() + 1e-9));
     });
-    const auto seeker = std::make_shared<control::GoalSeeker>(std::move(inner), control::GoalSeekerConfig(),
-                                                              common::RandomStream(5, "targets"));
+    const auto seeker =
+        std::make_shared<control::GoalSeeker>(std::move(inner), control::GoalSeekerConfig(),
+                                              config.rig.dish.radius_m, common::RandomStream(5, "targets"));
     experiments::Teleoperator teleoperator;
     teleoperator.controller = seeker.get();
     teleoperator.episode_over = [seeker] { return false; };

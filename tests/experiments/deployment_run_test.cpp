@@ -1,6 +1,7 @@
 #include "lodestone/experiments/deployment_run.h"
 
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <fstream>
 
 #include "lodestone/common/artefact.h"
@@ -82,7 +83,10 @@ std::string deploy(const std::string& folder, experiments::TrialDriver driver) {
   runs::run_resumably(run, work, {"deploy", "trials", 0.0});
   work.write_trials();
   return common::read_file(folder + "/summary.json") + common::read_file(folder + "/explored/trials.json") +
-         common::read_file(folder + "/unseen/trials.json") + common::read_file(folder + "/trajectories.csv");
+         common::read_file(folder + "/unseen/trials.json") +
+         (std::filesystem::exists(folder + "/trajectories.csv")
+              ? common::read_file(folder + "/trajectories.csv")
+              : "");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "lodestone/control/policy_controller.h"
 #include "lodestone/experiments/deployment.h"
 #include "lodestone/experiments/recorder.h"
+#include "paper_rig.h"
 
 using namespace lodestone;
 
@@ -61,6 +62,8 @@ TEST_CASE("one policy drives trials in several threads with the same results") {
   const auto config = quick_config();
   const experiments::Deployment deployment(config);
   inference::Policy policy;
+  policy.encoder = tests::paper_encoder();
+  policy.action = tests::paper_action();
   policy.encoder.memory = true;
   tests::draw_weights(policy, 7);
   experiments::ControllerSource source;

@@ -264,8 +264,8 @@ class StepClock final : public common::Clock {
 };
 
 TEST_CASE("a rig that keeps pace with a clock does bitwise the same, and shows what lies between") {
-  VirtualRig free(VirtualRigConfig{}, 3, shared_table());
-  VirtualRig paced(VirtualRigConfig{}, 3, shared_table());
+  VirtualRig free(described(), 3, shared_table());
+  VirtualRig paced(described(), 3, shared_table());
   StepClock wall;
   paced.keep_pace_with(wall);
   std::set<double> seen_m;
@@ -284,7 +284,7 @@ TEST_CASE("a rig that keeps pace with a clock does bitwise the same, and shows w
 }
 
 TEST_CASE("a stop in the middle of a rest switches off then, and an interruption ends the rest") {
-  VirtualRig rig(VirtualRigConfig{}, 3, shared_table());
+  VirtualRig rig(described(), 3, shared_table());
   StepClock wall;
   rig.keep_pace_with(wall);
   wall.look = [&] {
@@ -307,7 +307,7 @@ TEST_CASE("a stop in the middle of a rest switches off then, and an interruption
 
 // One thread drives, one watches, one stops.
 TEST_CASE("the virtual rig may be watched and stopped from any thread") {
-  VirtualRig rig(VirtualRigConfig{}, 3, shared_table());
+  VirtualRig rig(described(), 3, shared_table());
   common::SteadyClock wall;
   rig.keep_pace_with(wall);
   std::atomic<bool> over{false};

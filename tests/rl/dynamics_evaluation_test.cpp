@@ -42,6 +42,7 @@ nets::DynamicsModel constant_model(data::StateLayout layout, const std::vector<d
 data::Dataset marching(data::StateLayout layout, std::int64_t episodes, std::int64_t steps) {
   data::Dataset dataset;
   dataset.info.layout = layout;
+  dataset.info.workspace_radius_m = 0.0425;
   for (std::int64_t e = 0; e < episodes; ++e) {
     data::Episode episode;
     for (std::int64_t t = 0; t <= steps; ++t) {

@@ -191,6 +191,7 @@ TEST_CASE("patience ends members that only learn noise, and the best weights are
 TEST_CASE("a mixture learns that the robot stays or jumps, which a mean hides", "[unit]") {
   data::Dataset dataset;
   dataset.info.layout = data::StateLayout::kPosition;
+  dataset.info.workspace_radius_m = 0.0425;
   common::RandomStream random(1, "jumps");
   for (int e = 0; e < 60; ++e) {
     data::Episode episode;
@@ -229,5 +230,4 @@ TEST_CASE("a mixture learns that the robot stays or jumps, which a mean hides", 
   CHECK(stayed + jumped > 0.9 * kDraws);
 }
 
-}  // namespace
 }  // namespace lodestone::rl

@@ -4,6 +4,7 @@
 
 #include <torch/types.h>
 
+#include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
 #include "lodestone/rl/policy_evaluation.h"
 #include "rl/toy_environments.h"
@@ -188,7 +189,7 @@ TEST_CASE("Evaluation repeats itself and leaves training alone", "[rl]") {
   PolicyLearner twin(short_learning(400, 0.1), small_td3(), NoiseConfig{}, 3, 1, training_twin);
   const PolicyScore first = evaluate.run(learner.td3().actor());
   const PolicyScore second = evaluate.run(learner.td3().actor());
-  CHECK(first.json() == second.json());
+  CHECK(lodestone::common::artefact_to_json(first) == lodestone::common::artefact_to_json(second));
   CHECK(first.episodes == 50);
   CHECK(first.episode_length == PointEnv::kLength);
   CHECK(first.final_error_mm > 0.0);

@@ -28,6 +28,7 @@ inline data::Dataset known_dataset(data::StateLayout layout, std::int64_t episod
   data::Dataset dataset;
   dataset.info.layout = layout;
   dataset.info.source = "known motion";
+  dataset.info.workspace_radius_m = 0.0425;
   for (std::int64_t e = 0; e < episodes; ++e) {
     data::Episode episode;
     double state[3] = {random.uniform(-0.03, 0.03), random.uniform(-0.03, 0.03), 0.0};
