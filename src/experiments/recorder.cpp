@@ -122,9 +122,7 @@ runs::TrialRecord record_of(const TrialResult& result) {
     record.sensed_trajectory.push_back(estimate.valid ? std::optional(pose_mm(estimate.pose)) : std::nullopt);
     record.current_A->push_back(sample.step.current_A);
     // Before the first pulse nothing has been reported.
-    if (temperatures)
-      record.temperature_C->push_back(sample.temperature_C.value_or(
-          runs::PerCoil{std::nan(""), std::nan(""), std::nan(""), std::nan("")}));
+    if (temperatures) record.temperature_C->push_back(sample.temperature_C);
     if (!plan.path) continue;
     record.reference_mm->push_back(point_mm(sample.step.target_m));
     record.approach->push_back(sample.approach ? 1 : 0);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace lodestone::report {
 namespace {
@@ -47,7 +48,11 @@ Trial read_trial(const runs::TrialRecord& record) {
       ++trial.approach;
   if (record.time_s.size() == trial.track_mm.size()) trial.time_s = record.time_s;
   if (record.current_A) trial.current_A = *record.current_A;
-  if (record.temperature_C) trial.temperature_C = *record.temperature_C;
+  if (record.temperature_C) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    for (const auto& row : *record.temperature_C)
+      trial.temperature_C.push_back(row.value_or(runs::PerCoil{kNone, kNone, kNone, kNone}));
+  }
   const runs::TrialFigures& figures = record.figures();
   trial.error_mm = figures.cross_track_rms_mm.value_or(figures.final_error_mm);
   trial.success = figures.success;

@@ -95,8 +95,10 @@ for preset in sorted((source / "configs").glob("*/*.json")):
     verb = {"collect": "collect", "dynamics": "train-dynamics", "policy": "train-policy", "deploy": "deploy",
             "segmenter": "train-segmenter", "hil": "bench hil"}[
         preset.stem.split("_")[0]]
+    of_verb = {"deploy": "--policy", "train-dynamics": "data=FILE", "train-policy": "dynamics=DIR"}
     first_missing = {("best", "collect.json"): "--policy", ("best", "policy_offline.json"): "recorded"}
-    check([*verb.split(), "--config", str(preset)], 2, first_missing.get(preset.parts[-2:], "--out"))
+    expected = first_missing.get(preset.parts[-2:], "--out" if preset.parent.name == "simulator" else of_verb.get(verb, "--out"))
+    check([*verb.split(), "--config", str(preset)], 2, expected)
 
 print("\n".join(failures) or "every bad input was reported in one line")
 sys.exit(bool(failures))

@@ -62,7 +62,7 @@ try:
 
     run("calibrate", "coils", "--rig", bench, "--yes", "--out", folder / "coils.json")
     measured = json.loads((folder / "coils.json").read_text())["coils"]
-    assert all(abs(ohm - 1.915) < 0.03 for ohm in measured["resistance_ohm"]), measured
+    assert all(abs(ohm - 1.90) < 0.03 for ohm in measured["resistance_20C_ohm"]), measured
     assert all(abs(henry - 17.6e-3) < 2e-3 for henry in measured["inductance_H"]), measured
 
     # The loop with the camera's image, on the serial port.

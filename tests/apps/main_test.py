@@ -84,7 +84,7 @@ for path in sorted(verbs):
     expect(options and options <= offered, f"{path}: --help has {options}, offered are {offered}")
 expect("check" in completed("lodestone", "rig", ""), "rig offers check")
 expect("--port" in completed("lodestone", "rig", "check", "--p"), "rig check offers --port")
-expect(completed("lodestone", "deploy", "--set", "trials.c") == ["trials.count="], "--set offers keys")
+expect(completed("lodestone", "deploy", "--set", "trials.co") == ["trials.count="], "--set offers keys")
 expect({"policy", "baseline", "planner"} <= set(completed("lodestone", "deploy", "--controller", "")),
        "an option offers what its key allows")
 expect("train-policy" in completed("lodestone", "config", "--print", "train-"), "config --print offers verbs")

@@ -21,7 +21,8 @@ inline runs::TrialRecord point_trial(const std::string& controller, const std::s
   record.trajectory = {{20.0, 0.0, 0.1}, {5.0, 0.0, 0.2}, {0.5, 0.0, 0.3}};
   record.sensed_trajectory = {runs::PoseMm{20.0, 1.0, 0.1}, std::nullopt, runs::PoseMm{1.0, 0.0, 0.3}};
   record.current_A = {{12.0, 0.0, 0.0, 3.0}, {0.0, 7.5, 0.0, 0.0}, {0.0, 0.0, 0.0, 0.0}};
-  record.temperature_C = {{22.0, 22.0, 22.0, 22.0}, {22.5, 22.0, 22.0, 22.0}, {22.4, 31.25, 22.0, 22.0}};
+  record.temperature_C = {std::nullopt, runs::PerCoil{22.5, 22.0, 22.0, 22.0},
+                          runs::PerCoil{22.4, 31.25, 22.0, 22.0}};
   record.truth.emplace().final_error_mm = 0.5;
   record.truth->success = true;
   record.sensed.final_error_mm = 1.0;

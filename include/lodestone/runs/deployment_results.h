@@ -64,8 +64,9 @@ struct TrialRecord {
   std::optional<std::vector<PointMm>> reference_mm;      ///< paths only
   std::optional<std::vector<int>> approach;              ///< paths only: 1 on the way to the start
   std::optional<std::vector<PerCoil>> current_A;         ///< asked of the coils; absent in older runs
-  std::optional<std::vector<PerCoil>> temperature_C;     ///< as they reported last, NaN before; likewise
-  std::optional<TrialFigures> truth;                     ///< by true poses; absent likewise
+  /// As they reported last, null before; likewise.
+  std::optional<std::vector<std::optional<PerCoil>>> temperature_C;
+  std::optional<TrialFigures> truth;  ///< by true poses; absent likewise
   TrialFigures sensed;
   bool completed = false;
   std::string stop_reason;
