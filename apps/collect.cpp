@@ -50,8 +50,9 @@ struct CollectConfig {
     if (by == "policy" && policy.empty())
       throw common::ConfigError("by = policy: --policy DIR is missing; name a policy checkpoint");
     if (!repeatable() && collection.sessions != 1)
-      throw common::ConfigError("sessions = " + std::to_string(collection.sessions) +
-                                ": a real bench, or a human at the controls, has one at a time");
+      throw common::ConfigError(
+          "sessions = " + std::to_string(collection.sessions) +
+          ": a real bench, or a human at the controls, has one at a time; set sessions = 1");
   }
 };
 
@@ -86,6 +87,12 @@ std::unique_ptr<experiments::Collection> make_live_session(const CollectConfig& 
                                                            const std::string& out,
                                                            std::unique_ptr<TeleoperationWindow>& window) {
   const experiments::CollectionConfig& collection = config.collection;
+  if (collection.rig.real() && !has_operator())
+    throw common::HardwareError(
+        "collect: every episode begins where somebody has placed the needle, and nobody can be asked here: "
+        "run "
+        "it in a terminal at the bench, try it with rig.backend=virtual, or record in your own way and use "
+        "`lodestone import`");
   if (config.by_hand())
     window = std::make_unique<TeleoperationWindow>(config.by, collection.rig.coils.max_current_A,
                                                    collection.rig.dish.radius_m);

@@ -80,8 +80,13 @@ void choose_tasks(const DeployConfig& config, DeploymentJob& job) {
         "task = \"" + config.task +
         "\", must be centre, point, pose, square, circle, all, or the name of a .csv file");
   }
-  if (config.target_mm.size() == 2)
+  if (config.target_mm.size() == 2) {
     job.target_m = geometry::Vector2(1e-3 * config.target_mm[0], 1e-3 * config.target_mm[1]);
+    experiments::check_in_dish(config.deployment.rig, *job.target_m, "target_mm");
+  }
+  if (job.path)
+    for (const geometry::Vector2& point_m : job.path->points_m())
+      experiments::check_in_dish(config.deployment.rig, point_m, config.task + ": point");
 }
 
 /// A policy can do what it was trained for, and no other task.

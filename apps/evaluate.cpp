@@ -55,10 +55,13 @@ void evaluate_segmenter(const SegmenterOptions& options) {
   vision::LocaliserConfig localiser;
   localiser.rod = vision::rod_of(scenes.bench);
   common::ThreadPool pool(static_cast<std::size_t>(options.threads));
-  common::Json json = vision::to_json(vision::evaluate_segmenter(
-      segmenter, scenes, localiser, options.frames, static_cast<std::uint64_t>(options.seed), pool));
+  const vision::SegmenterEvaluation evaluation = vision::evaluate_segmenter(
+      segmenter, scenes, localiser, options.frames, static_cast<std::uint64_t>(options.seed), pool);
+  common::Json json = vision::to_json(evaluation);
   json["ranges_widened_by"] = options.widen;
   std::printf("%s\n", json.dump(2).c_str());
+  if (evaluation.clean.poses == 0)
+    throw common::DataError("evaluate segmenter: " + vision::in_words(evaluation));
 }
 
 void add_segmenter(CLI::App& verb) {

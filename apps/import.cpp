@@ -57,6 +57,11 @@ void print_summary(const data::CsvImportResult& result) {
   std::printf("transitions  %lld (%lld with current)\n", static_cast<long long>(table.size()),
               static_cast<long long>(driven));
   std::printf("episodes     %zu\n", dataset.episodes.size());
+  if (!dataset.impossible.empty())
+    std::printf(
+        "left out     %zu transitions from or to a position where nothing can be (impossible=keep keeps "
+        "them)\n",
+        dataset.impossible.size());
   print_range("x", table.state, 0, s, 1e3, "mm");
   print_range("y", table.state, 1, s, 1e3, "mm");
   if (pose) print_range("heading", table.state, 2, s, 180.0 / M_PI, "deg");
@@ -82,6 +87,7 @@ void run_import(const ImportOptions& options) {
   for (const std::string& problem : result.problems) common::log_warning("skipped " + problem);
   const std::int64_t unreported = result.skipped - static_cast<std::int64_t>(result.problems.size());
   if (unreported > 0) common::log_warning("skipped " + std::to_string(unreported) + " more malformed rows");
+  for (const std::string& position : result.impossible) common::log_warning("left out " + position);
   const std::string folder = std::filesystem::path(options.out).parent_path().string();
   if (!folder.empty()) common::make_folders(folder);
   data::write_dataset(options.out, result.dataset);

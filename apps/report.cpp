@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <memory>
 
-#include "lodestone/common/files.h"
 #include "lodestone/report/report.h"
 #include "verb.h"
 
@@ -20,8 +19,6 @@ void run_report(const ReportOptions& options) {
   if (std::filesystem::is_directory(out))
     throw common::ConfigError("--out " + out + " is a folder: name the page, for example " + out +
                               "/report.html");
-  const std::string folder = std::filesystem::path(out).parent_path().string();
-  if (!folder.empty()) common::make_folders(folder);
   report::write_report(options.run, options.recorded, out);
   std::printf("%s\n", out.c_str());
 }

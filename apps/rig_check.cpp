@@ -14,6 +14,7 @@
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/rig_config.h"
 #include "lodestone/safety/supervisor.h"
+#include "lodestone/session/coil_wiring.h"
 #include "models.h"
 
 namespace lodestone::apps {
@@ -73,7 +74,7 @@ void rest(double seconds) {
   clock.sleep_until(clock.now_s() + seconds);
 }
 
-/// Where the needle points, when the camera can tell.
+/// The camera's sensor, where one is wanted.
 class PoseProbe {
  public:
   PoseProbe(const BenchConfig& config, bool wanted) {
@@ -97,12 +98,8 @@ class PoseProbe {
                                           number(seen.pose.heading_rad * kDegPerRad, "degrees", 0)
                                     : "not seen: " + seen.reason);
   }
-  std::optional<geometry::Pose2> look() {
-    if (!sensor_) return std::nullopt;
-    const control::PoseEstimate seen = sensor_->observe();
-    if (!seen.valid) return std::nullopt;
-    return seen.pose;
-  }
+  /// Null without a camera.
+  control::PoseSensor* sensor() { return sensor_ ? &*sensor_ : nullptr; }
 
  private:
   std::unique_ptr<rig::Camera> camera_;
@@ -131,15 +128,15 @@ void check_emergency_stop(rig::SerialCoils& coils, bool yes) {
   std::printf("- works\n");
 }
 
-/// Energises one coil. Returns whether it is as it should be.
-bool check_coil(const BenchConfig& config, rig::SerialCoils& coils, safety::Supervisor& guarded,
-                PoseProbe& probe, int coil, bool yes) {
+/// Energises one coil. Returns whether its current is as it should be and, without a camera, whether the
+/// operator has seen the needle follow.
+bool check_coil(const BenchConfig& config, rig::SerialCoils& coils, safety::Supervisor& guarded, int coil,
+                bool watched, bool yes) {
   const std::string name = std::string("coil ") + kCoilNames[coil];
   if (!confirm("energise " + name + " with " + number(config.test_current_A, "A") + " for 0.2 s?", yes)) {
     print_line(name.c_str(), "left out");
-    return true;
+    return false;
   }
-  std::optional<geometry::Pose2> before = probe.look();
   for (int i = 0; i < 3; ++i) {
     rig::CoilPulse pulse;
     pulse.current_A[static_cast<std::size_t>(coil)] = config.test_current_A;
@@ -156,33 +153,41 @@ bool check_coil(const BenchConfig& config, rig::SerialCoils& coils, safety::Supe
                      number(state.resistance_ohm[static_cast<std::size_t>(coil)], "ohm", 2);
   bool good = std::abs(largest_A - config.test_current_A) < 0.1 * config.test_current_A;
   if (!good) line += " - NOT what was asked";
-  const std::optional<geometry::Pose2> after = probe.look();
-  const geometry::Vector2 towards(coil == 0   ? 1.0
-                                  : coil == 1 ? -1.0
-                                              : 0.0,
-                                  coil == 2   ? 1.0
-                                  : coil == 3 ? -1.0
-                                              : 0.0);
-  if (before && after) {
-    const auto along = [&](const geometry::Pose2& pose) {
-      return std::cos(pose.heading_rad) * towards.x() + std::sin(pose.heading_rad) * towards.y();
-    };
-    if (along(*after) > 0.5)
-      line += ", the needle's head points to it";
-    else if (along(*after) < along(*before) - 0.3) {
-      line += ", the needle's head points AWAY: set rig.coils.polarity of this coil to -1";
-      good = false;
-    } else {
-      line += ", the needle did not turn far enough to tell its polarity";
-    }
-  } else if (has_operator() && !yes &&
-             !confirm("did the needle's taped end turn towards coil " + std::string(kCoilNames[coil]) + "?",
-                      false)) {
-    line += ", reversed or swapped: set rig.coils.polarity of this coil to -1, or swap the leads";
+  if (!watched && has_operator() && !yes &&
+      !confirm("did the needle's taped end turn towards coil " + std::string(kCoilNames[coil]) +
+                   ", and was the needle drawn towards that coil?",
+               false)) {
+    line += ", reversed or swapped: see rig.coils.polarity and rig.serial.output, or change the leads";
     good = false;
   }
   print_line(name.c_str(), line);
   return good;
+}
+
+/// Finds out by the needle's motion which coil answers to which name. Returns whether all do as they should.
+bool check_wiring(const BenchConfig& config, safety::Supervisor& guarded, control::PoseSensor& sensor,
+                  bool yes) {
+  session::WiringProbe probe;
+  probe.current_A = config.test_current_A;
+  probe.max_current_A = std::min(probe.max_current_A, config.safety.max_current_A);
+  if (!confirm("find out which coil is which, with up to " + std::to_string(probe.max_pulses) +
+                   " short pulses of up to " + number(probe.max_current_A, "A") + "?",
+               yes)) {
+    print_line("wiring", "left out");
+    return false;
+  }
+  session::WiringInference inference(config.rig, session::WiringInference::field_for(config.rig));
+  common::SteadyClock clock;
+  session::probe_wiring(inference, guarded, sensor, clock, probe);
+  const std::vector<session::CoilWiring> possible = inference.possible();
+  for (int coil = 0; coil < rig::kCoilCount; ++coil)
+    print_line((std::string("asked for ") + kCoilNames[coil]).c_str(),
+               inference.moved(coil) == 0
+                   ? "the needle did not move: " + session::possible_answers(possible, coil)
+                   : session::possible_answers(possible, coil));
+  const std::string remedy = session::wiring_remedy(inference, config.rig);
+  if (!remedy.empty()) print_line("wiring", remedy);
+  return remedy.empty();
 }
 
 std::string reset_text(int cause) {
@@ -217,13 +222,20 @@ void check(const CheckOptions& options) {
   PoseProbe probe(config, !options.no_camera);
   const common::SteadyClock clock;
   safety::Supervisor guarded(coils, config.safety, config.rig, clock, safety::Supervisor::Poses::kNone);
+  control::PoseSensor* const sensor = probe.sensor();
   bool good = true;
   // Each field lies across the one before, so that the needle has to turn.
   for (const int coil : {0, 2, 1, 3})
-    good = check_coil(config, coils, guarded, probe, coil, options.yes) && good;
+    good = check_coil(config, coils, guarded, coil, sensor != nullptr, options.yes) && good;
+  if (good && sensor != nullptr) good = check_wiring(config, guarded, *sensor, options.yes);
   coils.stop();
-  if (!good) throw common::HardwareError("rig check: not everything is as it should be, see above");
-  std::printf("the bench is ready\n");
+  if (!good)
+    throw common::HardwareError(
+        "rig check: the bench is not ready: something is left out or not as it should be, see above");
+  const bool seen = sensor != nullptr || (has_operator() && !options.yes);
+  std::printf("%s\n", seen ? "the bench is ready"
+                           : "currents are as asked; nobody saw which coil is which, so that is still to be "
+                             "checked, with the camera");
 }
 
 void calibrate_coils(const CheckOptions& options) {
@@ -277,6 +289,7 @@ void emulate(const CheckOptions& options) {
   if (renderer) {
     rig.camera.kind = "genicam";
     rig.camera.source = bench.camera();
+    rig.camera.serial = bench.camera_serial();
     rig.camera.pixel_format = "RGB8";
     rig.camera.width_px = renderer->scene().camera.width_px;
     rig.camera.height_px = renderer->scene().camera.height_px;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <opencv2/imgproc.hpp>
 
 #include "lodestone/common/error.h"
@@ -210,6 +211,12 @@ TeleoperationWindow::TeleoperationWindow(const std::string& by, double max_curre
   state.view.visits.assign(static_cast<std::size_t>(kPilotGrid) * kPilotGrid, 0);
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C is the program's
   if (SDL_Init(SDL_INIT_VIDEO | SDL_INIT_GAMECONTROLLER) != 0) State::fail("no display");
+  // Without a display SDL paints into memory, where nobody sees the needle or presses a key.
+  const std::string driver = SDL_GetCurrentVideoDriver();
+  if (std::getenv("SDL_VIDEODRIVER") == nullptr && (driver == "offscreen" || driver == "dummy"))
+    throw common::HardwareError("collect --by " + by +
+                                ": no display; run it on the bench's own screen or through ssh -X, or use "
+                                "--by explorer, which needs none");
   if (state.by_gamepad) {
     for (int i = 0; i < SDL_NumJoysticks() && state.gamepad == nullptr; ++i)
       if (SDL_IsGameController(i) == SDL_TRUE) state.gamepad = SDL_GameControllerOpen(i);

@@ -1,4 +1,3 @@
-#include <cstdio>
 #include <memory>
 
 #include "lodestone/common/artefact.h"
@@ -52,23 +51,21 @@ void train_segmenter(const CommonOptions& options) {
   const auto segmenter = std::make_shared<const vision::Segmenter>(config.segmenter, result.network);
   vision::LocaliserConfig localiser;
   localiser.rod = vision::rod_of(config.scenes.bench);
-  common::Json metrics = vision::to_json(vision::evaluate_segmenter(
+  const vision::SegmenterEvaluation evaluation = vision::evaluate_segmenter(
       segmenter, config.scenes, localiser, kEvaluationFrames,
-      common::derive_seed(static_cast<std::uint64_t>(config.seed), "evaluation"), pool));
+      common::derive_seed(static_cast<std::uint64_t>(config.seed), "evaluation"), pool);
+  common::Json metrics = vision::to_json(evaluation);
   metrics["validation_dice"] = result.validation_dice;
   metrics.update(common::artefact_to_json(result.facts));
   vision::save_segmenter(run.file("checkpoint"), config.segmenter, result.network,
                          common::config_to_json(config), metrics);
   common::write_json(run.file("evaluation.json"), metrics);
   run.finish();
-  char line[200];
-  std::snprintf(line, sizeof line,
-                "%lld rendered frames: %.3f mm and %.2f degrees RMS clean, %.3f mm partly covered",
-                static_cast<long long>(kEvaluationFrames), metrics["clean"]["position_rms_mm"].get<double>(),
-                metrics["clean"]["heading_rms_deg"].get<double>(),
-                metrics["occluded"]["position_rms_mm"].get<double>());
-  common::log_info(line);
   common::log_info("wrote " + run.path() + "/checkpoint, evaluation.json and predictions.png");
+  if (evaluation.clean.poses == 0)
+    throw common::DataError("train-segmenter: it sees no needle yet: " + vision::in_words(evaluation) +
+                            "; train longer or on more images (--set training.epochs=N, training.samples=N)");
+  common::log_info(vision::in_words(evaluation));
 }
 
 }  // namespace

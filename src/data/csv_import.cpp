@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "csv_table.h"
+#include "impossible_rows.h"
+#include "lodestone/common/statistics.h"
 #include "lodestone/geometry/pose2.h"
 
 namespace lodestone::data {
@@ -28,8 +30,12 @@ constexpr double kMmPerM = 1000.0;
 constexpr double kFullDrivePercent = 100.0;
 // A measured current may overshoot the set one a little; further off the row is taken for a fault.
 constexpr double kCurrentMargin = 1.2;
-// Positions beyond this many dish radii mean a wrong unit or centre, not a needle near the wall.
-constexpr double kPositionMargin = 1.5;
+// Where the dish is not known, positions beyond this many workspace radii cannot be; with fewer positions
+// than this, nobody can tell.
+constexpr double kUnknownDishMargin = 1.5;
+constexpr std::size_t kFewestPositions = 100;
+// More of them mean a wrong unit or centre, not glitches.
+constexpr double kMostImpossible = 0.05;
 // The recorded sphere's dish is not known: the workspace is the radius that this fraction of positions lies
 // in.
 constexpr double kWorkspaceQuantile = 0.995;
@@ -60,40 +66,74 @@ void for_each_row(CsvTable& table, const CsvImportConfig& config, CsvImportResul
   }
 }
 
-void append_step(Episode& episode, const std::array<double, 2>& action) {
-  episode.actions.insert(episode.actions.end(), action.begin(), action.end());
-  episode.terminations.push_back(0);
-  episode.truncations.push_back(0);
-  episode.zero_current.push_back(action[0] == 0.0 && action[1] == 0.0 ? 1 : 0);
-}
+/// Episodes as they are read, and the line of the file that each observation comes from.
+class Recording {
+ public:
+  explicit Recording(Dataset& dataset) : dataset_(dataset) {}
 
-/// Ends an episode: a recording never ends by itself, it is cut.
-void close(Episode& episode, std::vector<Episode>& episodes) {
-  if (episode.length() > 0) {
-    episode.truncations.back() = 1;
-    episodes.push_back(std::move(episode));
+  const std::vector<double>& seen() const { return episode_.observations; }
+  template <std::size_t S>
+  void observe(const std::array<double, S>& state, std::int64_t line) {
+    episode_.observations.insert(episode_.observations.end(), state.begin(), state.end());
+    lines_.push_back(line);
   }
-  episode = Episode{};
+  void act(const std::array<double, 2>& action) {
+    episode_.actions.insert(episode_.actions.end(), action.begin(), action.end());
+    episode_.terminations.push_back(0);
+    episode_.truncations.push_back(0);
+    episode_.zero_current.push_back(action[0] == 0.0 && action[1] == 0.0 ? 1 : 0);
+  }
+  /// Ends an episode: a recording never ends by itself, it is cut.
+  void cut() {
+    if (episode_.length() > 0) {
+      episode_.truncations.back() = 1;
+      dataset_.episodes.push_back(std::move(episode_));
+      lines_of_episodes_.push_back(std::move(lines_));
+    }
+    episode_ = Episode{};
+    lines_.clear();
+  }
+  const std::vector<std::vector<std::int64_t>>& lines() const { return lines_of_episodes_; }
+
+ private:
+  Dataset& dataset_;
+  Episode episode_;
+  std::vector<std::int64_t> lines_;
+  std::vector<std::vector<std::int64_t>> lines_of_episodes_;
+};
+
+/// Takes out what lies beyond the limit, and says where it stood.
+void leave_out_impossible(CsvImportResult& result, const Recording& recording, double limit_m,
+                          const std::string& path) {
+  const auto found = separate_impossible(result.dataset, recording.lines(), limit_m);
+  if (static_cast<double>(found.size()) > kMostImpossible * static_cast<double>(result.rows))
+    throw DataError(path + ": " + std::to_string(found.size()) + " of " + std::to_string(result.rows) +
+                    " positions lie more than " + std::to_string(limit_m * kMmPerM) +
+                    " mm from the centre, the first one in line " + std::to_string(found.front().line) +
+                    ": correct position_unit, centre_x and centre_y, or the rig's dish");
+  for (const ImpossiblePosition& position : found)
+    result.impossible.push_back(path + ":" + std::to_string(position.line) + ": a position " +
+                                std::to_string(position.radius_m * kMmPerM) +
+                                " mm from the centre, where nothing can be (limit " +
+                                std::to_string(limit_m * kMmPerM) + " mm)");
 }
 
-double radius_of_data(const std::vector<Episode>& episodes) {
-  std::vector<double> radii;
+/// Distances from the centre, of all observations.
+std::vector<double> radii_of(const std::vector<Episode>& episodes) {
+  std::vector<double> radii_m;
   for (const Episode& episode : episodes)
     for (std::size_t i = 0; i < episode.observations.size(); i += 2)
-      radii.push_back(std::hypot(episode.observations[i], episode.observations[i + 1]));
-  if (radii.empty()) return 0.0;
-  const auto rank = static_cast<std::size_t>(kWorkspaceQuantile * static_cast<double>(radii.size() - 1));
-  std::nth_element(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(rank), radii.end());
-  return radii[rank];
+      radii_m.push_back(std::hypot(episode.observations[i], episode.observations[i + 1]));
+  return radii_m;
 }
 
-void read_pulses(CsvTable& table, const CsvImportConfig& config, CsvImportResult& result) {
+void read_pulses(CsvTable& table, const CsvImportConfig& config, const std::string& path,
+                 CsvImportResult& result) {
   const std::size_t coil = table.column("coil");
   const std::size_t drive = table.column("drive_percent");
   const std::array<std::size_t, 4> position = {table.column("x_before_mm"), table.column("y_before_mm"),
                                                table.column("x_after_mm"), table.column("y_after_mm")};
-  Episode episode;
-  std::vector<Episode>& episodes = result.dataset.episodes;
+  Recording recording(result.dataset);
   const auto read = [&] {
     static const std::array<std::string, 4> kCoils = {"+x", "-x", "+y", "-y"};
     const auto found = std::find(kCoils.begin(), kCoils.end(), table.text(coil));
@@ -104,24 +144,28 @@ void read_pulses(CsvTable& table, const CsvImportConfig& config, CsvImportResult
     std::array<double, 4> at{};
     for (std::size_t i = 0; i < 4; ++i) at[i] = table.number(position[i]) / kMmPerM;
 
-    const std::vector<double>& seen = episode.observations;
+    const std::vector<double>& seen = recording.seen();
     if (seen.empty() || seen[seen.size() - 2] != at[0] || seen[seen.size() - 1] != at[1]) {
-      close(episode, episodes);
-      episode.observations = {at[0], at[1]};
+      recording.cut();
+      recording.observe<2>({at[0], at[1]}, table.line());
     }
     std::array<double, 2> action{};
     action[index / 2] = percent == 0.0 ? 0.0 : index % 2 == 0 ? percent : -percent;
-    append_step(episode, action);
-    episode.observations.insert(episode.observations.end(), {at[2], at[3]});
+    recording.act(action);
+    recording.observe<2>({at[2], at[3]}, table.line());
   };
-  for_each_row(table, config, result, read, [&] { close(episode, episodes); });
-  close(episode, episodes);
+  for_each_row(table, config, result, read, [&] { recording.cut(); });
+  recording.cut();
+  const std::vector<double> radii_m = radii_of(result.dataset.episodes);
+  if (radii_m.size() >= kFewestPositions && config.impossible == "leave_out")
+    leave_out_impossible(result, recording,
+                         kUnknownDishMargin * common::percentile(radii_m, kWorkspaceQuantile), path);
 
   DatasetInfo& info = result.dataset.info;
   info.layout = StateLayout::kPosition;
   info.action_unit = "percent";
   info.action_scale = kFullDrivePercent;
-  info.workspace_radius_m = radius_of_data(episodes);
+  info.workspace_radius_m = common::percentile(radii_of(result.dataset.episodes), kWorkspaceQuantile);
   info.one_axis_at_a_time = true;
 }
 
@@ -149,12 +193,6 @@ class LogReader {
     row.pose[0] = (table_.number(columns_[5]) - config_.centre_x) * metres;
     row.pose[1] = up * (table_.number(columns_[6]) - config_.centre_y) * metres;
     row.pose[2] = geometry::wrap_angle(up * table_.number(columns_[7]) * radians);
-    const double radius = std::hypot(row.pose[0], row.pose[1]);
-    if (radius > kPositionMargin * config_.dish_radius_m)
-      table_.fail(columns_[5], "in the dish: it lies " + std::to_string(radius * kMmPerM) +
-                                   " mm from the centre, the dish has a radius of " +
-                                   std::to_string(config_.dish_radius_m * kMmPerM) +
-                                   " mm (see position_unit, centre_x, centre_y)");
     return row;
   }
 
@@ -183,25 +221,26 @@ class LogReader {
   std::array<std::size_t, 8> columns_{};
 };
 
-void read_log(CsvTable& table, const CsvImportConfig& config, CsvImportResult& result) {
+void read_log(CsvTable& table, const CsvImportConfig& config, const std::string& path,
+              CsvImportResult& result) {
   const LogReader reader(table, config);
-  std::vector<Episode>& episodes = result.dataset.episodes;
-  Episode episode;
+  Recording recording(result.dataset);
   std::optional<LogRow> before;
   const auto cut = [&] {
     if (before) ++result.unpaired;
-    close(episode, episodes);
+    recording.cut();
     before.reset();
   };
   const auto read = [&] {
     const LogRow row = reader.read();
     if (before && row.frame - before->frame != static_cast<double>(config.frame_step)) cut();
-    if (before) append_step(episode, before->drive);
-    episode.observations.insert(episode.observations.end(), row.pose.begin(), row.pose.end());
+    if (before) recording.act(before->drive);
+    recording.observe(row.pose, table.line());
     before = row;
   };
   for_each_row(table, config, result, read, cut);
   cut();
+  if (config.impossible == "leave_out") leave_out_impossible(result, recording, config.dish_radius_m, path);
 
   DatasetInfo& info = result.dataset.info;
   info.layout = StateLayout::kPose;
@@ -209,6 +248,7 @@ void read_log(CsvTable& table, const CsvImportConfig& config, CsvImportResult& r
   info.action_scale = config.max_current_A;
   info.workspace_radius_m = config.dish_radius_m;
   info.rig = config.rig;
+  const std::vector<Episode>& episodes = result.dataset.episodes;
   info.one_axis_at_a_time = std::none_of(episodes.begin(), episodes.end(), [](const Episode& e) {
     for (std::size_t t = 0; t < e.actions.size(); t += 2)
       if (e.actions[t] != 0.0 && e.actions[t + 1] != 0.0) return true;
@@ -223,10 +263,10 @@ CsvImportResult import_csv(const std::string& path, const CsvImportConfig& confi
   CsvImportResult result;
   if (table.has_columns(kPulseColumns)) {
     result.layout = "pulses";
-    read_pulses(table, config, result);
+    read_pulses(table, config, path, result);
   } else if (table.has_columns(kLogColumns)) {
     result.layout = "lab log";
-    read_log(table, config, result);
+    read_log(table, config, path, result);
   } else {
     throw DataError(path + ":1: the header (" + joined(table.header()) +
                     ") fits no known layout; known are pulses (" + joined(kPulseColumns) + ") and lab log (" +

@@ -30,6 +30,7 @@ class CsvTable {
   bool next();
   /// Throws RowError when the row has fewer or more cells than the header.
   void check_width() const;
+  std::int64_t line() const { return line_; }
   const std::string& text(std::size_t column) const { return cells_.at(column); }
   /// Cell as a finite number. Throws RowError naming line and column.
   double number(std::size_t column) const;

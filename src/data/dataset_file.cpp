@@ -19,6 +19,7 @@ using common::IoError;
 
 constexpr const char* kFormat = "lodestone-transitions";
 constexpr std::int64_t kFormatVersion = 1;
+constexpr const char* kImpossible = "impossible";
 // Room for the object headers and index nodes of one episode beside its numbers.
 constexpr std::int64_t kMetadataBytes = 64 * 1024;
 constexpr std::int64_t kReserveAhead = 1024 * 1024;
@@ -145,6 +146,40 @@ Handle open_file(const std::string& path, unsigned mode) {
 
 std::string episode_name(std::int64_t index) { return "episode_" + std::to_string(index); }
 
+/// The episodes of a group, in order. `others`: groups in it that are none.
+std::vector<Episode> read_episodes(hid_t group, hsize_t others, StateLayout layout, const std::string& path) {
+  H5G_info_t links{};
+  if (H5Gget_info(group, &links) < 0) throw DataError(path + ": its list of episodes is damaged");
+  std::vector<Episode> episodes;
+  for (hsize_t i = 0; i < links.nlinks - others; ++i) {
+    const std::string name = episode_name(static_cast<std::int64_t>(i));
+    if (H5Lexists(group, name.c_str(), H5P_DEFAULT) <= 0)
+      throw DataError(path + ": holds " + std::to_string(links.nlinks - others) + " groups, but " + name +
+                      " is missing");
+    episodes.push_back(read_episode(group, name, layout, path));
+  }
+  return episodes;
+}
+
+bool write_episode(hid_t parent, const std::string& name, const Episode& episode, StateLayout layout) {
+  const auto steps = static_cast<hsize_t>(episode.length());
+  const auto s = static_cast<hsize_t>(state_size(layout));
+  const std::vector<double> rewards(steps, 0.0);
+  const Handle group(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  const Handle infos(H5Gcreate2(group.get(), "infos", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  const auto numbers = [&](const char* key, const std::vector<double>& values, std::vector<hsize_t> shape) {
+    return write_array(group.get(), key, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values.data(), shape);
+  };
+  const auto flags = [&](hid_t in, const char* key, const std::vector<std::uint8_t>& values) {
+    return write_array(in, key, H5T_STD_U8LE, H5T_NATIVE_UINT8, values.data(), {steps});
+  };
+  return group.valid() && infos.valid() && numbers("observations", episode.observations, {steps + 1, s}) &&
+         numbers("actions", episode.actions, {steps, kActionSize}) && numbers("rewards", rewards, {steps}) &&
+         flags(group.get(), "terminations", episode.terminations) &&
+         flags(group.get(), "truncations", episode.truncations) &&
+         flags(infos.get(), "zero_current", episode.zero_current);
+}
+
 bool ends_with(const std::string& text, const std::string& ending) {
   return text.size() >= ending.size() &&
          text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
@@ -156,15 +191,11 @@ Dataset read_dataset(const std::string& path) {
   const Handle file = open_file(path, H5F_ACC_RDONLY);
   Dataset dataset;
   dataset.info = read_info(file.get(), path);
-  H5G_info_t links{};
-  if (H5Gget_info(file.get(), &links) < 0) throw DataError(path + ": its list of episodes is damaged");
-  for (hsize_t i = 0; i < links.nlinks; ++i) {
-    const std::string name = episode_name(static_cast<std::int64_t>(i));
-    if (H5Lexists(file.get(), name.c_str(), H5P_DEFAULT) <= 0)
-      throw DataError(path + ": holds " + std::to_string(links.nlinks) + " groups, but " + name +
-                      " is missing");
-    dataset.episodes.push_back(read_episode(file.get(), name, dataset.info.layout, path));
-  }
+  const bool glitches = H5Lexists(file.get(), kImpossible, H5P_DEFAULT) > 0;
+  dataset.episodes = read_episodes(file.get(), glitches ? 1 : 0, dataset.info.layout, path);
+  if (glitches)
+    dataset.impossible = read_episodes(open_group(file.get(), kImpossible).get(), 0, dataset.info.layout,
+                                       path + ": impossible");
   check_dataset(dataset, path);
   return dataset;
 }
@@ -237,6 +268,7 @@ Dataset read_recordings(const std::string& paths) {
     all.info.one_axis_at_a_time = all.info.one_axis_at_a_time && part.info.one_axis_at_a_time;
     all.info.source += ", " + part.info.source;
     for (Episode& episode : part.episodes) all.episodes.push_back(std::move(episode));
+    for (Episode& step : part.impossible) all.impossible.push_back(std::move(step));
   }
   return all;
 }
@@ -280,28 +312,24 @@ void DatasetWriter::write(const Episode& episode) {
   const auto s = static_cast<hsize_t>(state_size(state_->info.layout));
   state_->reserve(static_cast<std::int64_t>(steps * (8 * s + 8 * kActionSize + 8 + 3)) + kMetadataBytes);
 
-  const std::string name = episode_name(state_->episodes);
-  const std::vector<double> rewards(steps, 0.0);
-  const Handle group(H5Gcreate2(root, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
-  const Handle infos(H5Gcreate2(group.get(), "infos", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
-  const auto numbers = [&](const char* key, const std::vector<double>& values, std::vector<hsize_t> shape) {
-    return write_array(group.get(), key, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values.data(), shape);
-  };
-  const auto flags = [&](hid_t parent, const char* key, const std::vector<std::uint8_t>& values) {
-    return write_array(parent, key, H5T_STD_U8LE, H5T_NATIVE_UINT8, values.data(), {steps});
-  };
-  const bool written =
-      group.valid() && infos.valid() && numbers("observations", episode.observations, {steps + 1, s}) &&
-      numbers("actions", episode.actions, {steps, kActionSize}) && numbers("rewards", rewards, {steps}) &&
-      flags(group.get(), "terminations", episode.terminations) &&
-      flags(group.get(), "truncations", episode.truncations) &&
-      flags(infos.get(), "zero_current", episode.zero_current) &&
-      write_attribute(root, "total_episodes", state_->episodes + 1) &&
-      write_attribute(root, "total_steps", state_->transitions + episode.length()) &&
-      (!state_->flush_each || H5Fflush(root, H5F_SCOPE_LOCAL) >= 0);
+  const bool written = write_episode(root, episode_name(state_->episodes), episode, state_->info.layout) &&
+                       write_attribute(root, "total_episodes", state_->episodes + 1) &&
+                       write_attribute(root, "total_steps", state_->transitions + episode.length()) &&
+                       (!state_->flush_each || H5Fflush(root, H5F_SCOPE_LOCAL) >= 0);
   if (!written) state_->fail("HDF5 reports a fault" + because(last_hdf5_error()));
   ++state_->episodes;
   state_->transitions += episode.length();
+}
+
+void DatasetWriter::write_impossible(const std::vector<Episode>& steps) {
+  const hid_t root = state_->file.get();
+  state_->reserve(static_cast<std::int64_t>(steps.size() + 1) * kMetadataBytes);
+  const Handle group(H5Gcreate2(root, kImpossible, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  bool written = group.valid();
+  for (std::size_t i = 0; written && i < steps.size(); ++i)
+    written =
+        write_episode(group.get(), episode_name(static_cast<std::int64_t>(i)), steps[i], state_->info.layout);
+  if (!written) state_->fail("HDF5 reports a fault" + because(last_hdf5_error()));
 }
 
 void DatasetWriter::set_flush_each(bool flush_each) { state_->flush_each = flush_each; }
@@ -321,6 +349,7 @@ void write_dataset(const std::string& path, const Dataset& dataset) {
       DatasetWriter writer(part, dataset.info);
       writer.set_flush_each(false);
       for (const Episode& episode : dataset.episodes) writer.write(episode);
+      if (!dataset.impossible.empty()) writer.write_impossible(dataset.impossible);
       writer.flush();
     }
     common::sync_path(part);

@@ -1,6 +1,9 @@
 #include "gige_camera.h"
 
 #include <arv.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
@@ -12,7 +15,9 @@ namespace lodestone::emulation {
 struct GigeCamera::State {
   std::function<cv::Mat()> image;
   cv::Mat shown;
-  std::string name = "Aravis-Fake-LODESTONE";
+  // Its own, so that a program that is to drive another bench does not take this one's images.
+  std::string serial = "LODE-" + std::to_string(getpid());
+  std::string name = "Aravis-Fake-" + serial;
   ArvGvFakeCamera* camera = nullptr;
 
   static void paint(ArvBuffer* buffer, void* self, guint32, guint32, ArvPixelFormat format) {
@@ -37,13 +42,31 @@ struct GigeCamera::State {
   }
 };
 
+namespace {
+
+/// Aravis lets any number of cameras share the address, and answers for whichever came first.
+bool address_is_free() {
+  const int probe = socket(AF_INET, SOCK_DGRAM, 0);
+  if (probe < 0) return false;
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(3956);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const bool free = bind(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  close(probe);
+  return free;
+}
+
+}  // namespace
+
 GigeCamera::GigeCamera(std::function<cv::Mat()> image) : state_(std::make_unique<State>()) {
   state_->image = std::move(image);
-  state_->camera = arv_gv_fake_camera_new("127.0.0.1", "LODESTONE");
-  if (arv_gv_fake_camera_is_running(state_->camera) == 0) {
+  if (address_is_free()) state_->camera = arv_gv_fake_camera_new("127.0.0.1", state_->serial.c_str());
+  if (state_->camera == nullptr || arv_gv_fake_camera_is_running(state_->camera) == 0) {
     g_clear_object(&state_->camera);
     throw common::HardwareError(
-        "the emulated camera does not start: is its port (UDP 3956) in use by another one?");
+        "the emulated camera does not start: its port (127.0.0.1, UDP 3956) is in use, probably by another "
+        "emulated bench; end that one, or emulate this one with --no-camera");
   }
   arv_fake_camera_set_fill_pattern(arv_gv_fake_camera_get_fake_camera(state_->camera), State::paint,
                                    state_.get());
@@ -52,5 +75,6 @@ GigeCamera::GigeCamera(std::function<cv::Mat()> image) : state_(std::make_unique
 GigeCamera::~GigeCamera() { g_clear_object(&state_->camera); }
 
 const std::string& GigeCamera::name() const { return state_->name; }
+const std::string& GigeCamera::serial() const { return state_->serial; }
 
 }  // namespace lodestone::emulation

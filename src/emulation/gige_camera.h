@@ -19,6 +19,7 @@ class GigeCamera {
   GigeCamera& operator=(const GigeCamera&) = delete;
 
   const std::string& name() const;
+  const std::string& serial() const;  ///< differs from that of every other emulated camera
 
  private:
   struct State;

@@ -13,5 +13,6 @@ GigeCamera::GigeCamera(std::function<cv::Mat()>) {
 }
 GigeCamera::~GigeCamera() = default;
 const std::string& GigeCamera::name() const { return state_->name; }
+const std::string& GigeCamera::serial() const { return state_->name; }
 
 }  // namespace lodestone::emulation

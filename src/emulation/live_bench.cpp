@@ -90,6 +90,10 @@ const std::string& LiveBench::camera() const {
   return state_->camera ? state_->camera->name() : state_->no_camera;
 }
 
+const std::string& LiveBench::camera_serial() const {
+  return state_->camera ? state_->camera->serial() : state_->no_camera;
+}
+
 geometry::Pose2 LiveBench::true_pose() {
   const std::lock_guard<std::mutex> lock(state_->mutex);
   return state_->rig.true_pose();

@@ -1,6 +1,7 @@
 #include "lodestone/experiments/deployment.h"
 
 #include <cmath>
+#include <cstdio>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/log.h"
@@ -75,6 +76,21 @@ rig::RigConfig warmed(rig::RigConfig config, double temperature_C) {
 
 std::string to_string(RigKind kind) {
   return kind == RigKind::kExplored ? "explored" : kind == RigKind::kUnseen ? "unseen" : "real";
+}
+
+void check_in_dish(const physics::RigDescription& rig, const geometry::Vector2& point_m,
+                   const std::string& key) {
+  // Furthest out, the needle lies along the wall.
+  if (rig.fits({point_m.x(), point_m.y(), std::atan2(point_m.y(), point_m.x()) + 0.5 * kPi})) return;
+  char text[160];
+  std::snprintf(
+      text, sizeof text,
+      " = (%.1f, %.1f) mm lies outside the dish: its radius is %.1f mm, and the middle of the needle "
+      "stays %.1f mm from the wall",
+      1e3 * point_m.x(), 1e3 * point_m.y(), 1e3 * rig.dish.radius_m,
+      1e3 * (rig.dish.radius_m -
+             std::sqrt(std::pow(rig.dish.radius_m, 2) - std::pow(0.5 * rig.needle.length_m, 2))));
+  throw common::ConfigError(key + text);
 }
 
 TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, std::int64_t index,

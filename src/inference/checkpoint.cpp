@@ -1,6 +1,8 @@
 #include "lodestone/inference/checkpoint.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <system_error>
 
 #include "lodestone/common/build_facts.h"
@@ -28,12 +30,35 @@ Json shapes_of(const Arrays& arrays) {
   return shapes;
 }
 
-Json read_manifest(const std::string& folder) {
+/// Where checkpoints of a kind lie below a folder that is none itself, as the end of a message; empty when
+/// nowhere. Looks into runs and into folders of runs, no deeper.
+std::string checkpoints_below(const std::string& folder, const std::string& kind) {
+  constexpr int kLevels = 2;
+  std::vector<std::string> found;
+  std::error_code ignored;
+  for (auto entry = fs::recursive_directory_iterator(folder, ignored); entry != fs::end(entry);
+       entry.increment(ignored)) {
+    if (entry.depth() >= kLevels) entry.disable_recursion_pending();
+    if (entry->path().filename() != kManifest) continue;
+    const Json manifest = Json::parse(std::ifstream(entry->path()), nullptr, false);
+    if (manifest.is_object() && manifest.contains("format") && manifest.value("kind", Json()) == kind)
+      found.push_back(entry->path().parent_path().string());
+  }
+  std::sort(found.begin(), found.end());
+  std::string text;
+  for (const std::string& name : found) text += (text.empty() ? "; name " : " or ") + name;
+  return text;
+}
+
+Json read_manifest(const std::string& folder, const std::string& expected_kind) {
   const std::string path = folder + "/" + kManifest;
   if (!fs::is_directory(folder)) {
     throw CheckpointError("checkpoint " + folder + ": no such folder; give the folder that holds " +
                           kManifest);
   }
+  if (!fs::exists(path))
+    throw CheckpointError("checkpoint " + folder + ": holds no " + kManifest +
+                          checkpoints_below(folder, expected_kind));
   std::string text;
   try {
     text = common::read_file(path);
@@ -52,7 +77,8 @@ Json read_manifest(const std::string& folder) {
 void check_manifest(Json manifest, const std::string& folder, const std::string& expected_kind) {
   const std::string where = "checkpoint " + folder + ": " + kManifest;
   if (!manifest.contains("format") || !manifest.at("format").is_number_integer()) {
-    throw CheckpointError(where + " names no format version");
+    throw CheckpointError(where + " is not that of a checkpoint: it names no format version" +
+                          checkpoints_below(folder, expected_kind));
   }
   if (const auto format = manifest.at("format").get<std::int64_t>(); format != kCheckpointFormat) {
     throw CheckpointError(where + " has format version " + std::to_string(format) + ", this program reads " +
@@ -141,7 +167,7 @@ void save_checkpoint(const std::string& folder, const Checkpoint& checkpoint) {
 
 Checkpoint load_checkpoint(const std::string& folder, const std::string& expected_kind) {
   const std::string source = without_trailing_slash(folder);
-  const Json manifest = read_manifest(source);
+  const Json manifest = read_manifest(source, expected_kind);
   try {
     check_manifest(manifest, source, expected_kind);
     Checkpoint checkpoint;

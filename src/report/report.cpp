@@ -1,5 +1,7 @@
 #include "lodestone/report/report.h"
 
+#include <filesystem>
+
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/files.h"
 #include "lodestone/report/error_table.h"
@@ -49,6 +51,8 @@ void write_report(const std::string& run_folder, const std::string& recorded_fol
   const RunData run = read_run(run_folder);
   std::optional<RunData> recorded;
   if (!recorded_folder.empty()) recorded = read_run(recorded_folder);
+  const std::string folder = std::filesystem::path(out).parent_path().string();
+  if (!folder.empty()) common::make_folders(folder);
   common::write_file_atomically(out, report_html(run, recorded));
   // The folder of a deployment holds a summary of its own.
   if (!run.deployment_only)

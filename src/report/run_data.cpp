@@ -97,6 +97,12 @@ RunData read_run(const std::string& folder) {
   const std::string deployment = run.deployment_only ? folder : folder + "/deploy";
   read_deployment(deployment, run);
   run.filmed = read_filmed(deployment + "/videos");
+  if (!run.collect.present() && !run.coverage && !run.evaluation && !run.trained && !run.dynamics.present() &&
+      !run.policy.present() && !run.deploy.present() && run.rigs.empty())
+    throw common::ConfigError(
+        "--run " + folder +
+        " holds no run: none of the folders collect, dynamics, policy and deploy is in it "
+        "with anything to show");
   return run;
 }
 

@@ -139,6 +139,12 @@ void AravisCamera::Device::open(const CameraSourceConfig& config) {
       "check power, cable and address, that no other program holds it, and what arv-tool-0.8 lists";
   outcome.expect("cannot open " + name, remedy);
   if (camera == nullptr) throw common::HardwareError("cannot open " + name + ": not found; " + remedy);
+  if (config.serial.empty()) return;
+  const char* const serial = arv_camera_get_device_serial_number(camera, outcome.out());
+  if (serial == nullptr || config.serial != serial)
+    throw common::HardwareError(name + " has the serial number " + (serial != nullptr ? serial : "(none)") +
+                                ", rig.camera.serial asks for " + config.serial +
+                                ": it looks at another bench; correct source or serial");
 }
 
 void AravisCamera::Device::set_format(const CameraSourceConfig& config) {

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <ctime>
 #include <vector>
 
@@ -125,29 +126,32 @@ LocalisationScore score(const std::vector<Attempt>& attempts) {
     const Eigen::Vector3d error(error_m.x(), error_m.y(), turn_rad);
     normalised += error.dot(attempt.found.covariance.inverse() * error) / 3.0;
   }
-  const auto root_mean = [](double sum, std::int64_t count) {
-    return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
-  };
-  out.position_rms_mm = root_mean(square_mm2, out.poses);
+  if (out.poses == 0) return out;
+  out.position_rms_mm = std::sqrt(square_mm2 / static_cast<double>(out.poses));
   out.ms_per_frame = percentile(ms, 0.5);
   out.position_p95_mm = percentile(errors_mm, 0.95);
   out.position_max_mm = percentile(errors_mm, 1.0);
-  out.heading_rms_deg = 180.0 / kPi * root_mean(heading_rad2, upright);
-  out.normalised_error = upright > 0 ? normalised / static_cast<double>(upright) : 0.0;
+  if (upright == 0) return out;
+  out.heading_rms_deg = 180.0 / kPi * std::sqrt(heading_rad2 / static_cast<double>(upright));
+  out.normalised_error = normalised / static_cast<double>(upright);
   return out;
+}
+
+void put(common::Json& json, const char* key, const std::optional<double>& value) {
+  if (value) json[key] = *value;
 }
 
 common::Json score_to_json(const LocalisationScore& score) {
   common::Json json;
-  json["position_rms_mm"] = score.position_rms_mm;
-  json["position_p95_mm"] = score.position_p95_mm;
-  json["position_max_mm"] = score.position_max_mm;
-  json["heading_rms_deg"] = score.heading_rms_deg;
+  put(json, "position_rms_mm", score.position_rms_mm);
+  put(json, "position_p95_mm", score.position_p95_mm);
+  put(json, "position_max_mm", score.position_max_mm);
+  put(json, "heading_rms_deg", score.heading_rms_deg);
   json["flips"] = score.flips;
   json["poses"] = score.poses;
   json["n"] = score.n;
-  json["ms_per_frame"] = score.ms_per_frame;
-  json["normalised_error"] = score.normalised_error;
+  put(json, "ms_per_frame", score.ms_per_frame);
+  put(json, "normalised_error", score.normalised_error);
   json["refusals"] = common::Json::object();
   for (const auto& [reason, count] : score.refusals) json["refusals"][reason] = count;
   return json;
@@ -187,9 +191,11 @@ SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const Segmenter> segmente
     scene_ms.push_back(result.scene_ms);
   }
   // Two images differ by the error of both, hence the half.
-  const double count = 2.0 * static_cast<double>(std::max<std::int64_t>(pairs, 1));
-  evaluation.repeatability_mm = 1e3 * std::sqrt(apart_m2 / count);
-  evaluation.repeatability_deg = 180.0 / kPi * std::sqrt(apart_rad2 / count);
+  if (pairs > 0) {
+    const double count = 2.0 * static_cast<double>(pairs);
+    evaluation.repeatability_mm = 1e3 * std::sqrt(apart_m2 / count);
+    evaluation.repeatability_deg = 180.0 / kPi * std::sqrt(apart_rad2 / count);
+  }
   evaluation.clean = score(clean);
   evaluation.occluded = score(occluded);
   evaluation.tracked = score(tracked);
@@ -212,13 +218,35 @@ common::Json to_json(const SegmenterEvaluation& evaluation) {
   json["tracked"] = score_to_json(evaluation.tracked);
   json["poses_of_none"] = evaluation.poses_of_none;
   json["poses_of_two"] = evaluation.poses_of_two;
-  json["repeatability_mm"] = evaluation.repeatability_mm;
-  json["repeatability_deg"] = evaluation.repeatability_deg;
-  json["ms_per_frame"] = evaluation.clean.ms_per_frame;
-  json["ms_per_tracked_frame"] = evaluation.tracked.ms_per_frame;
+  put(json, "repeatability_mm", evaluation.repeatability_mm);
+  put(json, "repeatability_deg", evaluation.repeatability_deg);
+  put(json, "ms_per_frame", evaluation.clean.ms_per_frame);
+  put(json, "ms_per_tracked_frame", evaluation.tracked.ms_per_frame);
   json["ms_per_rendered_frame"] = evaluation.ms_per_rendered_frame;
   json["ms_per_scene"] = evaluation.ms_per_scene;
   return json;
+}
+
+namespace {
+
+std::string in_words(const LocalisationScore& score) {
+  if (score.position_rms_mm) {
+    char text[120];
+    std::snprintf(text, sizeof text, "%.3f mm and %.2f degrees RMS", *score.position_rms_mm,
+                  score.heading_rms_deg.value_or(180.0));
+    return text;
+  }
+  std::string text = "no pose found";
+  for (const auto& [reason, count] : score.refusals)
+    text += "; " + std::to_string(count) + " times " + reason;
+  return text;
+}
+
+}  // namespace
+
+std::string in_words(const SegmenterEvaluation& evaluation) {
+  return std::to_string(evaluation.clean.n) + " rendered frames: clean " + in_words(evaluation.clean) +
+         ", partly covered " + in_words(evaluation.occluded);
 }
 
 }  // namespace lodestone::vision

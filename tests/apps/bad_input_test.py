@@ -70,6 +70,16 @@ check(["train-policy", "--set", "simulator=physics", "--set", "task.within=reach
 check(["train-policy", "--set", "simulator=physics", "--set", "replay.environments=1", "--out", "run"], 2, "recorded")
 check(["train-policy", "--set", "simulator=physics", "--set", "task.goal=centre", "--set", "training.hindsight=0.5",
        "--set", "threads=1", "--out", "run"], 2, "training.hindsight")
+check(["collect", "--by", "keyboard", "--set", "sessions=2", "--out", "run"], 2, "set sessions = 1")
+for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
+    os.environ.pop(name, None)
+check(["collect", "--by", "keyboard", "--sensor", "simulated", "--out", "run"], 1, "no display", "--by explorer")
+check(["collect", "--set", "rig.backend=serial", "--set", "rig.serial.port=/dev/ttyNOTHING", "--out", "run"], 1,
+      "nobody can be asked", "lodestone import")
+check(["report", "--run", "nope"], 2, "nope", "no such folder")
+check(["report", "--run", "."], 2, "holds no run", "collect")
+check(["deploy", "--controller", "baseline", "--sensor", "simulated", "--task", "point", "--target-mm", "50,0", "--out", "run"], 2,
+      "target_mm", "outside the dish", "40.8")
 check(["config", "--print", "nothing"], 2, "nothing", "collect")
 
 for verb in ("collect", "train-dynamics", "train-policy", "deploy", "train-segmenter", "calibrate"):

@@ -56,9 +56,19 @@ bench = folder / "bench.json"
 emulator = start("rig", "emulate", "--out", bench)
 try:
     wait_for(bench, emulator)
+    # A second bench would be seen through the first one's camera: it refuses.
+    expect(run("rig", "emulate", "--out", folder / "second.json", code=1), "UDP 3956", "--no-camera")
+    assert not (folder / "second.json").exists()
+    expect(run("rig", "check", "--rig", bench, "--set", "rig.camera.serial=OTHER", "--yes", code=1), "asks for OTHER")
     expect(run("rig", "check", "--rig", bench, "--yes"), "firmware 1.0.0", "1280 x 1024", "seen at",
-           "needle's head points to it", "the bench is ready")
-    expect(run("rig", "check", "--rig", bench, "--no-camera"), "left out", "the bench is ready")
+           "asked for +x", "the bench is ready")
+    # Coils that are reversed or swapped are found, whatever the needle points to when it begins.
+    for wrong in ("rig.coils.polarity=[-1,1,1,1]", "rig.coils.polarity=[-1,-1,1,1]", "rig.serial.output=[2,1,3,4]"):
+        text = run("rig", "check", "--rig", bench, "--yes", "--set", wrong, code=1)
+        expect(text, "set rig.serial.output=[1,2,3,4] and rig.coils.polarity=[1,1,1,1]", "not ready")
+        assert "bench is ready" not in text, text
+    text = run("rig", "check", "--rig", bench, "--no-camera", code=1)
+    expect(text, "left out", "not ready")
 
     run("calibrate", "coils", "--rig", bench, "--yes", "--out", folder / "coils.json")
     measured = json.loads((folder / "coils.json").read_text())["coils"]
@@ -98,11 +108,11 @@ try:
     running.kill()
     running.wait()
     time.sleep(1)
-    expect(run("rig", "check", "--rig", bench, "--no-camera"), "the bench is ready")
+    expect(run("rig", "check", "--rig", bench, "--no-camera", "--yes"), "currents are as asked")
 
     # Exploring needs somebody who places the needle.
     expect(run("collect", "--rig", bench, "--set", "transitions=6", "--out", folder / "alone", code=1),
-           "nobody can be asked")
+           "nobody can be asked", "lodestone import")
     keyboard, terminal = pty.openpty()
     running = subprocess.Popen([lodestone, "collect", "--rig", bench, "--set", "transitions=12", "--set",
                                 "episode_steps=4", *patient, "--out", folder / "explored"], stdin=terminal,
@@ -133,7 +143,7 @@ if len(sys.argv) > 3:
         wait_for(bench, emulator)
         port = json.loads(bench.read_text())["serial"]["port"].replace("/dev/", "/dev/./")
         preloaded = {"LD_PRELOAD": sys.argv[3]}
-        expect(run("rig", "check", "--port", port, "--no-camera", "--yes", env=preloaded), "the bench is ready")
+        expect(run("rig", "check", "--port", port, "--no-camera", "--yes", env=preloaded), "currents are as asked")
         running = start("calibrate", "coils", "--port", port, "--yes", "--set", "pulses=50", "--out",
                         folder / "never.json", env={**os.environ, **preloaded})
         time.sleep(3)

@@ -155,7 +155,6 @@ TEST_CASE("rows of the lab's log that cannot be true are malformed") {
       {"2,-3,0,0,0,1,2,0", "column 2 (measured_current_filtered_north)"},
       {"2,30,0,0,0,1,2,0", "column 2 (measured_current_filtered_north)"},
       {"2.5,0,0,0,0,1,2,0", "column 1 (camera_frame_number)"},
-      {"2,0,0,0,0,500,2,0", "column 6 (localization_x)"},
   }));
   const std::string text =
       kLog + "0,1,0,0,0,1,2,0\n1,1,0,0,0,1,2,0\n" + row + "\n3,1,0,0,0,1,2,0\n4,1,0,0,0,1,2,0\n";
@@ -169,4 +168,47 @@ TEST_CASE("any dataset is read by its ending") {
   const tests::TemporaryFolder folder;
   std::ofstream(folder / "a.csv") << kPulses << "+x,40,1,2,3,4\n";
   CHECK(data::read_any_dataset(folder / "a.csv").transitions() == 1);
+}
+
+TEST_CASE("positions where nothing can be are listed with file and line, and left out") {
+  std::string text = kLog;
+  for (int i = 0; i < 60; ++i)
+    text += std::to_string(i) + ",5,0,0,0," + (i == 30 ? "61" : std::to_string(0.1 * i)) + ",2,0\n";
+  const data::CsvImportResult result = import_text(text);
+  REQUIRE(result.impossible.size() == 1);
+  CHECK_THAT(result.impossible[0], Contains("log.csv:32: ") && Contains("61."));
+  CHECK(result.dataset.transitions() == 57);  // the step to it and the step from it are missing
+  CHECK(result.dataset.episodes.size() == 2);
+  CHECK(result.dataset.impossible.size() == 2);
+  data::CsvImportConfig config;
+  config.impossible = "keep";
+  CHECK(import_text(text, config).dataset.transitions() == 59);
+
+  const tests::TemporaryFolder folder;
+  data::write_dataset(folder / "d.h5", result.dataset);
+  const data::Dataset again = data::read_dataset(folder / "d.h5");
+  CHECK(again.transitions() == 57);
+  REQUIRE(again.impossible.size() == 2);
+  CHECK(again.impossible[0].observations == result.dataset.impossible[0].observations);
+}
+
+TEST_CASE("where the dish is not known, a position far beyond all others is a glitch") {
+  std::string text = kPulses;
+  for (int i = 0; i < 100; ++i) {
+    const std::string from = std::to_string(i % 13);
+    const std::string to = i == 50 ? "72" : std::to_string((i + 1) % 13);
+    text += "+x,40," + from + ",0," + to + ",0\n";
+  }
+  const data::CsvImportResult result = import_text(text);
+  REQUIRE(result.impossible.size() == 1);
+  CHECK_THAT(result.impossible[0], Contains("log.csv:52: "));
+  CHECK(result.dataset.transitions() == 99);
+  CHECK(result.dataset.info.workspace_radius_m == Approx(0.012));
+}
+
+TEST_CASE("many positions outside the dish mean a wrong unit or centre") {
+  std::string text = kLog;
+  for (int i = 0; i < 60; ++i) text += std::to_string(i) + ",5,0,0,0,500,2,0\n";
+  CHECK_THROWS_WITH(import_text(text),
+                    Contains("60 of 60 positions") && Contains("line 2") && Contains("position_unit"));
 }

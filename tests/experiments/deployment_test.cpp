@@ -157,3 +157,10 @@ TEST_CASE("an unseen rig is as warm as its trial says, an explored one as config
   CHECK(fingerprint(cold_rigs.run(todo, experiments::RigKind::kExplored, source, pool)) ==
         fingerprint(warm_rigs.run(todo, experiments::RigKind::kExplored, source, pool)));
 }
+
+TEST_CASE("a target where the middle of the needle cannot be is refused") {
+  const rig::VirtualRigConfig rig;
+  CHECK_NOTHROW(experiments::check_in_dish(rig, {0.040, 0.0}, "target_mm"));
+  CHECK_THROWS_WITH(experiments::check_in_dish(rig, {0.0, -0.042}, "target_mm"),
+                    Catch::Contains("target_mm = (0.0, -42.0) mm") && Catch::Contains("40.8"));
+}

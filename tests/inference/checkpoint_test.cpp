@@ -79,6 +79,18 @@ TEST_CASE("damaged or foreign checkpoints are refused with the reason", "[unit]"
   SECTION("wrong kind") {
     CHECK_THAT(load_error(folder, "policy"), Contains("of kind \"sample\", expected \"policy\""));
   }
+  SECTION("a run's folder, one or two levels too high") {
+    const std::string inner = temporary / "run/policy/checkpoint";
+    const std::string other = temporary / "run/other/checkpoint";
+    save_checkpoint(inner, sample(1.0));
+    Checkpoint of_another_kind = sample(1.0);
+    of_another_kind.kind = "another";
+    save_checkpoint(other, of_another_kind);
+    CHECK_THAT(load_error(temporary / "run"), Contains("holds no manifest.json; name " + inner));
+    rewrite(temporary / "run/policy/manifest.json", "{\"verb\": \"train-policy\"}");
+    CHECK_THAT(load_error(temporary / "run/policy"), Contains("not that of a checkpoint") && Contains(inner));
+    CHECK_THAT(load_error(temporary / "run"), !Contains(other));
+  }
   SECTION("missing folder") { CHECK_THAT(load_error(temporary / "none"), Contains("no such folder")); }
   SECTION("missing part") {
     std::filesystem::remove(part);

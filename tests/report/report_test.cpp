@@ -142,7 +142,15 @@ TEST_CASE("what is missing is said, with the command that makes it") {
   const std::string page = lodestone::common::read_file(folder / "report.html");
   CHECK(page.find("lodestone collect") != std::string::npos);
   CHECK(page.find("lodestone deploy") != std::string::npos);
-  CHECK_THROWS_AS(write_report(folder / "nowhere", "", folder / "x.html"), lodestone::common::ConfigError);
+}
+
+TEST_CASE("without a run there is no page, and no folder is made for it") {
+  const lodestone::tests::TemporaryFolder folder;
+  const auto report_of = [&](const std::string& run) { write_report(run, "", folder / "pages/x.html"); };
+  CHECK_THROWS_WITH(report_of(folder / "nowhere"), Catch::Contains("no such folder"));
+  CHECK_THROWS_WITH(report_of(folder.path()), Catch::Contains("holds no run"));
+  CHECK_FALSE(std::filesystem::exists(folder / "pages"));
+  CHECK_FALSE(std::filesystem::exists(folder / "nowhere"));
 }
 
 TEST_CASE("a damaged file is named") {

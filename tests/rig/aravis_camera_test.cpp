@@ -162,3 +162,12 @@ TEST_CASE("what a GenICam camera cannot do is named with its bound", "[slow]") {
   config.exposure_s = 1e-9;
   CHECK_THROWS_WITH(rig::open_camera(config), Contains("exposure_s"));
 }
+
+TEST_CASE("a camera with another serial number than the one asked for is refused") {
+  const FakeGigeCamera fake;
+  rig::CameraSourceConfig config = fake_source();
+  config.serial = "LODESTONE";
+  CHECK_NOTHROW(rig::AravisCamera(config));
+  config.serial = "OTHER-7";
+  CHECK_THROWS_WITH(rig::AravisCamera(config), Contains("LODESTONE") && Contains("OTHER-7"));
+}

@@ -103,3 +103,26 @@ TEST_CASE("a segmenter survives its checkpoint, and another kind is refused") {
   nets::save_checkpoint(folder / "p", other);
   CHECK_THROWS_AS(vision::Segmenter::load(folder / "p"), common::CheckpointError);
 }
+
+TEST_CASE("where no pose was found there is no error, and the words say so") {
+  const vision::TrainSegmenterConfig config = small_config();
+  nets::UNet network(config.segmenter.network);
+  common::RandomStream random(1, "weights");
+  network->initialise(random);
+  network->eval();
+  vision::LocaliserConfig localiser;
+  localiser.rod = vision::rod_of(config.scenes.bench);
+  common::ThreadPool pool(1);
+  const vision::SegmenterEvaluation evaluation =
+      vision::evaluate_segmenter(std::make_shared<const vision::Segmenter>(config.segmenter, network),
+                                 config.scenes, localiser, 2, 1, pool);
+  REQUIRE(evaluation.clean.poses == 0);  // nothing was learned
+  CHECK_FALSE(evaluation.clean.position_rms_mm);
+  CHECK_FALSE(evaluation.repeatability_mm);
+  const common::Json json = vision::to_json(evaluation);
+  CHECK_FALSE(json.at("clean").contains("position_rms_mm"));
+  CHECK_FALSE(json.at("clean").contains("ms_per_frame"));
+  CHECK_FALSE(json.contains("repeatability_mm"));
+  CHECK(json.at("clean").at("refusals").size() > 0);
+  CHECK_THAT(vision::in_words(evaluation), Catch::Contains("clean no pose found; "));
+}

@@ -25,6 +25,7 @@ struct CsvImportConfig {
   std::int64_t threads = 0;
   std::string on_error = "abort";
   std::int64_t max_reported = 20;
+  std::string impossible = "leave_out";
   double control_period_s = 0.3;
   std::string position_unit = "mm";
   std::string angle_unit = "rad";
@@ -41,6 +42,11 @@ struct CsvImportConfig {
             {0, 1024});
     v.field("on_error", on_error, "", "what a malformed row does", {"abort", "skip"});
     v.field("max_reported", max_reported, "rows", "skipped rows that are reported one by one", {0, 1000000});
+    v.field(
+        "impossible", impossible, "",
+        "what is done with positions where nothing can be, outside the dish or, where that is not known, far "
+        "beyond all others: a glitch of the camera",
+        {"leave_out", "keep"});
     v.field("control_period_s", control_period_s, "s", "time between two rows of a recording", {1e-3, 60.0});
     v.field("position_unit", position_unit, "", "lab log: unit of the position", {"mm", "m"});
     v.field("angle_unit", angle_unit, "", "lab log: unit of the angle", {"rad", "deg"});
@@ -64,11 +70,12 @@ struct CsvImportConfig {
 /// What an import found beside its dataset.
 struct CsvImportResult {
   Dataset dataset;
-  std::string layout;                 ///< "pulses" or "lab log"
-  std::int64_t rows = 0;              ///< data rows read, blank lines apart
-  std::int64_t skipped = 0;           ///< malformed rows left out (on_error = skip)
-  std::int64_t unpaired = 0;          ///< lab log: rows without a row after them, on each side of a gap
-  std::vector<std::string> problems;  ///< the first max_reported skipped rows: file:line: column: fault
+  std::string layout;                   ///< "pulses" or "lab log"
+  std::int64_t rows = 0;                ///< data rows read, blank lines apart
+  std::int64_t skipped = 0;             ///< malformed rows left out (on_error = skip)
+  std::int64_t unpaired = 0;            ///< lab log: rows without a row after them, on each side of a gap
+  std::vector<std::string> problems;    ///< the first max_reported skipped rows: file:line: column: fault
+  std::vector<std::string> impossible;  ///< positions where nothing can be: file:line: where
 };
 
 /// Reads a foreign CSV file (BOM, CRLF, quotes and blank lines are accepted). Throws DataError naming file,

@@ -47,6 +47,9 @@ struct DatasetInfo {
 struct Dataset {
   DatasetInfo info;
   std::vector<Episode> episodes;
+  /// Recorded steps from or to a position where nothing can be. No part of the data: evaluation says what
+  /// they would change.
+  std::vector<Episode> impossible;
 
   std::int64_t transitions() const;
 };

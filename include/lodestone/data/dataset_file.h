@@ -10,7 +10,8 @@ namespace lodestone::data {
 /// HDF5 in Minari's layout: groups `episode_0`, `episode_1`, ... with datasets `observations` [T+1, S],
 /// `actions` [T, 2], `rewards` [T] (zero: rewards are computed at training), `terminations` [T],
 /// `truncations` [T] and `infos/zero_current` [T]; attributes on the root name layout, units, scales, seed
-/// and rig parameters (JSON).
+/// and rig parameters (JSON). Recorded steps that cannot be lie in a group `impossible` of the same form,
+/// where there are any.
 
 /// Reads `.h5` whole; throws DataError (not HDF5, missing group, wrong shape, NaN: says where).
 Dataset read_dataset(const std::string& path);
@@ -32,6 +33,8 @@ class DatasetWriter {
 
   /// Throws IoError when the disk is full; episodes before it stay readable.
   void write(const Episode& episode);
+  /// Steps that are no part of the data, once, in a group of their own.
+  void write_impossible(const std::vector<Episode>& steps);
   /// False: leave flushing to flush(), when nothing would be lost with the file.
   void set_flush_each(bool flush_each);
   /// Hands everything written to the system. Throws IoError.

@@ -28,6 +28,8 @@ class LiveBench {
   const std::string& port() const;
   /// For rig.camera.source; empty without a camera.
   const std::string& camera() const;
+  /// For rig.camera.serial; empty without a camera.
+  const std::string& camera_serial() const;
 
   geometry::Pose2 true_pose();
   void place(const geometry::Pose2& pose);

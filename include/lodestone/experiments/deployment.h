@@ -104,6 +104,10 @@ struct DeploymentConfig {
 enum class RigKind { kExplored, kUnseen, kReal };
 std::string to_string(RigKind kind);
 
+/// Throws ConfigError, naming `key`, where the middle of a needle of this rig cannot be.
+void check_in_dish(const rig::VirtualRigConfig& rig, const geometry::Vector2& point_m,
+                   const std::string& key);
+
 /// Start, target or path of trial `index` of a task ("centre", "point", "pose", "square", "circle", or "path"
 /// with `path`). `target_m`, when given, replaces the drawn target of `point`. `fits` says whether a start
 /// lies inside the dish. With a `region`, start and drawn target lie in it.

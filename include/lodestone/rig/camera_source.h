@@ -13,6 +13,7 @@ namespace lodestone::rig {
 struct CameraSourceConfig {
   std::string kind = "files";
   std::string source;
+  std::string serial;
   std::int64_t width_px = 1280;
   std::int64_t height_px = 1024;
   double frame_rate_hz = 30.0;
@@ -28,6 +29,8 @@ struct CameraSourceConfig {
     v.field("source", source, "",
             "files: folder, pattern, image or video; uvc: number or /dev path; genicam: name, empty for the "
             "first one found");
+    v.field("serial", serial, "",
+            "genicam: serial number that the camera must have, where several could answer; empty: any");
     v.field("width_px", width_px, "px", "width of the image", {16, 16384});
     v.field("height_px", height_px, "px", "height of the image", {16, 16384});
     v.field("frame_rate_hz", frame_rate_hz, "Hz", "images per second", {0.1, 1000.0});

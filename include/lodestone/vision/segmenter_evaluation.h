@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "lodestone/common/config.h"
@@ -13,30 +14,30 @@
 
 namespace lodestone::vision {
 
-/// How well poses are found over some images.
+/// How well poses are found over some images. Errors are absent where no pose was found.
 struct LocalisationScore {
-  double position_rms_mm = 0.0;  ///< over images with a pose
-  double position_p95_mm = 0.0;
-  double position_max_mm = 0.0;
-  double heading_rms_deg = 0.0;  ///< over images with a pose that is not flipped
-  std::int64_t flips = 0;        ///< poses with head and tail the wrong way round
+  std::optional<double> position_rms_mm;  ///< over images with a pose
+  std::optional<double> position_p95_mm;
+  std::optional<double> position_max_mm;
+  std::optional<double> heading_rms_deg;  ///< over images with a pose that is not flipped
+  std::int64_t flips = 0;                 ///< poses with head and tail the wrong way round
   std::int64_t poses = 0;
   std::int64_t n = 0;
   /// Mean squared error over the covariance the localiser states, per dimension: 1 is honest, more is too
   /// sure.
-  double normalised_error = 0.0;
-  double ms_per_frame = 0.0;  ///< processor time of one core, median over images with a pose
+  std::optional<double> normalised_error;
+  std::optional<double> ms_per_frame;  ///< processor time of one core, median over images with a pose
   std::map<std::string, std::int64_t> refusals;  ///< images without a pose, by reason
 };
 
 struct SegmenterEvaluation {
-  LocalisationScore clean;         ///< nothing covers the needle
-  LocalisationScore occluded;      ///< 5 to 40 % of its length covered
-  LocalisationScore tracked;       ///< clean, searched around a place up to 10 mm off
-  std::int64_t poses_of_none = 0;  ///< poses given for images without a needle; each is a guess
-  std::int64_t poses_of_two = 0;   ///< poses given for images with two needles, likewise
-  double repeatability_mm = 0.0;   ///< RMS between two images of a needle that lies still
-  double repeatability_deg = 0.0;
+  LocalisationScore clean;                 ///< nothing covers the needle
+  LocalisationScore occluded;              ///< 5 to 40 % of its length covered
+  LocalisationScore tracked;               ///< clean, searched around a place up to 10 mm off
+  std::int64_t poses_of_none = 0;          ///< poses given for images without a needle; each is a guess
+  std::int64_t poses_of_two = 0;           ///< poses given for images with two needles, likewise
+  std::optional<double> repeatability_mm;  ///< RMS between two images of a needle that lies still
+  std::optional<double> repeatability_deg;
   double ms_per_rendered_frame = 0.0;
   double ms_per_scene = 0.0;  ///< rendering of what stays from frame to frame
 };
@@ -50,6 +51,9 @@ SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const Segmenter> segmente
 /// Scenes that a segmenter was trained on. Throws CheckpointError.
 imaging::SceneConfig training_scenes(const std::string& checkpoint_folder);
 
+/// What was not measured is absent.
 common::Json to_json(const SegmenterEvaluation& evaluation);
+/// One line: the errors, clean and partly covered, or that no pose was found and why not.
+std::string in_words(const SegmenterEvaluation& evaluation);
 
 }  // namespace lodestone::vision

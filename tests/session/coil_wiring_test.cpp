@@ -1,0 +1,156 @@
+#include "lodestone/session/coil_wiring.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "lodestone/rig/virtual_rig.h"
+#include "lodestone/session/simulated_pose_sensor.h"
+
+using namespace lodestone;
+using Catch::Matchers::Contains;
+using session::CoilWiring;
+
+namespace {
+
+/// Coils behind wires that somebody has mixed up.
+class MiswiredCoils final : public rig::Coils {
+ public:
+  MiswiredCoils(rig::Coils& coils, const CoilWiring& wiring) : coils_(coils), wiring_(wiring) {}
+  void apply(const rig::CoilPulse& pulse) override {
+    rig::CoilPulse wired;
+    wired.duration_s = pulse.duration_s;
+    for (std::size_t asked = 0; asked < rig::kCoilCount; ++asked)
+      wired.current_A[static_cast<std::size_t>(wiring_.coil[asked])] =
+          wiring_.sign[asked] * pulse.current_A[asked];
+    coils_.apply(wired);
+  }
+  void stop() noexcept override { coils_.stop(); }
+  rig::CoilStatus status() override { return coils_.status(); }
+
+ private:
+  rig::Coils& coils_;
+  CoilWiring wiring_;
+};
+
+rig::RigConfig described(const std::string& deviation = "none") {
+  rig::RigConfig rig;
+  rig.simulation.deviation = deviation;
+  return rig;
+}
+
+session::WiringInference nothing_known() {
+  static const auto field = session::WiringInference::field_for(described());
+  return {described(), field};
+}
+
+/// What is found out on a virtual rig that differs from its description.
+session::WiringInference probe(const CoilWiring& wiring, const geometry::Pose2& start, std::uint64_t seed,
+                               const rig::RigConfig& real = described()) {
+  static const auto field = physics::make_field_table(real.coils.geometry, real.dish.radius_m, 10e-3);
+  rig::VirtualRig rig(real, seed, field);
+  rig.place(start);
+  MiswiredCoils coils(rig.coils(), wiring);
+  session::SimulatedPoseSensor sensor([&rig] { return rig.true_pose(); }, rig.clock(), {}, {},
+                                      common::RandomStream(seed, "sensor"));
+  session::WiringInference inference = nothing_known();
+  session::probe_wiring(inference, coils, sensor, rig.clock(), {});
+  return inference;
+}
+
+void check_found(const CoilWiring& wiring, const geometry::Pose2& start, std::uint64_t seed,
+                 const rig::RigConfig& real = described()) {
+  const std::vector<CoilWiring> possible = probe(wiring, start, seed, real).possible();
+  CAPTURE(seed, wiring.coil, wiring.sign, possible.size());
+  CHECK(possible == std::vector<CoilWiring>{wiring});
+}
+
+const geometry::Pose2 kOffCentre{0.010, -0.008, 2.0};
+
+/// Nothing wrong, every single and double reversal, and every swap of two coils.
+std::vector<CoilWiring> usual_mistakes() {
+  std::vector<CoilWiring> mistakes(1);
+  for (std::size_t a = 0; a < rig::kCoilCount; ++a) {
+    mistakes.emplace_back().sign[a] = -1;
+    for (std::size_t b = 0; b < a; ++b) {
+      CoilWiring& reversed = mistakes.emplace_back();
+      reversed.sign[a] = reversed.sign[b] = -1;
+      CoilWiring& swapped = mistakes.emplace_back();
+      std::swap(swapped.coil[a], swapped.coil[b]);
+    }
+  }
+  return mistakes;
+}
+
+}  // namespace
+
+TEST_CASE("every single and double reversal and every swap of two coils is found") {
+  for (const CoilWiring& wiring : usual_mistakes()) {
+    check_found(wiring, kOffCentre, 1);
+    check_found(wiring, {0.0, 0.0, 0.0}, 2);  // as an emulated bench begins, with its head to +x already
+  }
+}
+
+TEST_CASE("a rig that differs from its description is told right, too") {
+  const rig::RigConfig real = described(GENERATE("lab", "wide"));
+  for (const CoilWiring& wiring : usual_mistakes()) check_found(wiring, {-0.015, 0.005, -1.2}, 3, real);
+}
+
+TEST_CASE("every one of the 384 wirings is found") {
+  for (const CoilWiring& wiring : session::every_coil_wiring()) check_found(wiring, kOffCentre, 4);
+}
+
+TEST_CASE("there are 384 wirings, and all of them are possible before anything has moved") {
+  CHECK(session::every_coil_wiring().size() == 384);
+  session::WiringInference inference = nothing_known();
+  CHECK(inference.possible().size() == 384);
+  CHECK_FALSE(inference.add({0, 5.0, kOffCentre, kOffCentre}));
+  CHECK(inference.possible().size() == 384);
+  CHECK(inference.moved(0) == 0);
+  CHECK_THAT(session::wiring_remedy(inference, described()),
+             Contains("384 wirings") && Contains("off the centre"));
+}
+
+TEST_CASE("heading alone leaves a reversed coil and the opposite one; the pull tells them apart") {
+  session::WiringInference inference = nothing_known();
+  // Off the centre, a needle across turns its head to +x and stays where it is.
+  for (const double before_rad : {1.5, -1.5, 1.5, -1.5})
+    inference.add({0, 5.0, {0.005, 0.002, before_rad}, {0.005, 0.002, 0.0}});
+  CHECK(session::possible_answers(inference.possible(), 0) == "coil +x, or coil -x reversed");
+  // Then it is drawn to -x, with its head still to +x.
+  for (int i = 0; i < 3; ++i) inference.add({0, 5.0, {0.005, 0.002, 0.0}, {0.001, 0.002, 0.0}});
+  CHECK(session::possible_answers(inference.possible(), 0) == "coil -x reversed");
+  CHECK(inference.explained());
+}
+
+TEST_CASE("where the needle sticks, the wirings that are still possible are named") {
+  rig::RigConfig sticky = described();
+  sticky.friction.static_coefficient *= 20.0;
+  sticky.friction.kinetic_coefficient *= 20.0;
+  const session::WiringInference inference = probe({}, kOffCentre, 1, sticky);
+  CHECK(inference.possible().size() > 1);
+  CHECK_FALSE(session::wiring_remedy(inference, described()).empty());
+}
+
+TEST_CASE("motion that no coil makes is not explained") {
+  session::WiringInference inference = nothing_known();
+  for (int i = 0; i < 10; ++i) {
+    const double heading_rad = 0.8 * i;
+    inference.add({i % 4, 5.0, {0.0, 0.0, heading_rad}, {0.003, 0.0, heading_rad + 0.8}});
+    inference.add({i % 4, 5.0, {0.003, 0.0, heading_rad}, {0.0, 0.0, heading_rad + 2.5}});
+  }
+  CHECK_FALSE(inference.explained());
+  CHECK_THAT(session::wiring_remedy(inference, described()), Contains("fits no wiring"));
+}
+
+TEST_CASE("the remedy makes every coil answer as asked, also where the configuration is not the default") {
+  rig::RigConfig rig = described();
+  rig.serial.output = {3, 2, 1, 4};
+  rig.coils.polarity = {1, -1, 1, 1};
+  CoilWiring found;
+  found.coil = {1, 0, 2, 3};
+  found.sign = {1, -1, 1, 1};
+  const rig::RigConfig right = session::rewired(rig, found);
+  CHECK(right.serial.output == std::vector<std::int64_t>{2, 3, 1, 4});
+  CHECK(right.coils.polarity == std::vector<std::int64_t>{1, 1, 1, 1});
+  right.validate();
+}
