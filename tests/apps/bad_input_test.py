@@ -79,7 +79,7 @@ check(["collect", "--set", "rig.backend=serial", "--set", "rig.serial.port=/dev/
 check(["report", "--run", "nope"], 2, "nope", "no such folder")
 check(["report", "--run", "."], 2, "holds no run", "collect")
 check(["deploy", "--controller", "baseline", "--sensor", "simulated", "--task", "point", "--target-mm", "50,0", "--out", "run"], 2,
-      "target_mm", "outside the dish", "40.8")
+      "target_mm", "outside the dish", "42.5")
 check(["config", "--print", "nothing"], 2, "nothing", "collect")
 
 for verb in ("collect", "train-dynamics", "train-policy", "deploy", "train-segmenter", "calibrate"):

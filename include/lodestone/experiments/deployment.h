@@ -105,7 +105,7 @@ enum class RigKind { kExplored, kUnseen, kReal };
 std::string to_string(RigKind kind);
 
 /// Throws ConfigError, naming `key`, where the middle of a needle of this rig cannot be.
-void check_in_dish(const rig::VirtualRigConfig& rig, const geometry::Vector2& point_m,
+void check_in_dish(const physics::RigDescription& rig, const geometry::Vector2& point_m,
                    const std::string& key);
 
 /// Start, target or path of trial `index` of a task ("centre", "point", "pose", "square", "circle", or "path"
