@@ -16,14 +16,13 @@ namespace {
 
 using rl::TrainPolicyConfig;
 
-/// What made the policy: what was learned from, and how long.
-runs::Provenance provenance(const TrainPolicyConfig& config, const runs::PolicyResult& result) {
+/// What the policy is learned from.
+runs::Provenance provenance(const TrainPolicyConfig& config) {
   runs::Provenance made;
-  made.policy = result;
   if (config.simulator != "mbs") return made;
   const common::Json metrics =
       inference::load_checkpoint(config.dynamics, "dynamics").facts.value("metrics", common::Json());
-  if (metrics.is_null()) return made;
+  if (metrics.empty()) return made;
   const auto dynamics = common::artefact_from_json<runs::DynamicsEvaluation>(metrics, config.dynamics);
   made.dynamics.emplace().one_step.position_rms_mm = dynamics.one_step.position_rms_mm;
   if (dynamics.transitions) made.collect.emplace().transitions = *dynamics.transitions;
@@ -39,10 +38,11 @@ void train_policy(const CommonOptions& options) {
   if (run.finished()) {
     common::log_info("train-policy: " + run.path() + " is finished already");
   } else {
+    runs::Provenance made = provenance(config);
     const runs::PolicyResult result = rl::train_policy(
         config, *environments.training, *environments.evaluation, run, environments.region.get());
-    inference::set_policy_provenance(run.file("checkpoint"),
-                                     common::artefact_to_json(provenance(config, result)));
+    made.policy = result;
+    inference::set_policy_provenance(run.file("checkpoint"), common::artefact_to_json(made));
     common::write_artefact(file, result);
     run.finish();
     common::log_info("wrote " + run.path() + "/checkpoint and result.json");

@@ -21,6 +21,15 @@ void check(const std::ostream& out, const std::string& path) {
   if (!out) throw common::IoError("cannot write " + path + ": check the folder and the space on the disk");
 }
 
+/// Long deployments need no memory for them.
+void forget_trajectories(runs::TrialRecord& record) {
+  record.trajectory.reset();
+  record.sensed_trajectory.clear();
+  record.reference_mm.reset();
+  record.approach.reset();
+  record.time_s.clear();
+}
+
 }  // namespace
 
 DeploymentRun::DeploymentRun(const DeploymentConfig& config, const DeploymentJob& job, std::string folder,
@@ -74,12 +83,8 @@ void DeploymentRun::keep(Part& part, const TrialResult& result) {
                         " stopped early: " + record.stop_reason);
   rows_ += static_cast<std::int64_t>(record.time_s.size());
   ++done_;
+  forget_trajectories(record);
   part.ended.push_back(std::move(record));
-  runs::TrialRecord& kept = part.ended.back();  // long deployments need no memory for trajectories
-  kept.trajectory.reset();
-  kept.sensed_trajectory.clear();
-  kept.reference_mm.reset();
-  kept.time_s.clear();
 }
 
 void DeploymentRun::save(const std::string& folder) {
@@ -98,7 +103,9 @@ void DeploymentRun::load(const std::string& folder) {
     const common::Json json = common::Json::parse(line, nullptr, false);
     auto record = common::artefact_from_json<runs::TrialRecord>(json, path);
     rows_ += static_cast<std::int64_t>(record.time_s.size());
-    part_of(record).ended.push_back(std::move(record));
+    forget_trajectories(record);
+    Part& part = part_of(record);
+    part.ended.push_back(std::move(record));
     ++done_;
     whole += line + "\n";
   }
