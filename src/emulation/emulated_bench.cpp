@@ -49,7 +49,13 @@ EmulatedBench::~EmulatedBench() = default;
 
 common::Clock& EmulatedBench::clock() { return *clock_; }
 
+double EmulatedBench::now_s() const {
+  const Lock lock(mutex_);
+  return now_s_;
+}
+
 void EmulatedBench::host_write(const std::uint8_t* bytes, std::size_t count) {
+  const Lock lock(mutex_);
   if (!plugged_) return;
   line_free_s_ = std::max(line_free_s_, now_s_);
   for (std::size_t i = 0; i < count; ++i) {
@@ -60,6 +66,7 @@ void EmulatedBench::host_write(const std::uint8_t* bytes, std::size_t count) {
 }
 
 bool EmulatedBench::host_read(std::uint8_t& byte) {
+  const Lock lock(mutex_);
   if (host_inbox_.empty()) return false;
   byte = host_inbox_.front();
   host_inbox_.pop_front();
@@ -71,6 +78,7 @@ std::array<double, rig::kCoilCount> EmulatedBench::current_A() const {
 }
 
 void EmulatedBench::set_plugged(bool plugged) {
+  const Lock lock(mutex_);
   plugged_ = plugged;
   to_device_.clear();
   to_host_.clear();
@@ -154,7 +162,11 @@ void EmulatedBench::step_to(double time_s) {
 
 void EmulatedBench::advance_to(double time_s) {
   LODESTONE_CHECK(std::isfinite(time_s), "a simulated clock cannot sleep for ever");
-  while (now_s_ < time_s) step_to(std::min(time_s, now_s_ + kStep_s));
+  for (;;) {  // step by step, so that nobody waits for long
+    const Lock lock(mutex_);
+    if (!(now_s_ < time_s)) return;
+    step_to(std::min(time_s, now_s_ + kStep_s));
+  }
 }
 
 }  // namespace lodestone::emulation

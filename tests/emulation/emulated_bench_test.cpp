@@ -1,7 +1,9 @@
 #include "lodestone/emulation/emulated_bench.h"
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <thread>
 
 #include "lodestone/common/error.h"
 #include "lodestone/emulation/lockstep_port.h"
@@ -204,4 +206,40 @@ TEST_CASE("coils on other outputs get their own current, resistance and trace") 
   rig::SerialConfig bad = b.serial;
   bad.output = {1, 1, 3, 4};
   CHECK_THROWS_WITH(bad.validate(), Contains("each of the outputs"));
+}
+
+// The loop sleeps on the bench's clock and pulses, another thread watches, and a third one stops: one port,
+// one bench.
+TEST_CASE("an emulated bench may be watched and stopped from any thread") {
+  Bench b;
+  std::atomic<bool> over{false};
+  std::atomic<int> pulses{0};
+  std::thread driver([&] {
+    while (!over) {
+      try {
+        b.coils->apply({{3.0, 0.0, 0.0, 0.0}, 0.5});
+        ++pulses;
+      } catch (
+          const common::HardwareError&) {  // given up for a stop, or refused for a fault: both are the point
+      }
+      b.wait(0.02);
+    }
+  });
+  std::atomic<bool> answered{true};
+  std::thread watcher([&] {
+    try {
+      while (!over) b.coils->status();
+    } catch (const common::HardwareError&) {
+      answered = false;
+    }
+  });
+  while (pulses < 3) std::this_thread::yield();
+  for (int stop = 0; stop < 3; ++stop) b.coils->stop();
+  over = true;
+  driver.join();
+  watcher.join();
+  CHECK(answered);
+  b.coils->stop();
+  b.wait(0.2);
+  CHECK(std::abs(b.bench.current_A()[0]) < 0.1);
 }

@@ -5,6 +5,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "lodestone/common/clock.h"
@@ -16,7 +17,8 @@ namespace lodestone::emulation {
 
 /// A bench made of the real firmware on an emulated Arduino, two modelled motor controllers and a virtual rig
 /// whose coils they drive. The PC's side of the serial line is host_write() and host_read(). All time is
-/// simulated and moves only in advance_to(). Use from one thread.
+/// simulated and moves only in advance_to(), which any thread may call, as it may use both ends of the line;
+/// the faults are put in by one thread at a time.
 class EmulatedBench {
  public:
   /// `rig` must outlive the bench, and from here on only the bench may move its clock. Throws HardwareError
@@ -24,7 +26,7 @@ class EmulatedBench {
   explicit EmulatedBench(rig::VirtualRig& rig);
   ~EmulatedBench();
 
-  double now_s() const { return now_s_; }
+  double now_s() const;
   void advance_to(double time_s);
   /// The bench's time as a clock: sleeping advances it.
   common::Clock& clock();
@@ -64,6 +66,7 @@ class EmulatedBench {
   std::function<void(double now_s, const std::array<double, rig::kCoilCount>& current_A)> watch;
 
  private:
+  using Lock = std::lock_guard<std::recursive_mutex>;  // the filters and `watch` may look at the bench
   class BenchClock;
   struct Timed {
     std::uint8_t byte;
@@ -72,6 +75,7 @@ class EmulatedBench {
   void step_to(double time_s);
   void drive_rig();
 
+  mutable std::recursive_mutex mutex_;
   rig::VirtualRig& rig_;
   std::unique_ptr<Arduino> arduino_;
   std::array<RoboClawModel, 2> controllers_;
