@@ -17,6 +17,7 @@ session::SensingConfig sensing(const std::string& kind) {
   session::SensingConfig config;
   config.kind = kind;
   config.segmenter = std::string(LODESTONE_SOURCE_DIR) + "/models/segmenter";
+  config.camera.timeout_s = 60.0;  // the machine may be busy
   return config;
 }
 
