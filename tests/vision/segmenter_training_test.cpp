@@ -114,7 +114,7 @@ TEST_CASE("where no pose was found there is no error, and the words say so") {
   localiser.rod = vision::rod_of(config.scenes.bench);
   common::ThreadPool pool(1);
   const vision::SegmenterEvaluation evaluation =
-      vision::evaluate_segmenter(std::make_shared<const vision::Segmenter>(config.segmenter, network),
+      vision::evaluate_segmenter(std::make_shared<const vision::Segmenter>(config.segmenter, network.ptr()),
                                  config.scenes, localiser, 2, 1, pool);
   REQUIRE(evaluation.clean.poses == 0);  // nothing was learned
   CHECK_FALSE(evaluation.clean.position_rms_mm);
