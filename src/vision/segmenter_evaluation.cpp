@@ -205,10 +205,10 @@ SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const Segmenter> segmente
 }
 
 imaging::SceneConfig training_scenes(const std::string& checkpoint_folder) {
-  const nets::Checkpoint checkpoint = nets::load_checkpoint(checkpoint_folder, "segmenter");
-  common::Json config = checkpoint.config;
-  if (config.contains("scenes")) config["scenes"].erase("bench");  // checkpoints of earlier versions
-  return common::config_from_json<TrainSegmenterConfig>(config, checkpoint_folder).scenes;
+  common::Json scenes =
+      nets::load_checkpoint(checkpoint_folder, "segmenter").config.value("scenes", common::Json::object());
+  scenes.erase("bench");  // checkpoints of earlier versions hold sizes that are the rig's now
+  return common::config_from_json<imaging::SceneConfig>(scenes, checkpoint_folder);
 }
 
 common::Json to_json(const SegmenterEvaluation& evaluation) {

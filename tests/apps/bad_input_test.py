@@ -13,7 +13,8 @@ failures = []
 def check(arguments, code, *expected):
     """Runs in an empty folder; the message must be one line that holds every expected text."""
     with tempfile.TemporaryDirectory() as folder:
-        made = subprocess.run([program, *arguments, "--no-reexec"], cwd=folder, capture_output=True, text=True)
+        made = subprocess.run([program, *arguments, "--no-reexec"], cwd=folder, capture_output=True, text=True,
+                              env={**os.environ, "XDG_RUNTIME_DIR": tempfile.gettempdir()})  # else libwayland says a word
         lines = [line for line in made.stderr.splitlines() if line.strip()]
         what = f"lodestone {' '.join(arguments)}\n  exit {made.returncode}, stderr: {made.stderr!r}"
         if made.returncode != code:
