@@ -70,7 +70,9 @@ assert states()["data/explorer"] == "done" and states()["dynamics/paper/1"] == "
 
 # Asked to stop: says so, and what was done stays.
 running = subprocess.Popen(bench("--only", "policy/paper/centre/1"), stderr=subprocess.PIPE, text=True)
-time.sleep(1.0)
+begun = out / "cells/policy/paper/centre/1/config.json"
+while running.poll() is None and not begun.exists():
+    time.sleep(0.05)
 running.send_signal(signal.SIGTERM)
 said = running.communicate(timeout=60)[1]
 assert running.returncode in (0, 130), said
