@@ -133,6 +133,7 @@ void read_pulses(CsvTable& table, const CsvImportConfig& config, const std::stri
   const std::size_t drive = table.column("drive_percent");
   const std::array<std::size_t, 4> position = {table.column("x_before_mm"), table.column("y_before_mm"),
                                                table.column("x_after_mm"), table.column("y_after_mm")};
+  result.dataset.info.layout = StateLayout::kPosition;
   Recording recording(result.dataset);
   const auto read = [&] {
     static const std::array<std::string, 4> kCoils = {"+x", "-x", "+y", "-y"};

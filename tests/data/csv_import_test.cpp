@@ -19,7 +19,10 @@ const std::string kLog =
     "measured_current_filtered_east,measured_current_filtered_west,localization_x,localization_y,"
     "localization_angle\n";
 
-data::CsvImportResult import_text(const std::string& text, const data::CsvImportConfig& config = {}) {
+/// As the program imports a recording of the paper's rig.
+data::CsvImportResult import_text(const std::string& text, data::CsvImportConfig config = {}) {
+  if (config.max_current_A == 0.0) config.max_current_A = 15.0;
+  if (config.dish_radius_m == 0.0) config.dish_radius_m = 0.0425;
   const tests::TemporaryFolder folder;
   const std::string path = folder / "log.csv";
   std::ofstream(path, std::ios::binary) << text;

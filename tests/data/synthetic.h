@@ -10,6 +10,7 @@ inline data::Dataset random_dataset(int episodes, int steps, std::uint64_t seed 
   common::RandomStream random(seed, "tests/dataset");
   data::Dataset dataset;
   dataset.info.source = "test";
+  dataset.info.workspace_radius_m = 0.0425;
   for (int e = 0; e < episodes; ++e) {
     data::Episode episode;
     for (int t = 0; t <= steps; ++t) {
