@@ -5,6 +5,8 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
+#include "soak.h"
+
 using namespace lodestone;
 
 namespace {
@@ -37,15 +39,17 @@ TEST_CASE("a fault in a pulse that would last for seconds ends it in time") {
   }
 }
 
-TEST_CASE("a simulated hour with a fault a minute", "[slow]") {
-  const experiments::HourReport report = experiments::inject_for_an_hour(12000, 7, scratch());
+TEST_CASE("simulated hours with a fault a minute", "[soak]") {
+  const tests::Soak soak("pulses of a bench with a fault a minute", 3000, 24000);
+  const experiments::HourReport report =
+      experiments::inject_for_an_hour(soak.count(), 6 + soak.seed(), scratch());
   for (const experiments::FaultResult& fault : report.faults) {
     CAPTURE(fault.fault, fault.injected_s, fault.reason, fault.on_after_s);
     CHECK_FALSE(fault.unsafe);
     CHECK_FALSE(fault.reason.empty());
   }
   CHECK(report.unsafe == 0);
-  CHECK(report.pulses >= 12000);
-  CHECK(report.faults.size() >= 55);
+  CHECK(report.pulses >= soak.count());
+  CHECK(static_cast<std::int64_t>(report.faults.size()) >= soak.count() / 220);
   CHECK(report.longest_on_s <= experiments::kOffWithin_s);
 }

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "device.h"
+#include "soak.h"
 
 using namespace lodestone;
 using tests::Device;
@@ -31,12 +32,14 @@ TEST_CASE("nothing is done before a session, and nothing twice within one") {
   CHECK(device.state(13).pulses == 1);
 }
 
-// Ten million inputs into the decoder and everything behind it.
-TEST_CASE("the firmware takes ten million inputs of any kind, and none fires a pulse that nobody sent") {
-  std::mt19937 random(3);
+// Into the decoder and everything behind it.
+TEST_CASE("the firmware takes millions of inputs of any kind, and none fires a pulse that nobody sent",
+          "[soak]") {
+  const tests::Soak soak("inputs of any kind into the firmware", 1000000, 20000000);
+  std::mt19937 random(static_cast<unsigned>(soak.seed()));
   Device device;
   device.start();
-  for (int input = 0; input < 10000000; ++input) {
+  for (std::int64_t input = 0; input < soak.count(); ++input) {
     std::uint8_t bytes[32];
     std::size_t count = random() % 16;
     for (std::size_t i = 0; i < count; ++i) bytes[i] = static_cast<std::uint8_t>(random() & random());
