@@ -3,18 +3,27 @@
 enum {
   kSettle_us = 60000,    /* from the end of a duty's ramp until current and duty tell the resistance, */
   kFullRamp_us = 50000,  /* which takes so long for the whole duty */
-  kStray_us = 150000,    /* from switching a coil off until its current must be gone */
+  kStray_us = 200000,    /* from switching a coil off until its current must be measured gone */
   kMinEstimationCurrent_mA = 1000, /* below this a resistance would be too coarse (the controllers give 10 mA) */
-  kStrayCurrent_mA = 500,
+  kStrayCurrent_mA = 300, /* more is a current; less may be the zero of a sensor */
 };
 
 uint16_t coils_magnitude(int16_t value) { return (uint16_t)(value < 0 ? -(int32_t)value : value); }
+
+static void start_stopping(struct Coils* coils, uint8_t coil) {
+  if (!coils->stopping[coil]) coils->stopping_us[coil] = coils->now_us;
+  coils->stopping[coil] = true;
+}
 
 static void set_duty(struct Coils* coils, uint8_t coil, int16_t duty) {
   if (coils->duty[coil] == duty) return;
   coils->duty[coil] = duty;
   coils->changed_us[coil] = coils->now_us;
   coils->pending_estimate_mA[coil] = 0;
+  if (duty != 0)
+    coils->stopping[coil] = false;
+  else
+    start_stopping(coils, coil);
 }
 
 void coils_all_off(struct Coils* coils) {
@@ -28,6 +37,26 @@ void coils_all_off(struct Coils* coils) {
 void coils_latch(struct Coils* coils, uint16_t fault) {
   coils->faults |= fault;
   coils_all_off(coils);
+}
+
+void coils_close_contactor(struct Coils* coils) {
+  coils->contactor_open = false;
+  coils->closed_us = coils->now_us;
+  for (uint8_t c = 0; c < kControllers; ++c) {
+    coils->controllers[c].setup_step = 0;
+    coils->controllers[c].seen = 0;
+  }
+}
+
+void coils_watch_stopping(struct Coils* coils) {
+  if (coils->quiet || !coils->configured) return;
+  for (uint8_t i = 0; i < kCoils; ++i) {
+    if (!coils->stopping[i] || coils->now_us - coils->stopping_us[i] < kStray_us) continue;
+    coils_latch(coils, kFaultStrayCurrent);
+    coils->contactor_open = true;
+    coils->quiet = true;
+    coils->quiet_us = coils->now_us;
+  }
 }
 
 /* Voltage = current x resistance, as a fraction of the supply that is there now. */
@@ -58,7 +87,7 @@ void coils_start_pulse(struct Coils* coils, const int16_t* current_mA, uint16_t 
 }
 
 /* A measured current: limits and trace. */
-void coils_take_current(struct Coils* coils, uint8_t coil, int16_t measured_mA) {
+void coils_take_current(struct Coils* coils, uint8_t coil, int16_t measured_mA, uint32_t asked_us) {
   const uint16_t size_mA = coils_magnitude(measured_mA);
   const uint16_t target_mA = coils_magnitude(coils->target_mA[coil]);
   const uint32_t steady_us = coils->now_us - coils->changed_us[coil];
@@ -71,7 +100,15 @@ void coils_take_current(struct Coils* coils, uint8_t coil, int16_t measured_mA) 
   }
   if (!coils->configured) return;
   if (size_mA > (uint32_t)coils->limits.max_current_mA * 5 / 4 + 500) coils_latch(coils, kFaultOverCurrent);
-  if (target_mA == 0 && steady_us > kStray_us && size_mA > kStrayCurrent_mA) coils_latch(coils, kFaultStrayCurrent);
+  if (coils->duty[coil] == 0) {
+    if (size_mA > kStrayCurrent_mA) { /* it does not do what it acknowledged */
+      start_stopping(coils, coil);
+      coils->controllers[coil / 2].duty_known = false;
+    } else if ((int32_t)(asked_us - coils->changed_us[coil]) > 0) {
+      coils->stopping[coil] = false;
+    }
+    return;
+  }
   const uint32_t ramp_us = (uint32_t)coils_magnitude(coils->duty[coil]) * (kFullRamp_us / 100) / kRoboClawFullDuty * 100;
   if (!coils->pulsing || target_mA < kMinEstimationCurrent_mA || steady_us < kSettle_us + ramp_us) return;
   if (size_mA < target_mA / 4) {

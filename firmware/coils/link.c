@@ -8,6 +8,8 @@ enum {
   kControllerTimeout_100ms = 2, /* the controllers stop by themselves after this */
   kPulseReading_us = 3000,      /* of the driven controllers, during a pulse */
   kIdleReading_us = 20000,
+  kQuiet_us = 400000,           /* longer than the controllers wait before they stop */
+  kContactor_us = 500000,       /* until a closed contactor has let the supply rise */
 };
 
 enum SetupStep {
@@ -154,7 +156,14 @@ static void next_transaction(struct Coils* coils) {
       return;
     }
     const uint32_t every_us = coils->pulsing && driven(coils, c) ? kPulseReading_us : kIdleReading_us;
-    if (coils->now_us - coils->controllers[c].read_us < every_us) continue;
+    struct MotorController* controller = &coils->controllers[c];
+    if (coils->now_us - controller->read_us < every_us) continue;
+    if (!driven(coils, c) && !controller->off_repeated) { /* an acknowledgement may have been noise */
+      send_duty(coils, c);
+      controller->off_repeated = true;
+      return;
+    }
+    controller->off_repeated = false;
     send_reading(coils, c);
     return;
   }
@@ -171,7 +180,7 @@ static void take_reply(struct Coils* coils) {
   const uint16_t first = (uint16_t)((uint16_t)bus->reply[0] << 8 | bus->reply[1]);
   const uint16_t second = (uint16_t)((uint16_t)bus->reply[2] << 8 | bus->reply[3]);
   bus->busy = false;
-  controller->unanswered = 0;
+  if (bus->wanted > 1) controller->unanswered = 0; /* readings carry a checksum; an acknowledgement may be noise */
   switch (bus->command) {
     case kDriveDuty:
       controller->duty[0] = bus->duty[2 * bus->controller];
@@ -186,13 +195,15 @@ static void take_reply(struct Coils* coils) {
       for (uint8_t i = 0; i < 2; ++i) {
         const int16_t raw_10mA = (int16_t)(i == 0 ? first : second);
         const int16_t clipped = raw_10mA > 3276 ? 3276 : raw_10mA < -3276 ? -3276 : raw_10mA;
-        coils_take_current(coils, (uint8_t)(2 * bus->controller + i), (int16_t)(clipped * 10));
+        coils_take_current(coils, (uint8_t)(2 * bus->controller + i), (int16_t)(clipped * 10), bus->sent_us);
       }
       break;
     case kReadMainBattery:
-      controller->seen |= 2;
       controller->supply_dV = first;
-      if (coils->configured && first < coils->limits.min_supply_dV) coils_latch(coils, kFaultSupplyLow);
+      if (!coils->configured || first >= coils->limits.min_supply_dV)
+        controller->seen |= 2;
+      else if (coils_contactor(coils) && coils->now_us - coils->closed_us > kContactor_us)
+        coils_latch(coils, kFaultSupplyLow);
       for (uint8_t i = 0; i < 2; ++i) coils_take_resistance(coils, (uint8_t)(2 * bus->controller + i));
       break;
     case kReadStatus:
@@ -225,8 +236,24 @@ void coils_controller_byte(struct Coils* coils, uint8_t byte) {
   if (crc == sent) take_reply(coils);
 }
 
+/* The controllers have stopped by themselves; what was told them may be forgotten. */
+static void end_quiet(struct Coils* coils) {
+  coils->quiet = false;
+  coils->bus.busy = false;
+  for (uint8_t i = 0; i < kCoils; ++i) coils->stopping_us[i] = coils->now_us;
+  for (uint8_t c = 0; c < kControllers; ++c) {
+    coils->controllers[c].setup_step = 0;
+    coils->controllers[c].duty_known = false;
+    coils->controllers[c].seen = 0;
+  }
+}
+
 void coils_poll_link(struct Coils* coils) {
   struct BusTransaction* bus = &coils->bus;
+  if (coils->quiet) {
+    if (coils->now_us - coils->quiet_us < kQuiet_us) return;
+    end_quiet(coils);
+  }
   if (bus->busy) {
     if (coils->now_us - bus->sent_us < kReplyTimeout_us) return;
     struct MotorController* controller = &coils->controllers[bus->controller];

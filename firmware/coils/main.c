@@ -109,6 +109,7 @@ static void start_timer(void) { /* 2 MHz, 1 kHz interrupts */
 int main(void) {
   DDRA &= (uint8_t)~_BV(PA0);
   PORTA |= _BV(PA0); /* Arduino pin 22, pulled up: a switch that opens, or a broken wire, stops */
+  DDRA |= _BV(PA1); /* pin 23: the contactor in the supply of the coils; low, as after a reset, opens it */
   start_uarts();
   start_timer();
   const struct CoilsOutput output = {0, to_host, to_controllers};
@@ -120,6 +121,10 @@ int main(void) {
     wdt_reset();
     uint8_t byte;
     coils_tick(&coils, now_us(), (PINA & _BV(PA0)) != 0);
+    if (coils_contactor(&coils))
+      PORTA |= _BV(PA1);
+    else
+      PORTA &= (uint8_t)~_BV(PA1);
     while (take(&host_in, &byte)) coils_host_byte(&coils, byte);
     while (take(&controllers_in, &byte)) coils_controller_byte(&coils, byte);
     /* Sleep until the next interrupt, at most a millisecond away; a byte may come just before. */

@@ -13,7 +13,7 @@ namespace wire {
 #endif
 
 enum {
-  kProtocolVersion = 1,
+  kProtocolVersion = 2,
   kCoils = 4,       /* +x, -x, +y, -y */
   kControllers = 2, /* motor controllers, of two coils each */
   kTraceSamples = 24,
@@ -43,6 +43,8 @@ enum RefusalReason {
   kRefusedLimit = 5,    /* detail: the bound that was broken (mA or ms) */
   kRefusedFault = 6,    /* detail: the latched faults */
   kRefusedSetup = 7,    /* not configured, or the motor controllers do not answer yet */
+  kRefusedOpposite = 8, /* both coils of an opposed pair */
+  kRefusedPower = 9,    /* detail: the bound that was broken (W) */
 };
 
 /* Bits of the latched faults. */
@@ -94,6 +96,8 @@ enum StateBit {
   ONE(u16, min_supply_dV)            /* 0.1 V */                                   \
   ONE(u16, max_board_dC)             /* 0.1 C */                                   \
   MANY(u16, resistance_mohm, kCoils) /* of the cold coils */                       \
+  ONE(u16, max_power_W)              /* of all coils together */                   \
+  MANY(u8, opposite, kCoils)         /* which coil may not be on with this; itself: any may */ \
   ONE(u16, max_resistance_permille)  /* of the cold resistance: how a coil that is too hot is known */
 
 #define PULSE_REQUEST_FIELDS(ONE, MANY) \

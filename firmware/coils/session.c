@@ -95,7 +95,7 @@ static uint8_t configure(struct Coils* coils, const struct Message* request, uin
   bool sound = limits.max_duty_permille <= 1000 && limits.max_resistance_permille >= 1000 &&
                limits.max_resistance_permille <= 2000;
   for (uint8_t i = 0; i < kCoils; ++i)
-    sound = sound && limits.resistance_mohm[i] >= 100 && limits.resistance_mohm[i] <= 30000;
+    sound = sound && limits.opposite[i] < kCoils && limits.resistance_mohm[i] >= 100 && limits.resistance_mohm[i] <= 30000;
   if (!sound) return kRefusedBody;
   coils_all_off(coils);
   for (uint8_t i = 0; i < kCoils; ++i)
@@ -103,10 +103,7 @@ static uint8_t configure(struct Coils* coils, const struct Message* request, uin
       coils->resistance_mohm[i] = limits.resistance_mohm[i];
   coils->limits = limits;
   coils->configured = true;
-  for (uint8_t c = 0; c < kControllers; ++c) {
-    coils->controllers[c].setup_step = 0;
-    coils->controllers[c].seen = 0;
-  }
+  if (!coils->contactor_open) coils_close_contactor(coils);
   return 0;
 }
 
@@ -127,6 +124,17 @@ static uint8_t pulse(struct Coils* coils, const struct Message* request, uint16_
   if (asked.length_ms > coils->limits.max_pulse_ms) {
     *detail = coils->limits.max_pulse_ms;
     return kRefusedLimit;
+  }
+  uint32_t power_W = 0;
+  for (uint8_t i = 0; i < kCoils; ++i) {
+    const uint8_t other = coils->limits.opposite[i];
+    if (other != i && asked.current_mA[i] != 0 && asked.current_mA[other] != 0) return kRefusedOpposite;
+    const uint32_t current_10mA = coils_magnitude(asked.current_mA[i]) / 10u;
+    power_W += current_10mA * current_10mA / 1000 * coils->resistance_mohm[i] / 10000;
+  }
+  if (power_W > coils->limits.max_power_W) {
+    *detail = coils->limits.max_power_W;
+    return kRefusedPower;
   }
   coils_start_pulse(coils, asked.current_mA, asked.length_ms);
   return 0;
@@ -156,6 +164,7 @@ static uint8_t carry_out(struct Coils* coils, const struct Message* request, str
     case kClear: /* a coil that was too hot may have cooled; its next pulse tells */
       coils->faults = 0;
       for (uint8_t i = 0; i < kCoils; ++i) coils->resistance_mohm[i] = coils->limits.resistance_mohm[i];
+      if (coils->contactor_open) coils_close_contactor(coils);
       return 0;
     case kPing: return 0;
     default: return kRefusedBody;

@@ -23,6 +23,7 @@ namespace {
 constexpr std::uint32_t kFrequency_Hz = 16000000;
 constexpr avr_cycle_count_t kLongestRun = 400;  // cycles between two looks at the clock: 25 us
 constexpr int kEmergencyPin = 0;                // PA0, pin 22 of an Arduino Mega
+constexpr int kContactorPin = 1;                // PA1, pin 23
 constexpr std::array<std::uint8_t, 2> kEndlessLoop = {0xff, 0xcf};  // rjmp to itself
 
 void no_sleep(avr_t*, avr_cycle_count_t) {}
@@ -136,6 +137,12 @@ void Arduino::controller_byte(std::uint8_t byte) { avr_raise_irq(state_->control
 void Arduino::set_emergency_stop(bool open) {
   state_->emergency_open = open;
   state_->set_emergency_pin();
+}
+
+bool Arduino::contactor() const {
+  avr_ioport_state_t port{};
+  avr_ioctl(state_->avr, AVR_IOCTL_IOPORT_GETSTATE('A'), &port);
+  return (port.port & port.ddr & 1u << kContactorPin) != 0;
 }
 
 void Arduino::hang() {

@@ -16,6 +16,7 @@ void Arduino::run_until(double) {}
 void Arduino::host_byte(std::uint8_t) {}
 void Arduino::controller_byte(std::uint8_t) {}
 void Arduino::set_emergency_stop(bool) {}
+bool Arduino::contactor() const { return false; }
 void Arduino::hang() {}
 int Arduino::resets() const { return 0; }
 

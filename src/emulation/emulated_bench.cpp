@@ -10,7 +10,8 @@ namespace lodestone::emulation {
 
 namespace {
 constexpr double kByte_s = 10.0 / 115200.0;
-constexpr double kStep_s = 0.1e-3;  // about one byte on a line
+constexpr double kStep_s = 0.1e-3;      // about one byte on a line
+constexpr double kContactor_s = 20e-3;  // until the contactor has opened or closed
 }  // namespace
 
 class EmulatedBench::BenchClock final : public common::Clock {
@@ -41,7 +42,8 @@ EmulatedBench::EmulatedBench(rig::VirtualRig& rig)
         to_host_.push_back({byte, arduino_->now_s() + start_s_ + kByte_s});
       },
       [this](std::uint8_t byte) {
-        to_controllers_.push_back({byte, arduino_->now_s() + start_s_ + kByte_s});
+        if (!to_controllers_filter || to_controllers_filter(byte))
+          to_controllers_.push_back({byte, arduino_->now_s() + start_s_ + kByte_s});
       });
 }
 
@@ -85,8 +87,14 @@ void EmulatedBench::set_plugged(bool plugged) {
   host_inbox_.clear();
 }
 
-void EmulatedBench::set_supply_V(double volt) {
-  for (RoboClawModel& controller : controllers_) controller.supply_V = volt;
+void EmulatedBench::set_supply_V(double volt) { supply_V_ = volt; }
+
+/// The contactor is slow; the motor controllers' electronics have a supply of their own.
+void EmulatedBench::switch_supply() {
+  if (arduino_->contactor() == contactor_closed_) contactor_s_ = now_s_;
+  if (now_s_ - contactor_s_ >= kContactor_s) contactor_closed_ = !contactor_closed_;
+  for (RoboClawModel& controller : controllers_)
+    controller.supply_V = contactor_closed_ || welded_ ? supply_V_ : 0.0;
 }
 
 void EmulatedBench::stick_driver(int coil, double duty) { stuck_[static_cast<std::size_t>(coil)] = duty; }
@@ -124,11 +132,11 @@ void EmulatedBench::drive_rig() {
   }
   for (std::size_t i = 0; i < duty.size(); ++i)
     duty[i] = (std::isnan(stuck_[i]) ? duty[i] : stuck_[i]) / short_[i];
-  const double supply_V = controllers_[0].supply_V;
-  if (duty == driven_ && supply_V == driven_supply_V_) return;
+  if (!contactor_closed_ && !welded_) duty.fill(0.0);
+  if (duty == driven_ && supply_V_ == driven_supply_V_) return;
   driven_ = duty;
-  driven_supply_V_ = supply_V;
-  rig_.drive(duty, supply_V);
+  driven_supply_V_ = supply_V_;
+  rig_.drive(duty, supply_V_);
 }
 
 void EmulatedBench::step_to(double time_s) {
@@ -138,7 +146,8 @@ void EmulatedBench::step_to(double time_s) {
   }
   std::uint8_t byte = 0;
   for (RoboClawModel& controller : controllers_)
-    if (controller.send(now_s_, byte)) arduino_->controller_byte(byte);
+    if (controller.send(now_s_, byte) && (!from_controllers_filter || from_controllers_filter(byte)))
+      arduino_->controller_byte(byte);
   arduino_->run_until(time_s - start_s_);
   rig_.clock().sleep_until(time_s);
   now_s_ = time_s;
@@ -151,6 +160,7 @@ void EmulatedBench::step_to(double time_s) {
     to_controllers_.pop_front();
   }
   for (RoboClawModel& controller : controllers_) controller.advance(now_s_);
+  switch_supply();
   drive_rig();
   while (!to_host_.empty() && to_host_.front().time_s <= now_s_) {
     byte = to_host_.front().byte;

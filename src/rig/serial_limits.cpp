@@ -46,10 +46,17 @@ wire::CoilLimits wire_limits(const SerialConfig& config, const physics::CoilsDes
   limits.duty_window_ms = scaled(config.duty_window_s, 1e3);
   limits.min_supply_dV = scaled(config.min_supply_V, 10.0);
   limits.max_board_dC = scaled(config.max_board_C, 10.0);
-  for (std::size_t i = 0; i < kCoilCount; ++i)
-    limits.resistance_mohm[config.output_of(i)] = scaled(coils.resistance_20C_ohm[i], 1e3);
-  limits.max_resistance_permille =
-      scaled(1.0 + coils.temperature_coefficient_per_K * (config.max_coil_C - kResistance_C), 1e3);
+  const double hot = 1.0 + coils.temperature_coefficient_per_K * (config.max_coil_C - kResistance_C);
+  double largest_ohm = 0.0;
+  for (std::size_t i = 0; i < kCoilCount; ++i) {
+    const std::size_t output = config.output_of(i);
+    limits.resistance_mohm[output] = scaled(coils.resistance_20C_ohm[i], 1e3);
+    limits.opposite[output] = static_cast<std::uint8_t>(config.output_of(i ^ 1U));
+    largest_ohm = std::max(largest_ohm, coils.resistance_20C_ohm[i]);
+  }
+  limits.max_resistance_permille = scaled(hot, 1e3);
+  // One coil of each axis at its largest current, as hot as it may get.
+  limits.max_power_W = scaled(2.0 * coils.max_current_A * coils.max_current_A * largest_ohm * hot, 1.0);
   return limits;
 }
 

@@ -51,6 +51,12 @@ SerialLink::Bytes frame_of(std::uint8_t type, std::uint16_t sequence, const Seri
       why = joined(fault_texts(refusal.detail)) +
             "; it stays off until `lodestone rig check --clear` has been run";
       break;
+    case wire::kRefusedOpposite:
+      why = "both coils of one axis are asked for";
+      break;
+    case wire::kRefusedPower:
+      why = "beyond its limit of " + std::to_string(refusal.detail) + " W for all coils together";
+      break;
     case wire::kRefusedSetup:
       why = "the motor controllers are not ready: is their supply on?";
       break;

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <random>
 #include <thread>
 
 #include "lodestone/common/error.h"
@@ -10,6 +11,7 @@
 #include "lodestone/rig/coil_measurement.h"
 #include "lodestone/rig/serial_coils.h"
 #include "rig/coils_conformance.h"
+#include "soak.h"
 
 using namespace lodestone;
 using Catch::Matchers::Contains;
@@ -41,7 +43,7 @@ struct Bench {
 
 TEST_CASE("serial coils keep the contract of Coils, through the real firmware") {
   Bench b;
-  CHECK(b.coils->info().firmware == "1.0.0");
+  CHECK(b.coils->info().firmware == "1.1.0");
   tests::check_coils_conformance(*b.coils, b.bench.clock(), 15.0, 0.2);
 }
 
@@ -194,10 +196,10 @@ TEST_CASE("coils on other outputs get their own current, resistance and trace") 
   b.bench.short_coil(0, 2.5 / 1.9);  // what output 1 drives is the coil +y now
   rig::SerialCoils mapped(b.serial, wired,
                           [&b] { return std::make_unique<emulation::LockstepPort>(b.bench); });
-  mapped.apply({{0.0, 0.0, 4.0, 1.0}, 0.3});
+  mapped.apply({{0.0, 1.0, 4.0, 0.0}, 0.3});
   b.wait(0.29);
   CHECK(b.bench.current_A()[0] == Approx(-4.0).epsilon(0.04));
-  CHECK(b.bench.current_A()[3] == Approx(1.0).margin(0.06));
+  CHECK(b.bench.current_A()[1] == Approx(1.0).margin(0.06));
   CHECK(mapped.status().current_A[2] == Approx(4.0).epsilon(0.05));
   b.wait(0.3);
   CHECK(mapped.state().resistance_ohm[2] == Approx(2.5).epsilon(0.05));
@@ -242,4 +244,45 @@ TEST_CASE("an emulated bench may be watched and stopped from any thread") {
   b.coils->stop();
   b.wait(0.2);
   CHECK(std::abs(b.bench.current_A()[0]) < 0.1);
+}
+
+// As tests/firmware/bus_attack_test.cpp, with the firmware on the microcontroller.
+TEST_CASE("no byte on the motor controllers' bus, damaged or forged, leaves a coil on", "[soak]") {
+  const tests::Soak soak("attacks on the bus of the emulated microcontroller", 20, 1000);
+  std::mt19937 random(static_cast<unsigned>(soak.seed()));
+  for (std::int64_t run = 0; run < soak.count(); ++run) {
+    Bench b;
+    const int kind = static_cast<int>(random() % 3);
+    const bool forwards = random() % 2 == 0;
+    const auto at = static_cast<int>(random() % 400);  // about as many as pass each way
+    const auto bit = static_cast<std::uint8_t>(1U << random() % 8);
+    int count = 0;
+    const auto attack = [&](std::uint8_t& byte) {
+      if (count++ != at) return true;
+      byte = kind == 1 ? static_cast<std::uint8_t>(byte ^ bit) : std::uint8_t{0xff};
+      if (forwards) b.bench.arduino().controller_byte(0xff);  // what noise makes of a damaged request
+      return kind != 0;
+    };
+    (forwards ? b.bench.to_controllers_filter : b.bench.from_controllers_filter) = attack;
+    double end_s = b.bench.now_s();
+    double late_A = 0.0;
+    b.bench.watch = [&](double now_s, const std::array<double, rig::kCoilCount>& current_A) {
+      for (const double current : current_A)
+        if (now_s > end_s + 0.6) late_A = std::max(late_A, std::abs(current));
+    };
+    for (const rig::CoilPulse& pulse :
+         {rig::CoilPulse{{5.0, 0.0, 0.0, 4.0}, 0.06}, rig::CoilPulse{{0.0, 6.0, 2.0, 0.0}, 0.4}}) {
+      try {
+        end_s = b.bench.now_s() + 0.1 + pulse.duration_s;
+        b.coils->apply(pulse);
+        b.wait(0.1 + 1e-3 * static_cast<double>(random() % 25));
+      } catch (const common::HardwareError&) {  // refused for a fault: nothing may be on
+      }
+    }
+    end_s = b.bench.now_s();
+    b.coils->stop();
+    b.wait(1.0);
+    CAPTURE(kind, forwards, at, count);
+    CHECK(late_A < 0.05);
+  }
 }

@@ -106,7 +106,8 @@ struct Device {
   void start(std::uint16_t sequence = 10) {
     CHECK(ask(wire::kHello, sequence, {wire::kProtocolVersion, 1, 2, 3, 4}).type ==
           (wire::kHello | wire::kReply));
-    const wire::CoilLimits limits{15000, 2000, 1000, 10000, 200, 800, {1900, 1900, 1900, 1900}, 1351};
+    const wire::CoilLimits limits{15000, 2000,         1000, 10000, 200, 800, {1900, 1900, 1900, 1900},
+                                  900,   {1, 0, 3, 2}, 1351};
     std::vector<std::uint8_t> body(wire::kCoilLimitsSize);
     wire::put_coil_limits(body.data(), &limits);
     CHECK(ask(wire::kConfigure, static_cast<std::uint16_t>(sequence + 1), body).type ==

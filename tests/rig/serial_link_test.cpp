@@ -35,7 +35,7 @@ TEST_CASE("a request is repeated until it is answered, and no oftener than allow
 TEST_CASE("a refusal says why; a port that is gone, and a forgotten session, are a lost link") {
   Line line;
   CHECK_THROWS_AS(line.link.exchange(wire::kPing), rig::LinkLost);  // no hello yet
-  CHECK_THROWS_WITH(line.link.exchange(wire::kHello, {99, 1, 2, 3, 4}), Catch::Contains("speaks protocol 1"));
+  CHECK_THROWS_WITH(line.link.exchange(wire::kHello, {99, 1, 2, 3, 4}), Catch::Contains("speaks protocol 2"));
   line.hello();
   CHECK_THROWS_AS(line.link.exchange(wire::kPulse, {1, 2, 3}), rig::RequestRefused);
   line.bench->plugged = false;

@@ -28,6 +28,8 @@ class Arduino {
 
   /// The switch on pin 22: open means stop.
   void set_emergency_stop(bool open);
+  /// Pin 23: the contactor in the supply of the coils is told to close. False while the pin is no output.
+  bool contactor() const;
   /// The main loop stops where it is and interrupts go on, until a reset: what a mistake in the firmware
   /// would do.
   void hang();

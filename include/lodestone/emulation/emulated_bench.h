@@ -50,8 +50,13 @@ class EmulatedBench {
   using ByteFilter = std::function<bool(std::uint8_t& byte)>;
   ByteFilter to_device_filter;
   ByteFilter to_host_filter;
-  /// Supply of both controllers, V.
+  /// The same for the bus between the Arduino and the motor controllers.
+  ByteFilter to_controllers_filter;
+  ByteFilter from_controllers_filter;
+  /// Supply of both controllers' outputs, V; what they measure while the contactor is closed.
   void set_supply_V(double volt);
+  /// The contactor's contacts have welded together: it no longer opens.
+  void weld_contactor(bool welded) { welded_ = welded; }
   /// A driver that sticks: this coil gets this duty whatever its controller says; NaN clears it.
   void stick_driver(int coil, double duty);
   /// A coil with shorted turns: its resistance falls to this fraction (and its inductance with it). Above 1:
@@ -73,6 +78,7 @@ class EmulatedBench {
     double time_s;
   };
   void step_to(double time_s);
+  void switch_supply();
   void drive_rig();
 
   mutable std::recursive_mutex mutex_;
@@ -83,6 +89,10 @@ class EmulatedBench {
   double start_s_;  // of the rig's clock
   double now_s_;
   bool plugged_ = true;
+  double supply_V_ = 0.0;
+  bool welded_ = false;
+  double contactor_s_ = 0.0;  ///< when the contactor was last told what it does already
+  bool contactor_closed_ = false;
   double line_free_s_ = 0.0;
   std::array<double, rig::kCoilCount> stuck_;
   std::array<double, rig::kCoilCount> short_;

@@ -62,7 +62,7 @@ struct SerialConfig {
 /// What the coil controller says of itself.
 struct CoilControllerInfo {
   int protocol = 0;
-  std::string firmware;  ///< "1.0.0"
+  std::string firmware;  ///< "1.1.0"
   int reset_cause = 0;   ///< MCUSR of the ATmega2560: 1 power, 2 reset, 4 brown-out, 8 watchdog
 };
 
