@@ -1,5 +1,6 @@
 #include "lodestone/experiments/score.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "lodestone/common/error.h"
