@@ -141,9 +141,8 @@ void draw_dish(Pen& pen, const BenchGeometry& bench) {
 void draw_target(Pen& pen, const Vector2& target_m) {
   const cv::Point2d at = pen.pixel(target_m);
   const double arm = 14.0 * pen.unit();
-  for (const cv::Point2d& way : {cv::Point2d(arm, arm), cv::Point2d(arm, -arm)}) {
+  for (const cv::Point2d& way : {cv::Point2d(arm, arm), cv::Point2d(arm, -arm)})
     pen.stroke({at - way, at + way}, kPurple, 4.0, kBlack);
-  }
 }
 
 void draw_pose(Pen& pen, const geometry::Pose2& pose, double length_m) {

@@ -110,10 +110,9 @@ FiniteCoil::FiniteCoil(const CoilGeometry& geometry, int radial_order, int axial
   const double mean_radius = (geometry.inner_radius_m + geometry.outer_radius_m) / 2.0;
   const double half_width = (geometry.outer_radius_m - geometry.inner_radius_m) / 2.0;
   for (int i = 0; i < radial_order; ++i) {
-    for (int j = 0; j < axial_order; ++j) {
+    for (int j = 0; j < axial_order; ++j)
       loops_.push_back({mean_radius + half_width * radial.nodes[i], geometry.length_m / 2.0 * axial.nodes[j],
                         static_cast<double>(geometry.turns) * radial.weights[i] * axial.weights[j] / 4.0});
-    }
   }
 }
 

@@ -68,10 +68,9 @@ cv::Mat to_bgr(ArvBuffer* buffer, const std::string& name) {
   const ArvPixelFormat value = arv_buffer_get_image_pixel_format(buffer);
   const auto format =
       std::find_if(kFormats.begin(), kFormats.end(), [value](const Format& f) { return f.value == value; });
-  if (format == kFormats.end()) {
+  if (format == kFormats.end())
     throw common::HardwareError(name + ": pixel format " + std::to_string(value) +
                                 " is not known, set pixel_format to a Bayer format of 8 bits, RGB8 or Mono8");
-  }
   const int width = arv_buffer_get_image_width(buffer);
   const int height = arv_buffer_get_image_height(buffer);
   gint padding_x = 0;
@@ -107,9 +106,8 @@ struct AravisCamera::Device {
 
   ~Device() {
     // A register of a dead camera takes seconds to time out.
-    if (camera != nullptr && stream != nullptr && !lost && !silent) {
+    if (camera != nullptr && stream != nullptr && !lost && !silent)
       arv_camera_stop_acquisition(camera, Outcome().out());
-    }
     g_clear_object(&stream);
     g_clear_object(&camera);
   }
@@ -122,10 +120,9 @@ struct AravisCamera::Device {
   void start();
 
   void expect_within(const std::string& key, double value, double min, double max) const {
-    if (!(value >= min && value <= max)) {
+    if (!(value >= min && value <= max))
       throw common::HardwareError(name + ": " + key + " = " + number(value) + ", must lie in " + number(min) +
                                   " .. " + number(max) + " for this camera");
-    }
   }
   imaging::Frame take(ArvBuffer* buffer) const;
   void drop_stale() const;
@@ -160,11 +157,10 @@ void AravisCamera::Device::set_format(const CameraSourceConfig& config) {
   }
   const bool known = std::any_of(kFormats.begin(), kFormats.end(),
                                  [&chosen](const Format& format) { return chosen == format.name; });
-  if (!known) {
+  if (!known)
     throw common::HardwareError(
         name + ": pixel_format '" + chosen +
         "', must be one of BayerRG8, BayerGB8, BayerGR8, BayerBG8, BGR8, RGB8, Mono8 that the camera offers");
-  }
   arv_camera_set_pixel_format_from_string(camera, chosen.c_str(), outcome.out());
   outcome.expect(name + " refuses pixel_format " + chosen, "leave it empty to take what the camera offers");
 }
@@ -242,10 +238,9 @@ void AravisCamera::Device::start() {
   Outcome outcome;
   stream = arv_camera_create_stream(camera, nullptr, nullptr, outcome.out());
   outcome.expect(name + " gives no stream", "restart the camera");
-  if (ARV_IS_GV_STREAM(stream)) {
+  if (ARV_IS_GV_STREAM(stream))
     g_object_set(stream, "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_AUTO, "socket-buffer-size", 0,
                  "frame-retention", kFrameRetention_us, nullptr);
-  }
   const guint payload = arv_camera_get_payload(camera, outcome.out());
   outcome.expect(name + " does not tell the size of its frames", "restart the camera");
   for (int i = 0; i < kBuffers; ++i) arv_stream_push_buffer(stream, arv_buffer_new_allocate(payload));

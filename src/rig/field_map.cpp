@@ -149,11 +149,10 @@ std::vector<geometry::Vector2> field_per_ampere(const physics::CoilGeometry& geo
   fields.reserve(points_m.size());
   for (std::size_t i = 0; i < points_m.size(); ++i) {
     const geometry::Vector2 local = physics::to_coil_frame(coil, points_m[i]);
-    if (local.x() >= face_m) {
+    if (local.x() >= face_m)
       throw common::DataError("point " + std::to_string(i + 1) + " (" + std::to_string(points_m[i].x()) +
                               ", " + std::to_string(points_m[i].y()) + ") m lies beyond the face of coil " +
                               kCoilNames[coil] + ", " + std::to_string(face_m) + " m from the dish centre");
-    }
     fields.push_back(physics::from_coil_frame(coil, exact.in_dish_plane(local)));
   }
   return fields;

@@ -65,10 +65,9 @@ void set_property(cv::VideoCapture& capture, const std::string& path, int proper
 
 void configure(cv::VideoCapture& capture, const std::string& path, const CameraSourceConfig& config) {
   if (!config.pixel_format.empty()) {
-    if (config.pixel_format.size() != 4) {
+    if (config.pixel_format.size() != 4)
       throw common::ConfigError("pixel_format = '" + config.pixel_format +
                                 "', must be four letters such as MJPG or YUYV for a USB camera");
-    }
     const std::string& f = config.pixel_format;
     set_property(capture, path, cv::CAP_PROP_FOURCC, cv::VideoWriter::fourcc(f[0], f[1], f[2], f[3]),
                  "pixel_format " + f, "see v4l2-ctl --list-formats");
@@ -91,10 +90,9 @@ void configure(cv::VideoCapture& capture, const std::string& path, const CameraS
     set_property(capture, path, cv::CAP_PROP_EXPOSURE, std::max(1.0, std::round(config.exposure_s * 1e4)),
                  "exposure_s = " + number(config.exposure_s), "set it to 0 to leave it to the camera");
   }
-  if (config.gain >= 0.0) {
+  if (config.gain >= 0.0)
     set_property(capture, path, cv::CAP_PROP_GAIN, config.gain, "gain = " + number(config.gain),
                  "set it to -1 to leave it to the camera");
-  }
 }
 
 VideoCamera::Reader open_device(const CameraSourceConfig& config) {

@@ -135,11 +135,10 @@ class VirtualRig::VirtualCoils final : public Coils {
       if (state_.now_s > state_.circuits_s) circuit.advance(state_.now_s - state_.circuits_s);
       status.current_A[i] = circuit.state().current_A;
       status.temperature_C[i] = circuit.state().temperature_C;
-      if (status.temperature_C[i] > state_.config.simulation.max_temperature_C) {
+      if (status.temperature_C[i] > state_.config.simulation.max_temperature_C)
         status.faults.push_back(std::string("coil ") + kCoilNames[i] + " is at " +
                                 text(status.temperature_C[i]) + " C, above " +
                                 text(state_.config.simulation.max_temperature_C) + " C");
-      }
     }
     return status;
   }
@@ -321,9 +320,8 @@ common::Json VirtualRig::save() const {
   json["pulsing"] = state.pulsing;
   json["pulse_end_s"] = state.pulse_end_s;
   json["coils"] = common::Json::array();
-  for (const physics::CoilCircuit& circuit : state.circuits) {
+  for (const physics::CoilCircuit& circuit : state.circuits)
     json["coils"].push_back({circuit.state().current_A, circuit.state().temperature_C, circuit.state().duty});
-  }
   json["scatter"] = state.scatter.save();
   return json;
 }
@@ -362,9 +360,8 @@ void VirtualRig::restore(const common::Json& json) {
     state.pulse_end_s = pulse_end_s;
     state.pulsing = pulsing;
     state.scatter = scatter;
-    for (std::size_t i = 0; i < kCoils; ++i) {
+    for (std::size_t i = 0; i < kCoils; ++i)
       state.circuits[i].set_state({coils[i][0], coils[i][1], coils[i][2]});
-    }
   } catch (const common::Json::exception& error) {
     throw common::DataError(std::string("virtual rig state: malformed: ") + error.what());
   }
