@@ -1,6 +1,6 @@
 #include "lodestone/common/config.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

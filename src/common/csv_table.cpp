@@ -1,5 +1,7 @@
 #include "lodestone/common/csv_table.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -42,8 +44,7 @@ CsvTable::CsvTable(const std::string& path) : path_(path), stream_(path, std::io
   std::set<std::string> seen;
   for (const std::string& name : header_)
     if (!name.empty() && !seen.insert(name).second)
-      throw DataError(path + ":" + std::to_string(line_) + ": column " + name +
-                      " appears twice in the header");
+      throw DataError(fmt::format("{}:{}: column {} appears twice in the header", path, line_, name));
 }
 
 bool CsvTable::has_columns(const std::vector<std::string>& names) const {
@@ -67,8 +68,7 @@ bool CsvTable::read_line(std::vector<std::string>& cells) {
     cells = split_cells(line);
     return true;
   }
-  if (stream_.bad())
-    throw DataError(path_ + ":" + std::to_string(line_) + ": the file cannot be read further");
+  if (stream_.bad()) throw DataError(fmt::format("{}:{}: the file cannot be read further", path_, line_));
   return false;
 }
 
@@ -79,9 +79,8 @@ void CsvTable::check_width() const {
   const std::size_t first = std::min(cells_.size(), header_.size());
   const std::string where =
       first < header_.size() ? " (" + header_[first] + ") is missing" : " is one too many";
-  throw RowError(path_ + ":" + std::to_string(line_) + ": column " + std::to_string(first + 1) + where +
-                 ": the row has " + std::to_string(cells_.size()) + " cells, the header " +
-                 std::to_string(header_.size()));
+  throw RowError(fmt::format("{}:{}: column {}{}: the row has {} cells, the header {}", path_, line_,
+                             first + 1, where, cells_.size(), header_.size()));
 }
 
 double CsvTable::number(std::size_t column) const {

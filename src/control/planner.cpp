@@ -1,6 +1,6 @@
 #include "lodestone/control/planner.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "lodestone/env/replay_env.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <string>

@@ -1,6 +1,6 @@
 #include "lodestone/physics/finite_coil.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 

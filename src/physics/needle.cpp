@@ -1,6 +1,6 @@
 #include "lodestone/physics/needle.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

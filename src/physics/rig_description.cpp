@@ -1,6 +1,6 @@
 #include "lodestone/physics/rig_description.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,7 @@
 #include "lodestone/rig/aravis_camera.h"
 
+#include <fmt/core.h>
+
 #include <arv.h>
 
 #include <algorithm>
@@ -39,12 +41,6 @@ constexpr std::array<Format, 7> kFormats = {{
     {"Mono8", ARV_PIXEL_FORMAT_MONO_8, 1, cv::COLOR_GRAY2BGR},
 }};
 
-std::string number(double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
-
 /// A GLib error as an exception: pass it to a call, then ask.
 class Outcome {
  public:
@@ -80,9 +76,8 @@ cv::Mat to_bgr(ArvBuffer* buffer, const std::string& name) {
   std::size_t bytes = 0;
   const void* const data = arv_buffer_get_image_data(buffer, &bytes);
   if (data == nullptr || width <= 0 || height <= 0 || bytes < step * static_cast<std::size_t>(height)) {
-    throw common::HardwareError(name + ": an image of " + std::to_string(width) + "x" +
-                                std::to_string(height) + " came with " + std::to_string(bytes) +
-                                " bytes only; restart the camera");
+    throw common::HardwareError(fmt::format(
+        "{}: an image of {}x{} came with {} bytes only; restart the camera", name, width, height, bytes));
   }
   const cv::Mat raw(height, width, CV_8UC(format->channels), const_cast<void*>(data), step);
   cv::Mat image;
@@ -121,8 +116,8 @@ struct AravisCamera::Device {
 
   void expect_within(const std::string& key, double value, double min, double max) const {
     if (!(value >= min && value <= max))
-      throw common::HardwareError(name + ": " + key + " = " + number(value) + ", must lie in " + number(min) +
-                                  " .. " + number(max) + " for this camera");
+      throw common::HardwareError(
+          fmt::format("{}: {} = {:g}, must lie in {:g} .. {:g} for this camera", name, key, value, min, max));
   }
   imaging::Frame take(ArvBuffer* buffer) const;
   void drop_stale() const;
@@ -193,7 +188,8 @@ void AravisCamera::Device::set_exposure(const CameraSourceConfig& config) {
     arv_camera_get_frame_rate_bounds(camera, &min, &max, outcome.out());
     if (!outcome.failed()) expect_within("frame_rate_hz", config.frame_rate_hz, min, max);
     arv_camera_set_frame_rate(camera, config.frame_rate_hz, outcome.out());
-    outcome.expect(name + " refuses frame_rate_hz = " + number(config.frame_rate_hz), "set another one");
+    outcome.expect(fmt::format("{} refuses frame_rate_hz = {:g}", name, config.frame_rate_hz),
+                   "set another one");
   }
   if (config.exposure_s > 0.0) {
     if (arv_camera_is_exposure_auto_available(camera, outcome.out()) != 0)
@@ -201,7 +197,8 @@ void AravisCamera::Device::set_exposure(const CameraSourceConfig& config) {
     arv_camera_get_exposure_time_bounds(camera, &min, &max, outcome.out());
     if (!outcome.failed()) expect_within("exposure_s", config.exposure_s, 1e-6 * min, 1e-6 * max);
     arv_camera_set_exposure_time(camera, 1e6 * config.exposure_s, outcome.out());
-    outcome.expect(name + " refuses exposure_s = " + number(config.exposure_s), "0 leaves it to the camera");
+    outcome.expect(fmt::format("{} refuses exposure_s = {:g}", name, config.exposure_s),
+                   "0 leaves it to the camera");
   }
   if (config.gain >= 0.0) {
     if (arv_camera_is_gain_auto_available(camera, outcome.out()) != 0)
@@ -209,7 +206,7 @@ void AravisCamera::Device::set_exposure(const CameraSourceConfig& config) {
     arv_camera_get_gain_bounds(camera, &min, &max, outcome.out());
     if (!outcome.failed()) expect_within("gain", config.gain, min, max);
     arv_camera_set_gain(camera, config.gain, outcome.out());
-    outcome.expect(name + " refuses gain = " + number(config.gain), "-1 leaves it to the camera");
+    outcome.expect(fmt::format("{} refuses gain = {:g}", name, config.gain), "-1 leaves it to the camera");
   }
   const double exposure_us = arv_camera_get_exposure_time(camera, outcome.out());
   const double exposure_s = outcome.failed() ? config.exposure_s : 1e-6 * exposure_us;
@@ -313,9 +310,9 @@ imaging::Frame AravisCamera::grab(double timeout_s) {
                                 " was lost: it does not answer; check power and cable, then "
                                 "open it anew");
   }
-  throw common::HardwareError(device_->name + ": no image within " + number(timeout_s) + " s (" +
-                              std::to_string(incomplete) +
-                              " came with packets missing); check cable, power and the network's load");
+  throw common::HardwareError(fmt::format(
+      "{}: no image within {:g} s ({} came with packets missing); check cable, power and the network's load",
+      device_->name, timeout_s, incomplete));
 }
 
 }  // namespace lodestone::rig

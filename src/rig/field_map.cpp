@@ -1,6 +1,6 @@
 #include "lodestone/rig/field_map.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>

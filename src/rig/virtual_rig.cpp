@@ -1,5 +1,7 @@
 #include "lodestone/rig/virtual_rig.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,8 +27,6 @@ constexpr double kPace_s = 5e-3;
 constexpr double kTooLate_s = 0.5;  // behind that clock: given up, or the rig would run faster afterwards
 
 const char* const kCoilNames[kCoils] = {"+x", "-x", "+y", "-y"};
-
-std::string text(double value) { return common::Json(value).dump(); }
 
 }  // namespace
 
@@ -98,15 +98,15 @@ class VirtualRig::VirtualCoils final : public Coils {
     for (int i = 0; i < kCoils; ++i) {
       const double current = pulse.current_A[i];
       if (!(std::abs(current) <= state_.config.coils.max_current_A)) {
-        throw common::HardwareError(std::string("virtual coils: current of coil ") + kCoilNames[i] + " = " +
-                                    std::to_string(current) + " A is refused; it must be within +-" +
-                                    text(state_.config.coils.max_current_A) + " A");
+        throw common::HardwareError(
+            fmt::format("virtual coils: current of coil {} = {} A is refused; it must be within +-{} A",
+                        kCoilNames[i], current, state_.config.coils.max_current_A));
       }
     }
     if (!(pulse.duration_s >= 0.0 && pulse.duration_s <= state_.config.simulation.max_pulse_s)) {
-      throw common::HardwareError("virtual coils: duration = " + std::to_string(pulse.duration_s) +
-                                  " s is refused; it must be within 0 and " +
-                                  text(state_.config.simulation.max_pulse_s) + " s");
+      throw common::HardwareError(
+          fmt::format("virtual coils: duration = {} s is refused; it must be within 0 and {} s",
+                      pulse.duration_s, state_.config.simulation.max_pulse_s));
     }
     const std::lock_guard<std::mutex> lock(state_.mutex);
     state_.catch_up();
@@ -136,9 +136,9 @@ class VirtualRig::VirtualCoils final : public Coils {
       status.current_A[i] = circuit.state().current_A;
       status.temperature_C[i] = circuit.state().temperature_C;
       if (status.temperature_C[i] > state_.config.simulation.max_temperature_C)
-        status.faults.push_back(std::string("coil ") + kCoilNames[i] + " is at " +
-                                text(status.temperature_C[i]) + " C, above " +
-                                text(state_.config.simulation.max_temperature_C) + " C");
+        status.faults.push_back(fmt::format("coil {} is at {} C, above {} C", kCoilNames[i],
+                                            status.temperature_C[i],
+                                            state_.config.simulation.max_temperature_C));
     }
     return status;
   }
@@ -213,10 +213,10 @@ bool VirtualRig::fits(const geometry::Pose2& pose) const { return state_->motion
 
 void VirtualRig::place(const geometry::Pose2& pose) {
   if (!fits(pose)) {  // also when a number is NaN, as for restore()
-    throw common::DataError("virtual rig: the needle does not fit at (" + std::to_string(pose.x_m) + ", " +
-                            std::to_string(pose.y_m) + ") m, heading " + std::to_string(pose.heading_rad) +
-                            " rad: both ends must lie within " + text(state_->config.dish.radius_m) +
-                            " m of the centre");
+    throw common::DataError(
+        fmt::format("virtual rig: the needle does not fit at ({}, {}) m, heading {} rad: both ends must lie "
+                    "within {} m of the centre",
+                    pose.x_m, pose.y_m, pose.heading_rad, state_->config.dish.radius_m));
   }
   const std::lock_guard<std::mutex> lock(state_->mutex);
   state_->needle = physics::NeedleState{};

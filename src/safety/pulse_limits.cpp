@@ -1,6 +1,6 @@
 #include "lodestone/safety/pulse_limits.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
