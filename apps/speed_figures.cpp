@@ -16,7 +16,7 @@
 #include "lodestone/nets/checkpoint.h"
 #include "lodestone/nets/dynamics_network.h"
 #include "lodestone/rig/rendered_camera.h"
-#include "lodestone/rig/rig_batch.h"
+#include "lodestone/rig/virtual_rig.h"
 #include "lodestone/rl/policy_learner.h"
 #include "lodestone/rl/td3.h"
 #include "lodestone/task/action.h"
@@ -178,7 +178,6 @@ RateFigure rig_rate(const SpeedConfig& config, std::int64_t threads) {
     explicit Rigs(std::size_t threads) : pool(threads) {}
     common::ThreadPool pool;
     std::vector<std::unique_ptr<rig::VirtualRig>> owned;
-    std::vector<rig::VirtualRig*> pointers;
     std::vector<rig::CoilPulse> pulses = std::vector<rig::CoilPulse>(kRigs);
   };
   auto rigs = std::make_shared<Rigs>(static_cast<std::size_t>(threads));
@@ -186,17 +185,21 @@ RateFigure rig_rate(const SpeedConfig& config, std::int64_t threads) {
   for (std::size_t i = 0; i < kRigs; ++i) {
     rigs->owned.push_back(std::make_unique<rig::VirtualRig>(
         config.rig, seed + i, i == 0 ? nullptr : rigs->owned[0]->field_table()));
-    rigs->pointers.push_back(rigs->owned.back().get());
   }
   auto random = std::make_shared<common::RandomStream>(seed, "bench-currents");
   return rate_of(config, static_cast<double>(kRigs * kSteps), [rigs, random] {
-    for (rig::VirtualRig* rig : rigs->pointers) rig->place({0.0, 0.0, random->uniform(-3.0, 3.0)});
+    for (const auto& rig : rigs->owned) rig->place({0.0, 0.0, random->uniform(-3.0, 3.0)});
     for (int step = 0; step < kSteps; ++step) {
       for (rig::CoilPulse& pulse : rigs->pulses) {
         pulse.current_A = task::coil_currents({random->uniform(-8.0, 8.0), random->uniform(-8.0, 8.0)});
         pulse.duration_s = 0.1;
       }
-      rig::run_pulses(rigs->pointers, rigs->pulses, 0.2, rigs->pool);
+      rigs->pool.for_each(kRigs, [&](std::size_t i) {
+        rig::VirtualRig& rig = *rigs->owned[i];
+        const double start_s = rig.clock().now_s();
+        rig.coils().apply(rigs->pulses[i]);
+        rig.clock().sleep_until(start_s + rigs->pulses[i].duration_s + 0.2);
+      });
     }
   });
 }

@@ -1,6 +1,7 @@
 #include "lodestone/common/files.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <openssl/evp.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -98,12 +99,8 @@ std::string sha256(std::string_view content) {
   LODESTONE_CHECK(
       EVP_Digest(content.data(), content.size(), digest.data(), &size, EVP_sha256(), nullptr) == 1,
       "SHA-256 of " + std::to_string(content.size()) + " bytes failed");
-  static const char* const hex = "0123456789abcdef";
   std::string text;
-  for (unsigned int i = 0; i < size; ++i) {
-    text.push_back(hex[digest[i] >> 4]);
-    text.push_back(hex[digest[i] & 15]);
-  }
+  for (unsigned int i = 0; i < size; ++i) text += fmt::format("{:02x}", digest[i]);
   return text;
 }
 

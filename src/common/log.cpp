@@ -28,8 +28,4 @@ void log_info(const std::string& message) { logger().info(message); }
 void log_warning(const std::string& message) { logger().warn(message); }
 void log_error(const std::string& message) { logger().error(message); }
 
-void set_log_level(const std::string& level) {
-  logger().set_level(level == "quiet" ? spdlog::level::warn : spdlog::level::info);
-}
-
 }  // namespace lodestone::common

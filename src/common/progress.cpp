@@ -1,5 +1,6 @@
 #include "lodestone/common/progress.h"
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,14 +17,9 @@ constexpr int kBarWidth = 24;
 
 std::string duration_text(double seconds) {
   const int whole = static_cast<int>(seconds + 0.5);
-  char text[32];
-  if (whole >= 3600)
-    std::snprintf(text, sizeof text, "%d h %02d min", whole / 3600, whole / 60 % 60);
-  else if (whole >= 60)
-    std::snprintf(text, sizeof text, "%d min %02d s", whole / 60, whole % 60);
-  else
-    std::snprintf(text, sizeof text, "%d s", whole);
-  return text;
+  if (whole >= 3600) return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
+  if (whole >= 60) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} s", whole);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "lodestone/common/random.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -84,12 +86,8 @@ double RandomStream::normal() {
 std::string RandomStream::save() const {
   std::uint64_t spare_bits = 0;
   std::memcpy(&spare_bits, &spare_, sizeof spare_bits);
-  char text[128];
-  std::snprintf(text, sizeof text, "%016llx %016llx %016llx %016llx %016llx %d",
-                static_cast<unsigned long long>(state_[0]), static_cast<unsigned long long>(state_[1]),
-                static_cast<unsigned long long>(state_[2]), static_cast<unsigned long long>(state_[3]),
-                static_cast<unsigned long long>(spare_bits), has_spare_ ? 1 : 0);
-  return text;
+  return fmt::format("{:016x} {:016x} {:016x} {:016x} {:016x} {:d}", state_[0], state_[1], state_[2],
+                     state_[3], spare_bits, has_spare_);
 }
 
 void RandomStream::restore(const std::string& state) {

@@ -79,9 +79,8 @@ void TensorBoardWriter::start_at(std::int64_t step) {
 
 void TensorBoardWriter::write(std::int64_t step, const std::vector<std::pair<std::string, double>>& scalars) {
   std::string summary;
-  for (const auto& [name, value] : scalars) {
+  for (const auto& [name, value] : scalars)
     summary += bytes_field(1, bytes_field(1, name) + tag(2, 5) + little_endian(static_cast<float>(value)));
-  }
   write_summary(step, summary);
 }
 

@@ -1,8 +1,9 @@
 #include "lodestone/imaging/annotate.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <opencv2/imgproc.hpp>
 
 #include "lodestone/common/error.h"
@@ -24,12 +25,6 @@ const cv::Scalar kBlack(0, 0, 0);
 constexpr int kShift = 4;  // OpenCV's fixed-point pixels: 1/16 px
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kFont = cv::FONT_HERSHEY_DUPLEX;
-
-std::string text_of(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 /// One frame being drawn into.
 class Pen {
@@ -141,9 +136,8 @@ void draw_dish(Pen& pen, const BenchGeometry& bench) {
 void draw_target(Pen& pen, const Vector2& target_m) {
   const cv::Point2d at = pen.pixel(target_m);
   const double arm = 14.0 * pen.unit();
-  for (const cv::Point2d& way : {cv::Point2d(arm, arm), cv::Point2d(arm, -arm)}) {
+  for (const cv::Point2d& way : {cv::Point2d(arm, arm), cv::Point2d(arm, -arm)})
     pen.stroke({at - way, at + way}, kPurple, 4.0, kBlack);
-  }
 }
 
 void draw_pose(Pen& pen, const geometry::Pose2& pose, double length_m) {
@@ -192,15 +186,15 @@ void draw_currents(Pen& pen, const Annotation& annotation) {
     if (fraction < 0.0) draw_arrow(pen, outer, -span, kBlue);
     const cv::Point2d middle = 0.5 * (inner + outer);
     const cv::Point2d beside = coil < 2 ? cv::Point2d(0.0, -44.0) : cv::Point2d(84.0, 0.0);
-    pen.label(text_of("%+.1f A", current_A), middle + beside * pen.unit(), 0.7, kWhite);
+    pen.label(fmt::format("{:+.1f} A", current_A), middle + beside * pen.unit(), 0.7, kWhite);
   }
 }
 
 void draw_caption(Pen& pen, const Annotation& annotation) {
   std::string caption = annotation.task;
   const auto add = [&caption](const std::string& part) { caption += (caption.empty() ? "" : "   ") + part; };
-  if (annotation.time_s) add(text_of("%.1f s", *annotation.time_s));
-  if (annotation.error_m) add(text_of("error %.2f mm", 1e3 * *annotation.error_m));
+  if (annotation.time_s) add(fmt::format("{:.1f} s", *annotation.time_s));
+  if (annotation.error_m) add(fmt::format("error {:.2f} mm", 1e3 * *annotation.error_m));
   const auto line = [&pen](const std::string& text, double row, const cv::Scalar& colour) {
     const double wide = pen.text_size(text, 0.9).width + 12.0 * pen.unit();
     const double size = 0.9 * std::min(1.0, pen.width() / wide);  // a long one shrinks to fit

@@ -1,15 +1,17 @@
 #include "lodestone/imaging/calibration.h"
 
+#include <fmt/core.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <sstream>
 
 #include "dish_edges.h"
 #include "dish_search.h"
 #include "lodestone/common/error.h"
+#include "lodestone/common/statistics.h"
 
 namespace lodestone::imaging {
 namespace {
@@ -48,13 +50,6 @@ struct Found {
   }
 };
 
-std::string text(double value, int digits = 2) {
-  std::ostringstream out;
-  out.precision(digits);
-  out << std::fixed << value;
-  return out.str();
-}
-
 /// Mean of the images in grey.
 cv::Mat_<float> mean_grey(const std::vector<cv::Mat>& images, const CameraModel& camera) {
   if (images.empty()) throw common::DataError("calibration: no image was given; needs one or more");
@@ -62,11 +57,10 @@ cv::Mat_<float> mean_grey(const std::vector<cv::Mat>& images, const CameraModel&
   for (const cv::Mat& image : images) {
     if (image.cols != camera.width_px || image.rows != camera.height_px ||
         (image.type() != CV_8UC3 && image.type() != CV_8UC1))
-      throw common::DataError("calibration: the image is " + std::to_string(image.cols) + " x " +
-                              std::to_string(image.rows) + " with " + std::to_string(image.channels()) +
-                              " channels, must be " + std::to_string(camera.width_px) + " x " +
-                              std::to_string(camera.height_px) +
-                              " in 8-bit colour or grey; set lens.width_px and lens.height_px");
+      throw common::DataError(
+          fmt::format("calibration: the image is {} x {} with {} channels, must be {} x {} in 8-bit colour "
+                      "or grey; set lens.width_px and lens.height_px",
+                      image.cols, image.rows, image.channels(), camera.width_px, camera.height_px));
     cv::Mat grey = image;
     if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
     if (sum.empty())
@@ -144,10 +138,10 @@ class DishFitter {
                           [](const Found& found) { return !is_circle(found.edge->kind); });
     if (rim_expected < kPointsPerCircle / 2 ||
         static_cast<double>(rim) < config_.min_found * static_cast<double>(rim_expected))
-      throw common::DataError("calibration: the dish was not found: " + std::to_string(rim) + " of " +
-                              std::to_string(rim_expected) + " points of its rim, needs a fraction of " +
-                              text(config_.min_found) +
-                              "; look at the image, and check lens.focal_px, lens.distance_m and bench");
+      throw common::DataError(
+          fmt::format("calibration: the dish was not found: {} of {} points of its rim, needs a fraction of "
+                      "{:.2f}; look at the image, and check lens.focal_px, lens.distance_m and bench",
+                      rim, rim_expected, config_.min_found));
     if (lines < kLeastLinePoints)
       throw common::DataError(
           "calibration: " + std::to_string(lines) + " points of the coils' base lines are in view, needs " +
@@ -158,10 +152,7 @@ class DishFitter {
   void weigh() {
     std::vector<double> sizes;
     for (const Found& found : found_) sizes.push_back(std::abs(found.residual(camera_)));
-    std::vector<double> order = sizes;
-    std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(order.size() / 2),
-                     order.end());
-    const double scale = std::max(1.4826 * order[order.size() / 2], kLeastScale_px);
+    const double scale = std::max(1.4826 * common::median(sizes), kLeastScale_px);
     for (std::size_t i = 0; i < sizes.size(); ++i) {
       const double ratio = sizes[i] / (kTukey * scale);
       found_[i].weight = ratio < 1.0 ? (1.0 - ratio * ratio) * (1.0 - ratio * ratio) : 0.0;
@@ -237,14 +228,15 @@ class DishFitter {
     std::int64_t expected = 0;
     for (const std::int64_t count : expected_) expected += count;
     if (static_cast<double>(used) < config_.min_found * static_cast<double>(expected))
-      throw common::DataError("calibration: only " + std::to_string(used) + " of " +
-                              std::to_string(expected) +
-                              " expected points of dish and coils fit, needs a fraction of " +
-                              text(config_.min_found) + "; check the sizes under bench, and the image");
+      throw common::DataError(
+          fmt::format("calibration: only {} of {} expected points of dish and coils fit, needs a fraction of "
+                      "{:.2f}; check the sizes under bench, and the image",
+                      used, expected, config_.min_found));
     if (!(fit.calibration.reprojection_rms_px <= config_.max_rms_px))
-      throw common::DataError("calibration: residual " + text(fit.calibration.reprojection_rms_px) +
-                              " px, must be at most max_rms_px = " + text(config_.max_rms_px) +
-                              "; check the sizes under bench, focus the lens, light the dish evenly");
+      throw common::DataError(
+          fmt::format("calibration: residual {:.2f} px, must be at most max_rms_px = {:.2f}; check the sizes "
+                      "under bench, focus the lens, light the dish evenly",
+                      fit.calibration.reprojection_rms_px, config_.max_rms_px));
   }
 
   const cv::Mat_<float>& grey_;

@@ -1,5 +1,7 @@
 #include "lodestone/imaging/frame_guard.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -10,12 +12,6 @@
 
 namespace lodestone::imaging {
 namespace {
-
-std::string number(double value, const char* format = "%.4g") {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 /// Row by row, so that an image that is part of a larger one is compared too; a live image differs in its
 /// first row, which makes this free.
@@ -60,10 +56,9 @@ void FrameGuard::check_format(const cv::Mat& image) const {
                                 "pixel format");
   }
   if (image.cols != config_.width_px || image.rows != config_.height_px) {
-    throw common::HardwareError(camera_ + ": image of " + std::to_string(image.cols) + "x" +
-                                std::to_string(image.rows) + " pixels, must be " +
-                                std::to_string(config_.width_px) + "x" + std::to_string(config_.height_px) +
-                                "; set the camera's size, or calibrate anew at this one");
+    throw common::HardwareError(fmt::format(
+        "{}: image of {}x{} pixels, must be {}x{}; set the camera's size, or calibrate anew at this one",
+        camera_, image.cols, image.rows, config_.width_px, config_.height_px));
   }
 }
 
@@ -81,28 +76,30 @@ void FrameGuard::check_exposure(const cv::Mat& image) const {
   }
   const double fraction = static_cast<double>(white) / static_cast<double>(seen);
   if (fraction > config_.max_white_fraction) {
-    throw common::HardwareError(camera_ + ": overexposed image, " + number(100.0 * fraction, "%.1f") +
-                                " % of it is white, must be at most " +
-                                number(100.0 * config_.max_white_fraction, "%.1f") +
-                                " %; shorten the exposure or dim the light");
+    throw common::HardwareError(
+        fmt::format("{}: overexposed image, {:.1f} % of it is white, must be at most {:.1f} %; shorten the "
+                    "exposure or dim the light",
+                    camera_, 100.0 * fraction, 100.0 * config_.max_white_fraction));
   }
 }
 
 void FrameGuard::check_progress(const Frame& frame) const {
   if (!std::isfinite(frame.stamp_s)) {
-    throw common::HardwareError(camera_ + ": image with stamp " + number(frame.stamp_s) +
-                                " s, must be a finite time; check the camera's driver");
+    throw common::HardwareError(
+        fmt::format("{}: image with stamp {:.4g} s, must be a finite time; check the camera's driver",
+                    camera_, frame.stamp_s));
   }
   if (last_.empty()) return;
   if (!(frame.stamp_s > last_stamp_s_)) {
-    throw common::HardwareError(camera_ + ": frozen, image with stamp " + number(frame.stamp_s, "%.6f") +
-                                " s, must be later than the one before, " + number(last_stamp_s_, "%.6f") +
-                                " s; restart the camera");
+    throw common::HardwareError(
+        fmt::format("{}: frozen, image with stamp {:.6f} s, must be later than the one before, {:.6f} s; "
+                    "restart the camera",
+                    camera_, frame.stamp_s, last_stamp_s_));
   }
   if (same_bytes(frame.image, last_)) {
-    throw common::HardwareError(camera_ + ": frozen, the same image twice (stamps " +
-                                number(last_stamp_s_, "%.6f") + " s and " + number(frame.stamp_s, "%.6f") +
-                                " s); restart the camera");
+    throw common::HardwareError(
+        fmt::format("{}: frozen, the same image twice (stamps {:.6f} s and {:.6f} s); restart the camera",
+                    camera_, last_stamp_s_, frame.stamp_s));
   }
 }
 

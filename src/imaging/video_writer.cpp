@@ -96,10 +96,9 @@ void VideoWriter::finish() {
   cv::VideoCapture reader(file_, cv::CAP_FFMPEG);
   // The index comes last in the file: a number that agrees says that all of it was written.
   const double found = reader.isOpened() ? reader.get(cv::CAP_PROP_FRAME_COUNT) : 0.0;
-  if (std::llround(found) != frames_) {
+  if (std::llround(found) != frames_)
     throw common::IoError("the video " + file_ + " holds " + std::to_string(std::llround(found)) + " of " +
                           std::to_string(frames_) + " frames: is the disk full?");
-  }
 }
 
 }  // namespace lodestone::imaging

@@ -60,11 +60,10 @@ FieldTable::FieldTable(const CoilGeometry& geometry, double reach_m, double spac
   const int half = static_cast<int>(std::ceil(reach_m / spacing_m - 1e-9)) + kPadding;
   const double face_m = geometry.centre_distance_m - geometry.length_m / 2.0;
   const double winding_m = std::hypot(face_m, geometry.inner_radius_m);
-  if (winding_m <= reach_m) {
+  if (winding_m <= reach_m)
     throw common::ConfigError("coil: its winding begins " + std::to_string(winding_m) +
                               " m from the dish centre, which must be beyond " + std::to_string(reach_m) +
                               " m, the reach of the field table");
-  }
   const int side = 2 * half + 1;
   const FiniteCoil coil(geometry);
   std::vector<double> full(static_cast<std::size_t>(side) * side * 2);
@@ -88,9 +87,8 @@ FieldTable::FieldTable(const CoilGeometry& geometry, double reach_m, double spac
   origin_x_m_ = -half * spacing_m;
   origin_y_m_ = -spacing_m;
   coefficients_.reserve(static_cast<std::size_t>(rows_) * columns_ * 2);
-  for (int i = 0; i < rows_; ++i) {
+  for (int i = 0; i < rows_; ++i)
     coefficients_.insert(coefficients_.end(), at(i, half - 1), at(i, half - 1) + 2 * columns_);
-  }
 }
 
 geometry::Vector2 FieldTable::per_ampere(const geometry::Vector2& point_m) const {

@@ -1,8 +1,10 @@
 #include "lodestone/physics/finite_coil.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 
-#include "lodestone/common/error.h"
+#include "lodestone/common/config.h"
 
 namespace lodestone::physics {
 namespace {
@@ -44,15 +46,13 @@ Quadrature gauss_legendre(int order) {
 }  // namespace
 
 void CoilGeometry::validate() const {
-  if (inner_radius_m >= outer_radius_m) {
-    throw common::ConfigError("coil: inner_radius_m = " + std::to_string(inner_radius_m) +
-                              " must be below outer_radius_m = " + std::to_string(outer_radius_m));
-  }
-  if (centre_distance_m <= length_m / 2.0) {
-    throw common::ConfigError("coil: centre_distance_m = " + std::to_string(centre_distance_m) +
-                              " must exceed half of length_m = " + std::to_string(length_m) +
-                              ", or the winding reaches the dish centre");
-  }
+  if (inner_radius_m >= outer_radius_m)
+    throw common::InvalidConfig("inner_radius_m", inner_radius_m,
+                                fmt::format("be below outer_radius_m = {}", outer_radius_m));
+  if (centre_distance_m <= length_m / 2.0)
+    throw common::InvalidConfig(
+        "centre_distance_m", centre_distance_m,
+        fmt::format("exceed half of length_m = {}, or the winding reaches the dish centre", length_m));
 }
 
 CoilGeometry published_coil_geometry() {
@@ -110,10 +110,9 @@ FiniteCoil::FiniteCoil(const CoilGeometry& geometry, int radial_order, int axial
   const double mean_radius = (geometry.inner_radius_m + geometry.outer_radius_m) / 2.0;
   const double half_width = (geometry.outer_radius_m - geometry.inner_radius_m) / 2.0;
   for (int i = 0; i < radial_order; ++i) {
-    for (int j = 0; j < axial_order; ++j) {
+    for (int j = 0; j < axial_order; ++j)
       loops_.push_back({mean_radius + half_width * radial.nodes[i], geometry.length_m / 2.0 * axial.nodes[j],
                         static_cast<double>(geometry.turns) * radial.weights[i] * axial.weights[j] / 4.0});
-    }
   }
 }
 

@@ -1,5 +1,7 @@
 #include "lodestone/rig/aravis_camera.h"
 
+#include <fmt/core.h>
+
 #include <arv.h>
 
 #include <algorithm>
@@ -39,12 +41,6 @@ constexpr std::array<Format, 7> kFormats = {{
     {"Mono8", ARV_PIXEL_FORMAT_MONO_8, 1, cv::COLOR_GRAY2BGR},
 }};
 
-std::string number(double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
-
 /// A GLib error as an exception: pass it to a call, then ask.
 class Outcome {
  public:
@@ -68,10 +64,9 @@ cv::Mat to_bgr(ArvBuffer* buffer, const std::string& name) {
   const ArvPixelFormat value = arv_buffer_get_image_pixel_format(buffer);
   const auto format =
       std::find_if(kFormats.begin(), kFormats.end(), [value](const Format& f) { return f.value == value; });
-  if (format == kFormats.end()) {
+  if (format == kFormats.end())
     throw common::HardwareError(name + ": pixel format " + std::to_string(value) +
                                 " is not known, set pixel_format to a Bayer format of 8 bits, RGB8 or Mono8");
-  }
   const int width = arv_buffer_get_image_width(buffer);
   const int height = arv_buffer_get_image_height(buffer);
   gint padding_x = 0;
@@ -81,9 +76,8 @@ cv::Mat to_bgr(ArvBuffer* buffer, const std::string& name) {
   std::size_t bytes = 0;
   const void* const data = arv_buffer_get_image_data(buffer, &bytes);
   if (data == nullptr || width <= 0 || height <= 0 || bytes < step * static_cast<std::size_t>(height)) {
-    throw common::HardwareError(name + ": an image of " + std::to_string(width) + "x" +
-                                std::to_string(height) + " came with " + std::to_string(bytes) +
-                                " bytes only; restart the camera");
+    throw common::HardwareError(fmt::format(
+        "{}: an image of {}x{} came with {} bytes only; restart the camera", name, width, height, bytes));
   }
   const cv::Mat raw(height, width, CV_8UC(format->channels), const_cast<void*>(data), step);
   cv::Mat image;
@@ -107,9 +101,8 @@ struct AravisCamera::Device {
 
   ~Device() {
     // A register of a dead camera takes seconds to time out.
-    if (camera != nullptr && stream != nullptr && !lost && !silent) {
+    if (camera != nullptr && stream != nullptr && !lost && !silent)
       arv_camera_stop_acquisition(camera, Outcome().out());
-    }
     g_clear_object(&stream);
     g_clear_object(&camera);
   }
@@ -122,10 +115,9 @@ struct AravisCamera::Device {
   void start();
 
   void expect_within(const std::string& key, double value, double min, double max) const {
-    if (!(value >= min && value <= max)) {
-      throw common::HardwareError(name + ": " + key + " = " + number(value) + ", must lie in " + number(min) +
-                                  " .. " + number(max) + " for this camera");
-    }
+    if (!(value >= min && value <= max))
+      throw common::HardwareError(
+          fmt::format("{}: {} = {:g}, must lie in {:g} .. {:g} for this camera", name, key, value, min, max));
   }
   imaging::Frame take(ArvBuffer* buffer) const;
   void drop_stale() const;
@@ -160,11 +152,10 @@ void AravisCamera::Device::set_format(const CameraSourceConfig& config) {
   }
   const bool known = std::any_of(kFormats.begin(), kFormats.end(),
                                  [&chosen](const Format& format) { return chosen == format.name; });
-  if (!known) {
+  if (!known)
     throw common::HardwareError(
         name + ": pixel_format '" + chosen +
         "', must be one of BayerRG8, BayerGB8, BayerGR8, BayerBG8, BGR8, RGB8, Mono8 that the camera offers");
-  }
   arv_camera_set_pixel_format_from_string(camera, chosen.c_str(), outcome.out());
   outcome.expect(name + " refuses pixel_format " + chosen, "leave it empty to take what the camera offers");
 }
@@ -197,7 +188,8 @@ void AravisCamera::Device::set_exposure(const CameraSourceConfig& config) {
     arv_camera_get_frame_rate_bounds(camera, &min, &max, outcome.out());
     if (!outcome.failed()) expect_within("frame_rate_hz", config.frame_rate_hz, min, max);
     arv_camera_set_frame_rate(camera, config.frame_rate_hz, outcome.out());
-    outcome.expect(name + " refuses frame_rate_hz = " + number(config.frame_rate_hz), "set another one");
+    outcome.expect(fmt::format("{} refuses frame_rate_hz = {:g}", name, config.frame_rate_hz),
+                   "set another one");
   }
   if (config.exposure_s > 0.0) {
     if (arv_camera_is_exposure_auto_available(camera, outcome.out()) != 0)
@@ -205,7 +197,8 @@ void AravisCamera::Device::set_exposure(const CameraSourceConfig& config) {
     arv_camera_get_exposure_time_bounds(camera, &min, &max, outcome.out());
     if (!outcome.failed()) expect_within("exposure_s", config.exposure_s, 1e-6 * min, 1e-6 * max);
     arv_camera_set_exposure_time(camera, 1e6 * config.exposure_s, outcome.out());
-    outcome.expect(name + " refuses exposure_s = " + number(config.exposure_s), "0 leaves it to the camera");
+    outcome.expect(fmt::format("{} refuses exposure_s = {:g}", name, config.exposure_s),
+                   "0 leaves it to the camera");
   }
   if (config.gain >= 0.0) {
     if (arv_camera_is_gain_auto_available(camera, outcome.out()) != 0)
@@ -213,7 +206,7 @@ void AravisCamera::Device::set_exposure(const CameraSourceConfig& config) {
     arv_camera_get_gain_bounds(camera, &min, &max, outcome.out());
     if (!outcome.failed()) expect_within("gain", config.gain, min, max);
     arv_camera_set_gain(camera, config.gain, outcome.out());
-    outcome.expect(name + " refuses gain = " + number(config.gain), "-1 leaves it to the camera");
+    outcome.expect(fmt::format("{} refuses gain = {:g}", name, config.gain), "-1 leaves it to the camera");
   }
   const double exposure_us = arv_camera_get_exposure_time(camera, outcome.out());
   const double exposure_s = outcome.failed() ? config.exposure_s : 1e-6 * exposure_us;
@@ -242,10 +235,9 @@ void AravisCamera::Device::start() {
   Outcome outcome;
   stream = arv_camera_create_stream(camera, nullptr, nullptr, outcome.out());
   outcome.expect(name + " gives no stream", "restart the camera");
-  if (ARV_IS_GV_STREAM(stream)) {
+  if (ARV_IS_GV_STREAM(stream))
     g_object_set(stream, "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_AUTO, "socket-buffer-size", 0,
                  "frame-retention", kFrameRetention_us, nullptr);
-  }
   const guint payload = arv_camera_get_payload(camera, outcome.out());
   outcome.expect(name + " does not tell the size of its frames", "restart the camera");
   for (int i = 0; i < kBuffers; ++i) arv_stream_push_buffer(stream, arv_buffer_new_allocate(payload));
@@ -318,9 +310,9 @@ imaging::Frame AravisCamera::grab(double timeout_s) {
                                 " was lost: it does not answer; check power and cable, then "
                                 "open it anew");
   }
-  throw common::HardwareError(device_->name + ": no image within " + number(timeout_s) + " s (" +
-                              std::to_string(incomplete) +
-                              " came with packets missing); check cable, power and the network's load");
+  throw common::HardwareError(fmt::format(
+      "{}: no image within {:g} s ({} came with packets missing); check cable, power and the network's load",
+      device_->name, timeout_s, incomplete));
 }
 
 }  // namespace lodestone::rig

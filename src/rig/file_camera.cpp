@@ -102,19 +102,17 @@ struct FileCamera::Source {
     } else {
       video.read(image);
     }
-    if (image.empty()) {
+    if (image.empty())
       throw common::HardwareError("camera " + name + " has no more images after " +
                                   std::to_string(handed_out));
-    }
     return image;
   }
 };
 
 FileCamera::FileCamera(const std::string& source, double frame_rate_hz)
     : source_(std::make_unique<Source>()) {
-  if (!(frame_rate_hz > 0.0)) {
+  if (!(frame_rate_hz > 0.0))
     throw common::ConfigError("frame_rate_hz = " + std::to_string(frame_rate_hz) + ", must be positive");
-  }
   source_->name = source;
   source_->frame_rate_hz = frame_rate_hz;
   source_->open();

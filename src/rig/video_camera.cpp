@@ -1,12 +1,13 @@
 #include "lodestone/rig/video_camera.h"
 
+#include <fmt/core.h>
+
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
-#include <cstdio>
 #include <filesystem>
 #include <mutex>
 #include <opencv2/videoio.hpp>
@@ -20,12 +21,6 @@ namespace lodestone::rig {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string number(double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
 
 std::string device_path(const std::string& source) {
   const bool digits = !source.empty() && source.find_first_not_of("0123456789") == std::string::npos;
@@ -65,10 +60,9 @@ void set_property(cv::VideoCapture& capture, const std::string& path, int proper
 
 void configure(cv::VideoCapture& capture, const std::string& path, const CameraSourceConfig& config) {
   if (!config.pixel_format.empty()) {
-    if (config.pixel_format.size() != 4) {
+    if (config.pixel_format.size() != 4)
       throw common::ConfigError("pixel_format = '" + config.pixel_format +
                                 "', must be four letters such as MJPG or YUYV for a USB camera");
-    }
     const std::string& f = config.pixel_format;
     set_property(capture, path, cv::CAP_PROP_FOURCC, cv::VideoWriter::fourcc(f[0], f[1], f[2], f[3]),
                  "pixel_format " + f, "see v4l2-ctl --list-formats");
@@ -84,17 +78,17 @@ void configure(cv::VideoCapture& capture, const std::string& path, const CameraS
                                 "; set width_px and height_px to a size of v4l2-ctl --list-formats-ext");
   }
   set_property(capture, path, cv::CAP_PROP_FPS, config.frame_rate_hz,
-               "frame_rate_hz = " + number(config.frame_rate_hz), "see v4l2-ctl --list-formats-ext");
+               fmt::format("frame_rate_hz = {:g}", config.frame_rate_hz), "see v4l2-ctl --list-formats-ext");
   if (config.exposure_s > 0.0) {
     // Video4Linux: menu entry 1 is manual; exposure counts in 100 us.
     capture.set(cv::CAP_PROP_AUTO_EXPOSURE, 1.0);
     set_property(capture, path, cv::CAP_PROP_EXPOSURE, std::max(1.0, std::round(config.exposure_s * 1e4)),
-                 "exposure_s = " + number(config.exposure_s), "set it to 0 to leave it to the camera");
+                 fmt::format("exposure_s = {:g}", config.exposure_s),
+                 "set it to 0 to leave it to the camera");
   }
-  if (config.gain >= 0.0) {
-    set_property(capture, path, cv::CAP_PROP_GAIN, config.gain, "gain = " + number(config.gain),
+  if (config.gain >= 0.0)
+    set_property(capture, path, cv::CAP_PROP_GAIN, config.gain, fmt::format("gain = {:g}", config.gain),
                  "set it to -1 to leave it to the camera");
-  }
 }
 
 VideoCamera::Reader open_device(const CameraSourceConfig& config) {
@@ -102,9 +96,8 @@ VideoCamera::Reader open_device(const CameraSourceConfig& config) {
   check_device(path);
   auto capture = std::make_shared<cv::VideoCapture>();
   if (!capture->open(path, cv::CAP_V4L2)) {
-    throw common::HardwareError(
-        "cannot open " + path +
-        "; is another program using it, or is it not the image device of the camera?");
+    throw common::HardwareError(fmt::format(
+        "cannot open {}; is another program using it, or is it not the image device of the camera?", path));
   }
   configure(*capture, path, config);
   return [capture](cv::Mat& image) { return capture->read(image); };
@@ -175,8 +168,9 @@ imaging::Frame VideoCamera::grab(double timeout_s) {
     throw common::HardwareError("camera " + shared_->name + " failed: " + shared_->failure +
                                 "; check its cable, then open it anew");
   }
-  throw common::HardwareError("camera " + shared_->name + ": no image within " + number(timeout_s) +
-                              " s; check its cable, its exposure and its frame rate");
+  throw common::HardwareError(
+      fmt::format("camera {}: no image within {:g} s; check its cable, its exposure and its frame rate",
+                  shared_->name, timeout_s));
 }
 
 }  // namespace lodestone::rig

@@ -1,5 +1,7 @@
 #include "lodestone/rig/virtual_rig.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,8 +28,6 @@ constexpr double kTooLate_s = 0.5;  // behind that clock: given up, or the rig w
 
 const char* const kCoilNames[kCoils] = {"+x", "-x", "+y", "-y"};
 
-std::string text(double value) { return common::Json(value).dump(); }
-
 }  // namespace
 
 struct VirtualRig::State {
@@ -35,7 +35,7 @@ struct VirtualRig::State {
         std::shared_ptr<const physics::FieldTable> shared)
       : config(rig_config),
         seed(rig_seed),
-        hidden(HiddenDeviation::draw(deviation_width(config.simulation.deviation), seed)),
+        hidden(HiddenDeviation::draw(config.simulation.deviation, seed)),
         truth(hidden.applied_to(config)),
         table(std::move(shared)),
         field(table, hidden.coils),
@@ -98,15 +98,15 @@ class VirtualRig::VirtualCoils final : public Coils {
     for (int i = 0; i < kCoils; ++i) {
       const double current = pulse.current_A[i];
       if (!(std::abs(current) <= state_.config.coils.max_current_A)) {
-        throw common::HardwareError(std::string("virtual coils: current of coil ") + kCoilNames[i] + " = " +
-                                    std::to_string(current) + " A is refused; it must be within +-" +
-                                    text(state_.config.coils.max_current_A) + " A");
+        throw common::HardwareError(
+            fmt::format("virtual coils: current of coil {} = {} A is refused; it must be within +-{} A",
+                        kCoilNames[i], current, state_.config.coils.max_current_A));
       }
     }
     if (!(pulse.duration_s >= 0.0 && pulse.duration_s <= state_.config.simulation.max_pulse_s)) {
-      throw common::HardwareError("virtual coils: duration = " + std::to_string(pulse.duration_s) +
-                                  " s is refused; it must be within 0 and " +
-                                  text(state_.config.simulation.max_pulse_s) + " s");
+      throw common::HardwareError(
+          fmt::format("virtual coils: duration = {} s is refused; it must be within 0 and {} s",
+                      pulse.duration_s, state_.config.simulation.max_pulse_s));
     }
     const std::lock_guard<std::mutex> lock(state_.mutex);
     state_.catch_up();
@@ -135,11 +135,10 @@ class VirtualRig::VirtualCoils final : public Coils {
       if (state_.now_s > state_.circuits_s) circuit.advance(state_.now_s - state_.circuits_s);
       status.current_A[i] = circuit.state().current_A;
       status.temperature_C[i] = circuit.state().temperature_C;
-      if (status.temperature_C[i] > state_.config.simulation.max_temperature_C) {
-        status.faults.push_back(std::string("coil ") + kCoilNames[i] + " is at " +
-                                text(status.temperature_C[i]) + " C, above " +
-                                text(state_.config.simulation.max_temperature_C) + " C");
-      }
+      if (status.temperature_C[i] > state_.config.simulation.max_temperature_C)
+        status.faults.push_back(fmt::format("coil {} is at {} C, above {} C", kCoilNames[i],
+                                            status.temperature_C[i],
+                                            state_.config.simulation.max_temperature_C));
     }
     return status;
   }
@@ -165,8 +164,9 @@ class VirtualRig::VirtualClock final : public common::Clock {
 
 VirtualRig::VirtualRig(const VirtualRigConfig& config, std::uint64_t seed,
                        std::shared_ptr<const physics::FieldTable> table) {
+  config.coils.validate();
   config.validate();
-  const double margin_m = deviation_margin_m(deviation_width(config.simulation.deviation), config);
+  const double margin_m = deviation_margin_m(config.simulation.deviation, config);
   if (!table) table = physics::make_field_table(config.coils.geometry, config.dish.radius_m, margin_m);
   LODESTONE_CHECK(table->geometry() == config.coils.geometry, "the field table is of another coil geometry");
   LODESTONE_CHECK(table->reach_m() >= config.dish.radius_m + margin_m,
@@ -213,10 +213,10 @@ bool VirtualRig::fits(const geometry::Pose2& pose) const { return state_->motion
 
 void VirtualRig::place(const geometry::Pose2& pose) {
   if (!fits(pose)) {  // also when a number is NaN, as for restore()
-    throw common::DataError("virtual rig: the needle does not fit at (" + std::to_string(pose.x_m) + ", " +
-                            std::to_string(pose.y_m) + ") m, heading " + std::to_string(pose.heading_rad) +
-                            " rad: both ends must lie within " + text(state_->config.dish.radius_m) +
-                            " m of the centre");
+    throw common::DataError(
+        fmt::format("virtual rig: the needle does not fit at ({}, {}) m, heading {} rad: both ends must lie "
+                    "within {} m of the centre",
+                    pose.x_m, pose.y_m, pose.heading_rad, state_->config.dish.radius_m));
   }
   const std::lock_guard<std::mutex> lock(state_->mutex);
   state_->needle = physics::NeedleState{};
@@ -320,9 +320,8 @@ common::Json VirtualRig::save() const {
   json["pulsing"] = state.pulsing;
   json["pulse_end_s"] = state.pulse_end_s;
   json["coils"] = common::Json::array();
-  for (const physics::CoilCircuit& circuit : state.circuits) {
+  for (const physics::CoilCircuit& circuit : state.circuits)
     json["coils"].push_back({circuit.state().current_A, circuit.state().temperature_C, circuit.state().duty});
-  }
   json["scatter"] = state.scatter.save();
   return json;
 }
@@ -361,9 +360,8 @@ void VirtualRig::restore(const common::Json& json) {
     state.pulse_end_s = pulse_end_s;
     state.pulsing = pulsing;
     state.scatter = scatter;
-    for (std::size_t i = 0; i < kCoils; ++i) {
+    for (std::size_t i = 0; i < kCoils; ++i)
       state.circuits[i].set_state({coils[i][0], coils[i][1], coils[i][2]});
-    }
   } catch (const common::Json::exception& error) {
     throw common::DataError(std::string("virtual rig state: malformed: ") + error.what());
   }

@@ -1,6 +1,6 @@
 #include "lodestone/safety/duty_check.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #include "lodestone/safety/fence_check.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace lodestone::safety {
 

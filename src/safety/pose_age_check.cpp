@@ -1,6 +1,6 @@
 #include "lodestone/safety/pose_age_check.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Fails when an include or a link line points up the ladder of modules, sideways, or to LibTorch where that is left out.
 
+The ladder is the table of docs/architecture.md: a module, what it holds, and what it may include besides itself and common.
+
 usage: check_arrows.py ROOT    checks the tree; `--self-test` checks that the checker finds planted faults.
 """
 import pathlib
@@ -8,29 +10,6 @@ import re
 import sys
 import tempfile
 
-# module: what it may include besides itself and common (docs/architecture.md has the same table)
-LADDER = {
-    "common": set(),
-    "geometry": set(),
-    "physics": {"geometry"},
-    "data": {"geometry"},
-    "task": {"geometry"},
-    "imaging": {"geometry"},
-    "runs": {"data"},
-    "inference": {"geometry", "data", "task"},
-    "nets": {"geometry", "data", "task", "inference"},
-    "vision": {"nets", "runs", "imaging", "geometry"},
-    "rig": {"physics", "imaging", "data", "geometry"},
-    "env": {"physics", "task", "data", "inference", "geometry"},
-    "rl": {"env", "nets", "inference", "runs", "data", "task", "physics", "geometry"},
-    "emulation": {"rig", "physics", "imaging", "geometry"},
-    "control": {"rig", "physics", "data", "task", "inference", "geometry"},
-    "safety": {"control", "rig", "physics", "geometry"},
-    "session": {"safety", "control", "rig", "vision", "imaging", "physics", "geometry"},
-    "experiments": {"session", "safety", "control", "emulation", "rig", "vision", "imaging", "physics", "data", "task",
-                    "inference", "runs", "geometry"},
-    "report": {"runs", "data", "geometry"},
-}
 # Modules whose files may include LibTorch's headers, and of those a public header that describes networks.
 SEES_TORCH = {"nets", "rl", "vision"}
 # Modules that a program can be linked from without LibTorch.
@@ -46,9 +25,17 @@ TRUTH = re.compile(r"\btrue_(pose|x_m|y_m|heading)\w*")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.M)
 
 
+def ladder_of(root):
+    """Module: what it may include, from low to high."""
+    rows = re.findall(r"^\| `(\w+)` \| .* \| *(.*?) *\|$", (root / "docs/architecture.md").read_text(), re.M)
+    return {module: set(allowed.split(", ")) - {""} for module, allowed in rows if module != "apps"}
+
+
 def faults(root):
-    found = []
-    for module, allowed in LADDER.items():
+    ladder = ladder_of(root)
+    found = [f"docs/architecture.md: {module} may include {other}, which is no module"
+             for module, allowed in ladder.items() for other in allowed - set(ladder)]
+    for module, allowed in ladder.items():
         for folder in (root / "include" / "lodestone" / module, root / "src" / module):
             for path in sorted(folder.rglob("*")):
                 if path.suffix not in (".h", ".cpp"):
@@ -59,7 +46,7 @@ def faults(root):
                     if parts[0] != "lodestone" or len(parts) < 3:
                         continue
                     target = parts[1]
-                    if target not in LADDER:
+                    if target not in ladder:
                         found.append(f"{name}: includes {include}, which is in no known module")
                     elif target not in allowed | {module, "common"}:
                         found.append(f"{name}: {module} may not include {target} ({include})")
@@ -75,9 +62,9 @@ def faults(root):
                     if TRUTH.search(text.split("//")[0]):
                         found.append(f"{path.relative_to(root)}:{line}: may not see a true pose")
     for folder in sorted((root / "src").iterdir()):
-        if folder.is_dir() and folder.name not in LADDER:
+        if folder.is_dir() and folder.name not in ladder:
             found.append(f"src/{folder.name} is not on the ladder of modules")
-    return found + torch_faults(root) + link_faults(root)
+    return found + torch_faults(root, ladder) + link_faults(root, ladder)
 
 
 def torch_header(path, root, known):
@@ -97,12 +84,12 @@ def torch_header(path, root, known):
     return known[path]
 
 
-def torch_faults(root):
+def torch_faults(root, ladder):
     """Files of the modules without LibTorch, and of the program, that see one of its headers."""
     found = []
     known = {}
     folders = [root / "apps"]
-    for module in set(LADDER) - SEES_TORCH:
+    for module in set(ladder) - SEES_TORCH:
         folders += [root / "include" / "lodestone" / module, root / "src" / module]
     for folder in folders:
         for path in sorted(folder.rglob("*")):
@@ -114,12 +101,12 @@ def torch_faults(root):
     return found
 
 
-def link_faults(root):
+def link_faults(root, ladder):
     """Link lines that go up the ladder, or to LibTorch where that is left out."""
     found = []
     links = {}
     torch = set()
-    for module, allowed in LADDER.items():
+    for module, allowed in ladder.items():
         path = root / "src" / module / "CMakeLists.txt"
         text = path.read_text() if path.is_file() else ""
         links[module] = set(re.findall(r"lodestone::(\w+)", text))
@@ -128,7 +115,7 @@ def link_faults(root):
             if "TORCH" in words or "TORCH_LIBRARIES" in call:
                 torch.add(module)
             if "DEPENDS" in words:
-                links[module] |= set(words[words.index("DEPENDS") + 1:]) & set(LADDER)
+                links[module] |= set(words[words.index("DEPENDS") + 1:]) & set(ladder)
         for target in sorted(links[module] - allowed - {module, "common"}):
             found.append(f"src/{module}/CMakeLists.txt: {module} may not link {target}")
     for module in sorted(LINKS_WITHOUT_TORCH):
@@ -146,8 +133,10 @@ def link_faults(root):
 def self_test():
     with tempfile.TemporaryDirectory() as name:
         root = pathlib.Path(name)
-        for part in ("include/lodestone/task", "include/lodestone/rl", "src/task", "src/rl"):
+        for part in ("docs", "include/lodestone/task", "include/lodestone/rl", "src/task", "src/rl"):
             (root / part).mkdir(parents=True)
+        page = root / "docs/architecture.md"
+        page.write_text("| `common` | low | |\n| `geometry` | - | |\n| `task` | a, b | geometry |\n| `rl` | high | task, geometry |\n")
         header = root / "include/lodestone/task/a.h"
         for text, count in (
             ("#include <vector>\n#include \"lodestone/common/error.h\"\n", 0),
@@ -172,6 +161,9 @@ def self_test():
             (root / "src/task/CMakeLists.txt").write_text(text)
             if len(faults(root)) != count:
                 sys.exit(f"the checker found {faults(root)} in {text!r}, expected {count} faults")
+        page.write_text(page.read_text().replace("task, geometry", "task, geometri"))
+        if not any("geometri, which is no module" in fault for fault in faults(root)):
+            sys.exit("the checker did not find a misspelt module in the table")
     print("the checker finds planted faults")
 
 

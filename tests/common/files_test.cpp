@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "lodestone/common/base64.h"
 #include "lodestone/common/error.h"
 #include "temporary_folder.h"
 
@@ -66,12 +65,4 @@ TEST_CASE("a folder is replaced whole, whether or not it was there") {
 TEST_CASE("reading what is not there names it") {
   CHECK_THROWS_WITH(read_file("/nowhere/x"), Catch::Contains("/nowhere/x"));
   CHECK_THROWS_AS(read_file("/"), IoError);
-}
-
-TEST_CASE("bytes become base64 text") {
-  using lodestone::common::base64;
-  CHECK(base64("").empty());
-  CHECK(base64("f") == "Zg==");
-  CHECK(base64("foobar") == "Zm9vYmFy");
-  CHECK(base64(std::string("\0\xff\x10", 3)) == "AP8Q");
 }

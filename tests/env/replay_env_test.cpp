@@ -39,7 +39,7 @@ EpisodeSettings settings_for(std::int64_t count) {
   settings.encoder = lodestone::tests::paper_encoder();
   settings.action = lodestone::tests::paper_action();
   settings.count = count;
-  settings.encoder.heading = "none";
+  settings.encoder.heading = task::HeadingEncoding::kNone;
   settings.task.end_on_success = false;
   settings.seed = 4;
   return settings;

@@ -4,7 +4,6 @@
 #include <opencv2/core.hpp>
 
 #include "lodestone/common/error.h"
-#include "lodestone/imaging/calibration_overlay.h"
 #include "lodestone/imaging/scene_renderer.h"
 #include "paper_scenes.h"
 
@@ -79,16 +78,4 @@ TEST_CASE("what cannot be calibrated is named") {
   cv::Mat noise(1024, 1280, CV_8UC3);
   cv::randu(noise, 0, 255);
   CHECK_THROWS_AS(refuse(noise), common::DataError);
-}
-
-TEST_CASE("the overlay draws what the calibration says, and nothing else") {
-  const imaging::SceneConfig config = tests::paper_scenes();
-  const imaging::SceneRenderer renderer(imaging::draw_scene(config, 1));
-  const cv::Mat image = image_of(renderer);
-  const cv::Mat overlay = imaging::calibration_overlay(image, renderer.scene().camera, config.bench);
-  cv::Mat difference;
-  cv::absdiff(image, overlay, difference);
-  const int changed = cv::countNonZero(difference.reshape(1));
-  CHECK(changed > 10000);
-  CHECK(changed < 0.1 * static_cast<double>(difference.total() * 3));
 }

@@ -1,4 +1,4 @@
-#include "../../src/imaging/palette.h"
+#include "palette.h"
 
 #include <catch2/catch.hpp>
 

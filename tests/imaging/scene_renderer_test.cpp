@@ -114,14 +114,3 @@ TEST_CASE("a needle out of the view leaves nothing") {
   common::RandomStream random(1, "frame");
   CHECK(cv::countNonZero(renderer.render({{{0.2, 0.0, 0.0}}}, random, true).needle_mask) == 0);
 }
-
-TEST_CASE("wider ranges keep their middle and the bounds of their keys") {
-  imaging::SceneConfig config = tests::paper_scenes();
-  config.colour_cast = {0.9, 1.1};
-  config.glare = {0.0, 0.4};
-  const imaging::SceneConfig wide = imaging::widened(config, 0.5);
-  CHECK(wide.colour_cast.low == Approx(0.85));
-  CHECK(wide.colour_cast.high == Approx(1.15));
-  CHECK(wide.glare.low == 0.0);
-  CHECK(wide.glare.high == Approx(0.5));
-}

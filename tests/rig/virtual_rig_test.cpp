@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "lodestone/common/error.h"
-#include "lodestone/rig/rig_batch.h"
+#include "lodestone/common/thread_pool.h"
 
 namespace lodestone::rig {
 namespace {
@@ -26,7 +26,7 @@ std::shared_ptr<const physics::FieldTable> shared_table() {
 /// The rig exactly as it is described.
 VirtualRigConfig described() {
   VirtualRigConfig config;
-  config.simulation.deviation = "none";
+  config.simulation.deviation = DeviationWidth::kNone;
   return config;
 }
 
@@ -201,23 +201,24 @@ TEST_CASE("save and restore go on bitwise, also in the middle of a pulse") {
   CHECK(other.save() == before);
 }
 
-TEST_CASE("a batch does not depend on the number of threads") {
+TEST_CASE("rigs do the same on any number of threads") {
   const auto run = [](std::size_t threads) {
     common::ThreadPool pool(threads);
     std::vector<std::unique_ptr<VirtualRig>> rigs;
-    std::vector<VirtualRig*> pointers;
     for (std::uint64_t i = 0; i < 6; ++i) {
       rigs.push_back(std::make_unique<VirtualRig>(described(), 100 + i, shared_table()));
-      pointers.push_back(rigs.back().get());
     }
     common::RandomStream random(3, "pulses");
     for (int step = 0; step < 10; ++step) {
       std::vector<CoilPulse> pulses;
       for (std::size_t i = 0; i < rigs.size(); ++i) pulses.push_back(random_pulse(random));
-      run_pulses(pointers, pulses, 0.2, pool);
+      pool.for_each(rigs.size(), [&](std::size_t i) {
+        rigs[i]->coils().apply(pulses[i]);
+        rigs[i]->clock().sleep_until(0.3 * (step + 1));
+      });
     }
     std::vector<Pose2> poses;
-    for (const VirtualRig* rig : pointers) poses.push_back(rig->true_pose());
+    for (const auto& rig : rigs) poses.push_back(rig->true_pose());
     return poses;
   };
   const auto one = run(1), two = run(2), four = run(4);
@@ -226,8 +227,6 @@ TEST_CASE("a batch does not depend on the number of threads") {
     CHECK(same_bits(one[i], four[i]));
   }
   CHECK_FALSE(same_bits(one[0], one[1]));
-  common::ThreadPool pool(1);
-  CHECK_THROWS_AS(run_pulses({}, {CoilPulse{}}, 0.2, pool), common::LogicFault);
 }
 
 TEST_CASE("what cannot be is refused") {

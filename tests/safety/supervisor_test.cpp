@@ -164,22 +164,6 @@ TEST_CASE("no pulse without a pose that is new, young and inside the fence") {
   CHECK_FALSE(bench.device.on);
 }
 
-TEST_CASE("a stop file stops the run") {
-  Bench bench;
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("lodestone-stop-test-" + std::to_string(getpid()));
-  std::filesystem::create_directories(folder);
-  bench.config.stop_file = (folder / "STOP").string();
-  std::filesystem::remove(bench.config.stop_file);
-  bench.start();
-  bench.step(kPulse);
-  std::ofstream(bench.config.stop_file) << "";
-  CHECK_THROWS_AS(bench.coils->begin_step(bench.clock.now_s()), common::HardwareError);
-  CHECK_THAT(bench.coils->reason(), Catch::Contains("STOP exists"));
-  CHECK_FALSE(bench.device.on);
-  std::filesystem::remove_all(folder);
-}
-
 // The driver pulses on, another thread asks for a stop, and a third one watches.
 TEST_CASE("a stop that any thread asks for is kept, and no pulse survives it") {
   const auto table = rig::VirtualRig(rig::VirtualRigConfig{}, 1).field_table();

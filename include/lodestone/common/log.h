@@ -10,7 +10,4 @@ void log_info(const std::string& message);
 void log_warning(const std::string& message);
 void log_error(const std::string& message);
 
-/// Level: "quiet" shows warnings only, "normal" also information.
-void set_log_level(const std::string& level);
-
 }  // namespace lodestone::common

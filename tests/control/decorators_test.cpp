@@ -1,13 +1,10 @@
+#include "lodestone/control/decorators.h"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "control/controller_conformance.h"
 #include "control/fakes.h"
-#include "inference/random_policy.h"
-#include "lodestone/control/decorators.h"
-#include "lodestone/control/dipole_pull.h"
-#include "lodestone/control/policy_controller.h"
-#include "paper_rig.h"
 
 using namespace lodestone;
 using geometry::Vector2;
@@ -24,16 +21,6 @@ task::Observation after(const Vector2& action, double moved_m, const Vector2& po
   observation.last_action = action;
   observation.last_displacement_m = {moved_m, 0.0};
   return observation;
-}
-
-inference::Policy small_policy() {
-  inference::Policy policy;
-  policy.encoder = tests::paper_encoder();
-  policy.action = tests::paper_action();
-  policy.encoder.memory = true;
-  policy.hidden = {16, 16};
-  tests::draw_weights(policy, 4);
-  return policy;
 }
 
 }  // namespace
@@ -88,58 +75,6 @@ TEST_CASE("decorators that are off leave the controller as it is") {
   CHECK(control::decorate(std::move(inner), {}).get() == raw);
 }
 
-TEST_CASE("the simulator's pull points where it is asked to") {
-  const physics::RigDescription rig = tests::paper_rig();
-  const control::DipolePull model(rig);
-  SECTION("one coil pulls the needle to itself, twice the current twice as hard") {
-    const Vector2 pull = model.pull_N({4.0, 0.0}, {0.0, 0.0});
-    CHECK(pull.x() > 0.0);
-    CHECK(std::abs(pull.y()) < 1e-12);
-    CHECK(model.pull_N({8.0, 0.0}, {0.0, 0.0}).x() == Approx(2.0 * pull.x()));
-    // On the axis of a dipole B = mu0 m / 2 pi d^3, so dB/dx = 3 B / d.
-    const physics::DipoleCoil coil(rig.coils.geometry, 0);
-    const double field_T = 2e-7 * coil.moment_per_ampere_m2() * 4.0 / std::pow(0.08, 3);
-    CHECK(pull.x() == Approx(rig.needle.moment_A_m2 * 3.0 * field_T / 0.08).epsilon(1e-6));
-  }
-  SECTION("the inverse gives the pull back") {
-    for (const double angle : {0.3, 1.2, 2.5, -2.0, -0.4}) {
-      const Vector2 wanted = 2e-4 * Vector2(std::cos(angle), std::sin(angle));
-      const Vector2 position(0.004, -0.003);
-      const Vector2 got = model.pull_N(model.drive_A(wanted, position), position);
-      CHECK((got - wanted).norm() < 2e-3 * wanted.norm());
-    }
-  }
-}
-
-TEST_CASE("controllers keep the contract") {
-  SECTION("baseline") {
-    control::DipolePullController controller(tests::paper_rig(), {});
-    tests::check_controller(controller);
-  }
-  SECTION("policy, decorated") {
-    control::DecoratorConfig config;
-    config.stall_gain = 1.2;
-    config.hold_radius_m = 0.002;
-    auto controller = control::decorate(std::make_unique<control::PolicyController>(small_policy()), config);
-    tests::check_controller(*controller);
-  }
-}
-
-TEST_CASE("the policy controller computes what the network computes") {
-  const inference::Policy policy = small_policy();
-  control::PolicyController controller(policy);
-  const task::Observation observation = after({0.2, -0.1}, 0.001);
-  const task::ObservationEncoder encoder(policy.encoder);
-  std::vector<float> input(static_cast<std::size_t>(encoder.size()));
-  encoder.encode(observation, input.data());
-  float expected[2];
-  inference::Actor::Workspace workspace;
-  policy.actor().act(input.data(), 1, expected, workspace);
-  const Vector2 action = controller.act(observation);
-  CHECK(action.x() == expected[0]);
-  CHECK(action.y() == expected[1]);
-}
-
 TEST_CASE("a full command that moves nothing is dithered from side to side until something moves") {
   control::DecoratorConfig config;
   config.stall_gain = 2.0;
@@ -190,4 +125,12 @@ TEST_CASE("holding waits for the heading where the target has one") {
   CHECK_FALSE(controller->act(observation).isZero(0.0));
   observation.pose.heading_rad = 0.25;
   CHECK(controller->act(observation).isZero(0.0));
+}
+
+TEST_CASE("a decorated controller keeps the contract") {
+  control::DecoratorConfig config;
+  config.stall_gain = 1.2;
+  config.hold_radius_m = 0.002;
+  config.direction_dither_deg = 30.0;
+  tests::check_controller(*control::decorate(constant(0.7, -0.4), config));
 }

@@ -1,14 +1,14 @@
-#include "csv_table.h"
+#include "lodestone/common/csv_table.h"
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <set>
 
-namespace lodestone::data {
+namespace lodestone::common {
 namespace {
-
-using common::DataError;
 
 std::string trimmed(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t");
@@ -44,8 +44,7 @@ CsvTable::CsvTable(const std::string& path) : path_(path), stream_(path, std::io
   std::set<std::string> seen;
   for (const std::string& name : header_)
     if (!name.empty() && !seen.insert(name).second)
-      throw DataError(path + ":" + std::to_string(line_) + ": column " + name +
-                      " appears twice in the header");
+      throw DataError(fmt::format("{}:{}: column {} appears twice in the header", path, line_, name));
 }
 
 bool CsvTable::has_columns(const std::vector<std::string>& names) const {
@@ -69,8 +68,7 @@ bool CsvTable::read_line(std::vector<std::string>& cells) {
     cells = split_cells(line);
     return true;
   }
-  if (stream_.bad())
-    throw DataError(path_ + ":" + std::to_string(line_) + ": the file cannot be read further");
+  if (stream_.bad()) throw DataError(fmt::format("{}:{}: the file cannot be read further", path_, line_));
   return false;
 }
 
@@ -81,9 +79,8 @@ void CsvTable::check_width() const {
   const std::size_t first = std::min(cells_.size(), header_.size());
   const std::string where =
       first < header_.size() ? " (" + header_[first] + ") is missing" : " is one too many";
-  throw RowError(path_ + ":" + std::to_string(line_) + ": column " + std::to_string(first + 1) + where +
-                 ": the row has " + std::to_string(cells_.size()) + " cells, the header " +
-                 std::to_string(header_.size()));
+  throw RowError(fmt::format("{}:{}: column {}{}: the row has {} cells, the header {}", path_, line_,
+                             first + 1, where, cells_.size(), header_.size()));
 }
 
 double CsvTable::number(std::size_t column) const {
@@ -103,4 +100,4 @@ void CsvTable::fail(std::size_t column, const std::string& expectation) const {
                  header_.at(column) + "): \"" + cells_.at(column) + "\" must be " + expectation);
 }
 
-}  // namespace lodestone::data
+}  // namespace lodestone::common

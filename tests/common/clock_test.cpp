@@ -1,0 +1,43 @@
+#include "lodestone/common/clock.h"
+
+#include <catch2/catch.hpp>
+
+using namespace lodestone::common;
+
+namespace {
+
+class SimulatedClock final : public Clock {
+ public:
+  double now_s() const override { return now_s_; }
+  bool wait_until(double time_s, Interruption*) override {
+    now_s_ = time_s;
+    return true;
+  }
+
+ private:
+  double now_s_ = 500.0;
+};
+
+}  // namespace
+
+TEST_CASE("the wall clock goes on, waits no shorter than asked, and not at all for what is past") {
+  SteadyClock clock;
+  const double start_s = clock.now_s();
+  CHECK(clock.wait_until(start_s + 0.02, nullptr));
+  CHECK(clock.now_s() >= start_s + 0.02);
+  Interruption interruption;
+  CHECK(clock.wait_until(start_s, &interruption));
+  interruption.raise();
+  CHECK_FALSE(clock.wait_until(start_s, &interruption));
+  CHECK_FALSE(clock.wait_until(clock.now_s() + 60.0, &interruption));
+}
+
+TEST_CASE("a paced clock is the simulated one, and takes as long as it says") {
+  SimulatedClock simulated;
+  PacedClock paced(simulated);
+  const SteadyClock wall;
+  const double start_s = wall.now_s();
+  CHECK(paced.wait_until(500.03, nullptr));
+  CHECK(paced.now_s() == 500.03);
+  CHECK(wall.now_s() - start_s >= 0.025);
+}

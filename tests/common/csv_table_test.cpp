@@ -1,0 +1,40 @@
+#include "lodestone/common/csv_table.h"
+
+#include <catch2/catch.hpp>
+
+#include "lodestone/common/files.h"
+#include "temporary_folder.h"
+
+using namespace lodestone;
+using common::CsvTable;
+
+TEST_CASE("a table is read row by row, whatever program wrote it") {
+  const tests::TemporaryFolder folder;
+  common::write_file_atomically(folder / "a.csv",
+                                "\xEF\xBB\xBFname, x_m\r\n\r\n\"a \"\"b\"\", c\", +1e-3 \r\nd,x\n");
+  CsvTable table(folder / "a.csv");
+  CHECK(table.header() == std::vector<std::string>{"name", "x_m"});
+  CHECK(table.has_columns({"x_m"}));
+  CHECK_FALSE(table.has_columns({"x_m", "y_m"}));
+  CHECK(table.column("x_m") == 1);
+  REQUIRE(table.next());
+  CHECK(table.line() == 3);
+  CHECK(table.text(0) == "a \"b\", c");
+  CHECK(table.number(1) == 1e-3);
+  REQUIRE(table.next());
+  CHECK_THROWS_WITH(table.number(1), Catch::Contains("a.csv:4: column 2 (x_m): \"x\" must be a number"));
+  CHECK_FALSE(table.next());
+}
+
+TEST_CASE("rows of another width, doubled columns and missing files are named") {
+  const tests::TemporaryFolder folder;
+  common::write_file_atomically(folder / "a.csv", "a,b\n1\n1,2,3\n");
+  CsvTable table(folder / "a.csv");
+  table.next();
+  CHECK_THROWS_WITH(table.check_width(), Catch::Contains("a.csv:2: column 2 (b) is missing"));
+  table.next();
+  CHECK_THROWS_WITH(table.check_width(), Catch::Contains("a.csv:3: column 3 is one too many"));
+  common::write_file_atomically(folder / "b.csv", "a,a\n");
+  CHECK_THROWS_WITH(CsvTable(folder / "b.csv"), Catch::Contains("column a appears twice"));
+  CHECK_THROWS_AS(CsvTable(folder / "none.csv"), common::DataError);
+}

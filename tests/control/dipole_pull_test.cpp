@@ -1,0 +1,38 @@
+#include "lodestone/control/dipole_pull.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "control/controller_conformance.h"
+#include "paper_rig.h"
+
+using namespace lodestone;
+using geometry::Vector2;
+
+TEST_CASE("the simulator's pull points where it is asked to") {
+  const physics::RigDescription rig = tests::paper_rig();
+  const control::DipolePull model(rig);
+  SECTION("one coil pulls the needle to itself, twice the current twice as hard") {
+    const Vector2 pull = model.pull_N({4.0, 0.0}, {0.0, 0.0});
+    CHECK(pull.x() > 0.0);
+    CHECK(std::abs(pull.y()) < 1e-12);
+    CHECK(model.pull_N({8.0, 0.0}, {0.0, 0.0}).x() == Approx(2.0 * pull.x()));
+    // On the axis of a dipole B = mu0 m / 2 pi d^3, so dB/dx = 3 B / d.
+    const physics::DipoleCoil coil(rig.coils.geometry, 0);
+    const double field_T = 2e-7 * coil.moment_per_ampere_m2() * 4.0 / std::pow(0.08, 3);
+    CHECK(pull.x() == Approx(rig.needle.moment_A_m2 * 3.0 * field_T / 0.08).epsilon(1e-6));
+  }
+  SECTION("the inverse gives the pull back") {
+    for (const double angle : {0.3, 1.2, 2.5, -2.0, -0.4}) {
+      const Vector2 wanted = 2e-4 * Vector2(std::cos(angle), std::sin(angle));
+      const Vector2 position(0.004, -0.003);
+      const Vector2 got = model.pull_N(model.drive_A(wanted, position), position);
+      CHECK((got - wanted).norm() < 2e-3 * wanted.norm());
+    }
+  }
+}
+
+TEST_CASE("the baseline keeps the contract") {
+  control::DipolePullController controller(tests::paper_rig(), {});
+  tests::check_controller(controller);
+}

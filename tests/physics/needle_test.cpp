@@ -1,0 +1,49 @@
+#include "lodestone/physics/needle.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "lodestone/common/error.h"
+#include "lodestone/physics/field_table.h"
+
+namespace lodestone::physics {
+namespace {
+
+using geometry::Vector2;
+
+TEST_CASE("a needle is pulled along its axis, turned by a field across it, and neither without current") {
+  const NeedleConfig needle;
+  const CoilArray coils(make_field_table(CoilGeometry{}, 0.0425));
+  const Currents towards_x = {10.0, 0.0, 0.0, 0.0};
+  const Wrench along = magnetic_wrench(needle, {0.0, 0.0, 0.0}, coils, towards_x);
+  CHECK(along.force_x_N > 0.0);
+  CHECK(std::abs(along.force_y_N) < 1e-9 * along.force_x_N);
+  CHECK(std::abs(along.torque_N_m) < 1e-15);
+  const Wrench across = magnetic_wrench(needle, {0.0, 0.0, M_PI / 2.0}, coils, towards_x);
+  const double field_T = coils.field_T(towards_x, {0.0, 0.0}).x();
+  CHECK(across.torque_N_m ==
+        Approx(-needle.moment_A_m2 * field_T).epsilon(0.05));  // clockwise, into the field
+  const Wrench none = magnetic_wrench(needle, {0.01, 0.0, 1.0}, coils, {});
+  CHECK(none.force_x_N == 0.0);
+  CHECK(none.torque_N_m == 0.0);
+}
+
+TEST_CASE("drag grows with viscosity and is larger across the needle than along it") {
+  const NeedleConfig needle;
+  FluidConfig fluid;
+  const RodDrag thin = rod_drag(needle, fluid);
+  CHECK(thin.across_N_s_m == Approx(2.0 * thin.along_N_s_m));  // beside a wall
+  fluid.viscosity_Pa_s *= 3.0;
+  CHECK(rod_drag(needle, fluid).rotation_N_m_s == Approx(3.0 * thin.rotation_N_m_s));
+  fluid.wall_gap_m = 0.1;  // the free rod's drag is the least there can be
+  CHECK(rod_drag(needle, fluid).across_N_s_m < 3.0 * thin.across_N_s_m);
+}
+
+TEST_CASE("magnets that are longer than their needle are refused") {
+  NeedleConfig needle;
+  needle.chain_m = 1.1 * needle.length_m;
+  CHECK_THROWS_WITH(needle.validate(), Catch::Contains("chain_m"));
+}
+
+}  // namespace
+}  // namespace lodestone::physics
