@@ -91,7 +91,10 @@ void SerialLink::close() noexcept {
   port_.reset();
 }
 
-void SerialLink::send(const Bytes& frame) { port_->write(frame.data(), frame.size(), kWriteTimeout_s); }
+void SerialLink::send(const Bytes& frame) {
+  const common::DeviceWrite writing;
+  port_->write(frame.data(), frame.size(), kWriteTimeout_s);
+}
 
 void SerialLink::wait(double time_s) {
   std::uint8_t nothing = 0;

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <libserialport.h>
+#include <sys/file.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -55,11 +56,12 @@ class LibSerialPort final : public SerialPort {
                      sp_set_flowcontrol(port_, SP_FLOWCONTROL_NONE) == SP_OK;
     int handle = -1;
     sp_get_port_handle(port_, &handle);
-    // Two programs at one bench would each believe that they know what the coils do.
-    const bool alone = handle >= 0 && ioctl(handle, TIOCEXCL) == 0;
+    // Two programs at one bench would each believe that they know what the coils do. The lock binds root,
+    // too, and has no gap; TIOCEXCL keeps out programs that ask for no lock.
+    const bool alone = handle >= 0 && flock(handle, LOCK_EX | LOCK_NB) == 0 && ioctl(handle, TIOCEXCL) == 0;
     if (!set || !alone) {
-      const std::string why = set ? "it cannot be had for this program alone"
-                                  : "it does not take " + std::to_string(baud) + " baud";
+      const std::string why =
+          alone ? "it does not take " + std::to_string(baud) + " baud" : "another program has it open";
       close();
       throw common::HardwareError("serial port " + name + ": " + why);
     }

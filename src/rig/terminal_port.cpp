@@ -2,7 +2,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/ioctl.h>
+#include <sys/file.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -25,16 +25,18 @@ class TerminalPort final : public SerialPort {
     if (file_ < 0)
       throw common::HardwareError("pseudo-terminal " + name + " cannot be opened: " + std::strerror(errno) +
                                   "; is the emulated bench still running?");
+    // No TIOCEXCL: it outlives a killed process for as long as the other end is open.
+    if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
+      close(file_);
+      throw common::HardwareError("pseudo-terminal " + name +
+                                  " cannot be opened: another program has it open");
+    }
     termios raw{};
     tcgetattr(file_, &raw);
     cfmakeraw(&raw);
     tcsetattr(file_, TCSANOW, &raw);
-    ioctl(file_, TIOCEXCL);
   }
-  ~TerminalPort() override {
-    ioctl(file_, TIOCNXCL);
-    close(file_);
-  }
+  ~TerminalPort() override { close(file_); }
   TerminalPort(const TerminalPort&) = delete;
   TerminalPort& operator=(const TerminalPort&) = delete;
 

@@ -1,7 +1,6 @@
 #include "lodestone/safety/operator_stop.h"
 
 #include <poll.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include "lodestone/common/interrupt.h"
@@ -9,22 +8,14 @@
 
 namespace lodestone::safety {
 
-/// The terminal hands over every key at once while this lives.
 struct OperatorStop::Terminal {
-  Terminal() {
-    tcgetattr(STDIN_FILENO, &before);
-    termios raw = before;
-    raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-    tcsetattr(STDIN_FILENO, TCSANOW, &raw);
-  }
-  ~Terminal() { tcsetattr(STDIN_FILENO, TCSANOW, &before); }
   bool key() const {
     pollfd watched{STDIN_FILENO, POLLIN, 0};
     char pressed = 0;
     return poll(&watched, 1, 0) == 1 && (watched.revents & POLLIN) != 0 &&
            read(STDIN_FILENO, &pressed, 1) == 1;
   }
-  termios before{};
+  common::RawTerminal raw;
 };
 
 OperatorStop::OperatorStop(std::string file, bool keys) : file_(std::move(file)) {
