@@ -3,11 +3,10 @@
 
 #include "lodestone/common/artefact.h"
 #include "lodestone/data/dataset_file.h"
+#include "lodestone/dynamics/evaluation.h"
 #include "lodestone/nets/blas.h"
-#include "lodestone/nets/dynamics.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/rig_config.h"
-#include "lodestone/rl/dynamics_evaluation.h"
 #include "lodestone/vision/segmenter_evaluation.h"
 #include "verb.h"
 
@@ -22,10 +21,10 @@ struct EvaluateOptions {
 
 void evaluate_dynamics(const EvaluateOptions& options) {
   nets::use_one_blas_thread();
-  nets::DynamicsModel model = nets::load_dynamics(options.checkpoint);
+  const dynamics::Model model = dynamics::load_model(options.checkpoint);
   const data::Dataset dataset = data::read_any_dataset(options.data);
-  rl::DynamicsEvaluation evaluation =
-      rl::evaluate_dynamics(model, rl::select_split(model, dataset, options.split));
+  runs::DynamicsEvaluation evaluation =
+      dynamics::evaluate_dynamics(model, dynamics::select_split(model, dataset, options.split));
   evaluation.split = options.split;
   std::printf("%s\n", common::artefact_to_json(evaluation).dump(2).c_str());
 }

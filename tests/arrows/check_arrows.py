@@ -18,11 +18,12 @@ LADDER = {
     "imaging": {"geometry"},
     "runs": {"data"},
     "inference": {"geometry", "data", "task"},
-    "nets": {"geometry", "data", "task", "inference"},
-    "vision": {"nets", "runs", "imaging", "geometry"},
-    "rig": {"physics", "imaging", "data", "geometry"},
     "env": {"physics", "task", "data", "inference", "geometry"},
-    "rl": {"env", "nets", "inference", "runs", "data", "task", "physics", "geometry"},
+    "nets": {"inference"},
+    "vision": {"nets", "runs", "imaging", "geometry"},
+    "dynamics": {"nets", "inference", "runs", "data", "geometry"},
+    "rl": {"nets", "env", "inference", "runs", "data", "task", "physics", "geometry"},
+    "rig": {"physics", "imaging", "data", "geometry"},
     "emulation": {"rig", "physics", "imaging", "geometry"},
     "control": {"rig", "physics", "data", "task", "inference", "geometry"},
     "safety": {"control", "rig", "physics", "geometry"},
@@ -32,7 +33,7 @@ LADDER = {
     "report": {"runs", "data", "geometry"},
 }
 # Modules whose files may include LibTorch's headers, and of those a public header that describes networks.
-SEES_TORCH = {"nets", "rl", "vision"}
+SEES_TORCH = {"nets", "vision", "dynamics", "rl"}
 # Modules that a program can be linked from without LibTorch.
 LINKS_WITHOUT_TORCH = {"common", "geometry", "physics", "data", "task", "imaging", "runs", "inference", "rig", "env", "emulation", "control",
                        "safety", "report"}

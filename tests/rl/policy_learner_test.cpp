@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include <torch/types.h>
+#include <ATen/ATen.h>
 
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
@@ -53,7 +53,7 @@ bool same_state(PolicyLearner& one, PolicyLearner& two) {
   if (first.facts != second.facts || first.parts.size() != second.parts.size()) return false;
   for (const auto& [part, tensors] : first.parts) {
     for (const auto& [name, tensor] : tensors) {
-      if (!torch::equal(tensor, second.parts.at(part).at(name))) return false;
+      if (!at::equal(tensor, second.parts.at(part).at(name))) return false;
     }
   }
   return true;

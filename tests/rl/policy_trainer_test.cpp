@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include <torch/types.h>
+#include <ATen/ATen.h>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
@@ -109,7 +109,7 @@ TEST_CASE("An interrupted run goes on to the same weights", "[rl]") {
   for (const char* part_name : {"networks", "optimiser", "buffer", "environments", "running"}) {
     for (const auto& [name, tensor] : one.parts.at(part_name)) {
       INFO(part_name << " " << name);
-      CHECK(torch::equal(tensor, two.parts.at(part_name).at(name)));
+      CHECK(at::equal(tensor, two.parts.at(part_name).at(name)));
     }
   }
 }
