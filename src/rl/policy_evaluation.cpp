@@ -4,18 +4,13 @@
 #include <cmath>
 #include <vector>
 
+#include "lodestone/common/statistics.h"
 #include "lodestone/runs/curves.h"
 
 namespace lodestone::rl {
 namespace {
 
 constexpr float kSaturated = 0.95F;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 
@@ -72,7 +67,7 @@ PolicyScore PolicyEvaluation::run(const inference::Actor& policy) {
   score.action_saturation = saturated / (steps * static_cast<double>(environments_.spec().action_size));
   score.success_rate = static_cast<double>(std::count(reached.begin(), reached.end(), 1)) / episodes;
   for (const double value : error_mm) score.final_error_mm += value / episodes;
-  score.final_error_median_mm = median(error_mm);
+  score.final_error_median_mm = common::median(error_mm);
   return score;
 }
 

@@ -95,8 +95,6 @@ SceneResult run_scene(const std::shared_ptr<const Segmenter>& segmenter, const i
   return result;
 }
 
-using common::percentile;
-
 LocalisationScore score(const std::vector<Attempt>& attempts) {
   LocalisationScore out;
   std::vector<double> errors_mm;
@@ -128,9 +126,9 @@ LocalisationScore score(const std::vector<Attempt>& attempts) {
   }
   if (out.poses == 0) return out;
   out.position_rms_mm = std::sqrt(square_mm2 / static_cast<double>(out.poses));
-  out.ms_per_frame = percentile(ms, 0.5);
-  out.position_p95_mm = percentile(errors_mm, 0.95);
-  out.position_max_mm = percentile(errors_mm, 1.0);
+  out.ms_per_frame = common::median(ms);
+  out.position_p95_mm = common::percentile(errors_mm, 0.95);
+  out.position_max_mm = common::percentile(errors_mm, 1.0);
   if (upright == 0) return out;
   out.heading_rms_deg = 180.0 / kPi * std::sqrt(heading_rad2 / static_cast<double>(upright));
   out.normalised_error = normalised / static_cast<double>(upright);
@@ -199,8 +197,8 @@ SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const Segmenter> segmente
   evaluation.clean = score(clean);
   evaluation.occluded = score(occluded);
   evaluation.tracked = score(tracked);
-  evaluation.ms_per_rendered_frame = percentile(render_ms, 0.5);
-  evaluation.ms_per_scene = percentile(scene_ms, 0.5);
+  evaluation.ms_per_rendered_frame = common::median(render_ms);
+  evaluation.ms_per_scene = common::median(scene_ms);
   return evaluation;
 }
 

@@ -4,9 +4,9 @@
 
 #include <ATen/ATen.h>
 
-#include "#include " lodestone / nets / tensors.h "
 #include "dynamics/sample_rows.h"
 #include "lodestone/inference/mixture.h"
+#include "lodestone/nets/tensors.h"
 
 namespace lodestone::dynamics {
 namespace {

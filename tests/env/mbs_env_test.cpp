@@ -6,10 +6,10 @@
 #include <set>
 
 #include "env/linear_model.h"
+#include "env/sample_settings.h"
 #include "env/vec_env_conformance.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/statistics.h"
-#include "paper_rig.h"
 
 namespace lodestone::env {
 namespace {
@@ -19,14 +19,8 @@ using tests::linear_model;
 constexpr double kGain_m = 1e-3;
 
 EpisodeSettings settings_for(std::int64_t count) {
-  EpisodeSettings settings;
-  settings.task = lodestone::tests::paper_task();
-  settings.encoder = lodestone::tests::paper_encoder();
-  settings.action = lodestone::tests::paper_action();
-  settings.count = count;
-  settings.encoder.heading = "none";
+  EpisodeSettings settings = tests::plain_settings(count);
   settings.action.scale = 10.0;
-  settings.seed = 4;
   return settings;
 }
 

@@ -4,7 +4,6 @@
 
 #include <ATen/ATen.h>
 
-#include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
 #include "lodestone/rl/policy_evaluation.h"
 #include "rl/toy_environments.h"
@@ -174,31 +173,4 @@ TEST_CASE("2 N steps equal N, save, load and N, bitwise", "[rl]") {
   CHECK_THROWS_AS(other.load(checkpoint), lodestone::common::CheckpointError);
   checkpoint.parts.erase("running");
   CHECK_THROWS_AS(resumed.load(checkpoint), lodestone::common::CheckpointError);
-}
-
-TEST_CASE("Evaluation repeats itself and leaves training alone", "[rl]") {
-  PointEnv training(4, 1);
-  PointEnv evaluation(50, 77);
-  lodestone::task::EncoderConfig encoder;
-  encoder.heading = "none";
-  encoder.target = false;
-  encoder.length_scale_m = 1.0;
-  PolicyEvaluation evaluate(evaluation, encoder);
-  PolicyLearner learner(short_learning(400, 0.1), small_td3(), NoiseConfig{}, 3, 1, training);
-  PointEnv training_twin(4, 1);
-  PolicyLearner twin(short_learning(400, 0.1), small_td3(), NoiseConfig{}, 3, 1, training_twin);
-  const PolicyScore first = evaluate.run(learner.td3().actor());
-  const PolicyScore second = evaluate.run(learner.td3().actor());
-  CHECK(lodestone::common::artefact_to_json(first) == lodestone::common::artefact_to_json(second));
-  CHECK(first.episodes == 50);
-  CHECK(first.episode_length == PointEnv::kLength);
-  CHECK(first.final_error_mm > 0.0);
-  CHECK(first.final_error_mm < 1e3 * std::sqrt(2.0));
-  for (int i = 0; i < 100; ++i) {
-    learner.step();
-    twin.step();
-    if (i % 10 == 0) evaluate.run(learner.td3().actor());
-  }
-  CHECK(same_state(learner, twin));
-  CHECK(learner.finished());
 }
