@@ -43,10 +43,6 @@ struct CalibrateConfig {
     v.group("fit", fit, "how the camera is fitted");
     v.group("scene", scene, "lens, and the ranges of rendered benches");
   }
-  void validate() const {
-    rig.validate();
-    board.validate();
-  }
 };
 
 struct CalibrateOptions {
@@ -61,7 +57,7 @@ struct CalibrateOptions {
 constexpr double kGetImage_s = 5.0;
 
 std::vector<cv::Mat> grab(const CalibrateConfig& config) {
-  if (config.rig.camera.source.empty() && config.rig.camera.kind != "genicam")
+  if (config.rig.camera.source.empty() && config.rig.camera.kind != rig::CameraKind::kGenicam)
     throw common::ConfigError(
         "calibrate: which camera? --camera PATH (image, folder or video), --set rig.camera.kind=uvc with "
         "--camera 0, "

@@ -46,7 +46,6 @@ struct CollectConfig {
     v.group("decorators", decorators, "what is put around that policy");
   }
   void validate() const {
-    collection.rig.validate();
     if (by == "policy" && policy.empty())
       throw common::ConfigError("by = policy: --policy DIR is missing; name a policy checkpoint");
     if (!repeatable() && collection.sessions != 1)

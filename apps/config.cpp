@@ -7,23 +7,23 @@ namespace lodestone::apps {
 namespace {
 
 void print_rows(const std::vector<common::ConfigRow>& rows) {
-  const auto width = [&rows](const char* title, auto member) {
+  const auto width = [&rows](const char* title, auto text) {
     std::size_t widest = std::string(title).size();
-    for (const common::ConfigRow& row : rows) widest = std::max(widest, (row.*member).size());
+    for (const common::ConfigRow& row : rows) widest = std::max(widest, text(row).size());
     return static_cast<int>(widest);
   };
-  const int key = width("key", &common::ConfigRow::key);
-  const int value = width("value", &common::ConfigRow::value);
-  const int unit = width("unit", &common::ConfigRow::unit);
-  const int bounds = width("bounds", &common::ConfigRow::bounds);
-  const int source = width("default", &common::ConfigRow::source);
+  const int key = width("key", [](const auto& row) { return row.key; });
+  const int value = width("value", [](const auto& row) { return row.value.dump(); });
+  const int unit = width("unit", [](const auto& row) { return row.unit; });
+  const int bounds = width("bounds", [](const auto& row) { return row.bounds; });
+  const int source = width("default", [](const auto& row) { return row.source; });
   const auto line = [&](const char* a, const char* b, const char* c, const char* d, const char* e,
                         const char* f) {
     std::printf("%-*s  %-*s  %-*s  %-*s  %-*s  %s\n", key, a, value, b, source, c, unit, d, bounds, e, f);
   };
   line("key", "value", "from", "unit", "bounds", "meaning");
   for (const common::ConfigRow& row : rows)
-    line(row.key.c_str(), row.value.c_str(), row.source.empty() ? "default" : row.source.c_str(),
+    line(row.key.c_str(), row.value.dump().c_str(), row.source.empty() ? "default" : row.source.c_str(),
          row.unit.c_str(), row.bounds.c_str(), row.meaning.c_str());
 }
 

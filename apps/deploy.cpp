@@ -49,13 +49,11 @@ struct DeployConfig {
     v.field("realtime", realtime, "", "wait as long as a real rig would");
   }
   void validate() const {
-    deployment.rig.validate();
     if (deployment.record.enabled && deployment.sensor.kind != "camera")
-      throw common::ConfigError(
-          "record.enabled = true needs sensor.kind = \"camera\": there is nothing to film");
+      throw common::InvalidConfig("record.enabled", true,
+                                  "be false unless sensor.kind = \"camera\": there is nothing to film");
     if (!target_mm.empty() && target_mm.size() != 2)
-      throw common::ConfigError("target_mm holds " + std::to_string(target_mm.size()) +
-                                " numbers, must be two: x and y in mm");
+      throw common::InvalidConfig("target_mm", target_mm, "hold two numbers: x and y in mm");
   }
 };
 
@@ -135,7 +133,7 @@ DeploymentJob plan_job(const DeployConfig& config) {
   }
   if (config.controller == "baseline" || config.controller == "both")
     job.sources.push_back(experiments::baseline_source(config.deployment));
-  if (config.deployment.trials.within == "reachable") {
+  if (config.deployment.trials.within == task::Within::kReachable) {
     if (!policy || !policy->region)
       throw common::ConfigError(
           "trials.within = \"reachable\" needs a policy that was trained with task.within = "

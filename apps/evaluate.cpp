@@ -41,9 +41,7 @@ struct SegmenterOptions {
 /// What `--rig` holds; the paper's rig without one.
 rig::RigConfig rig_of(const std::string& file) {
   if (file.empty()) return {};
-  auto rig = common::config_from_json<rig::RigConfig>(common::read_json_file(file), file);
-  rig.validate();
-  return rig;
+  return common::config_from_json<rig::RigConfig>(common::read_json_file(file), file);
 }
 
 void evaluate_segmenter(const SegmenterOptions& options) {

@@ -55,7 +55,6 @@ struct HilConfig {
     v.field("error_bound", error_bound, "",
             "largest relative difference from the simulated coils' mean error", {0.0, 10.0});
   }
-  void validate() const { deployment.rig.validate(); }
 };
 
 experiments::ControllerSource source_of(const HilConfig& config) {
@@ -247,10 +246,10 @@ common::Json run_live(const HilConfig& config, const std::string& out, Figures& 
   const auto renderer = std::make_shared<const imaging::SceneRenderer>(
       imaging::draw_scene(scene, static_cast<std::uint64_t>(deployment.sensor_seed)));
   emulation::LiveBench live(deployment.rig, static_cast<std::uint64_t>(deployment.rig_seed), renderer);
-  deployment.rig.backend = "serial";
+  deployment.rig.backend = rig::Backend::kSerial;
   deployment.rig.serial.port = live.port();
   rig::CameraSourceConfig& camera = deployment.rig.camera;
-  camera.kind = "genicam";
+  camera.kind = rig::CameraKind::kGenicam;
   camera.source = live.camera();
   camera.pixel_format = "RGB8";
   camera.width_px = renderer->scene().camera.width_px;

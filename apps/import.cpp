@@ -24,7 +24,6 @@ struct ImportConfig {
     import.visit(v);
     v.group("rig", rig, "the rig that was recorded");
   }
-  void validate() const { rig.validate(); }
 };
 
 struct ImportOptions : CommonOptions {

@@ -3,6 +3,7 @@
 
 #include "lodestone/common/files.h"
 #include "lodestone/common/log.h"
+#include "lodestone/geometry/path.h"
 #include "lodestone/rig/field_map.h"
 #include "lodestone/rig/rig_config.h"
 #include "rig_check.h"
@@ -19,7 +20,6 @@ struct FieldConfig {
   void visit(Visitor& v) {
     v.group("rig", rig, "the rig");
   }
-  void validate() const { rig.validate(); }
 };
 
 struct FieldOptions {
@@ -32,7 +32,7 @@ struct FieldOptions {
 void field(const FieldOptions& options) {
   const auto config = resolve_config<FieldConfig>(options.common);
   const int coil = rig::coil_index(options.coil);
-  const std::vector<geometry::Vector2> points = rig::read_points_csv(options.points);
+  const std::vector<geometry::Vector2> points = geometry::read_points_csv(options.points);
   const std::string csv =
       rig::field_csv(points, rig::field_per_ampere(config.rig.coils.geometry, coil, points));
   if (!options.plot.empty()) {

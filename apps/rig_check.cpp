@@ -43,7 +43,6 @@ struct BenchConfig {
     v.group("safety", safety, "limits of the supervisor");
     v.group("sensor", sensor, "how poses are sensed");
   }
-  void validate() const { rig.validate(); }
 };
 
 struct CheckOptions {
@@ -284,10 +283,10 @@ void emulate(const CheckOptions& options) {
   }
   emulation::LiveBench bench(config.rig, static_cast<std::uint64_t>(config.seed), renderer);
   rig::RigConfig rig = config.rig;
-  rig.backend = "serial";
+  rig.backend = rig::Backend::kSerial;
   rig.serial.port = bench.port();
   if (renderer) {
-    rig.camera.kind = "genicam";
+    rig.camera.kind = rig::CameraKind::kGenicam;
     rig.camera.source = bench.camera();
     rig.camera.serial = bench.camera_serial();
     rig.camera.pixel_format = "RGB8";

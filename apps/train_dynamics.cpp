@@ -25,7 +25,6 @@ struct DynamicsRunConfig {
     training.visit(v);
     v.group("rig", rig, "the rig, where one is named: recordings of another are refused");
   }
-  void validate() const { rig.validate(); }
 };
 
 /// Recordings say what rig they are of.

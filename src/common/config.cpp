@@ -1,28 +1,23 @@
 #include "lodestone/common/config.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <sstream>
 
-#include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "lodestone/common/spelling.h"
 
 namespace lodestone::common {
 namespace {
 
-std::string number_text(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
-
 std::string bounds_text(const Bounds& bounds) {
   if (std::isinf(bounds.min) && std::isinf(bounds.max)) return "";
-  if (std::isinf(bounds.max)) return ">= " + number_text(bounds.min);
-  if (std::isinf(bounds.min)) return "<= " + number_text(bounds.max);
-  return number_text(bounds.min) + " .. " + number_text(bounds.max);
+  if (std::isinf(bounds.max)) return fmt::format(">= {:g}", bounds.min);
+  if (std::isinf(bounds.min)) return fmt::format("<= {:g}", bounds.max);
+  return fmt::format("{:g} .. {:g}", bounds.min, bounds.max);
 }
 
 }  // namespace
@@ -61,29 +56,38 @@ void ConfigReader::fail(const std::string& key, const Json& value, const std::st
                     expectation);
 }
 
-void ConfigReader::check(const char* key, const Json& value, double number, const Bounds& bounds) const {
-  if (!std::isfinite(number)) fail(key, value, "a finite number");
-  if (number < bounds.min || number > bounds.max) fail(key, value, "within " + bounds_text(bounds));
+void ConfigReader::refuse(const InvalidConfig& error) const {
+  std::string source = sources_.given(prefix_ + error.key());
+  if (source.empty()) source = sources_.of(prefix_.substr(0, prefix_.rfind('.')));
+  throw ConfigError(source + ": " + prefix_ + error.what());
+}
+
+double ConfigReader::number(const char* key, const Json& whole, const Json& item,
+                            const std::string& expectation, const Bounds& bounds) const {
+  if (!item.is_number()) fail(key, whole, expectation);
+  const double value = item.get<double>();
+  if (!std::isfinite(value)) fail(key, whole, "a finite number");
+  if (value < bounds.min || value > bounds.max) fail(key, whole, "within " + bounds_text(bounds));
+  return value;
+}
+
+std::int64_t ConfigReader::whole_number(const char* key, const Json& whole, const Json& item,
+                                        const std::string& expectation, const Bounds& bounds) const {
+  if (item.is_number_float()) {
+    const double value = item.get<double>();
+    if (!(std::abs(value) < 9e15 && std::floor(value) == value)) fail(key, whole, expectation);
+  }
+  const double value = number(key, whole, item, expectation, bounds);
+  return item.is_number_integer() ? item.get<std::int64_t>() : static_cast<std::int64_t>(value);
 }
 
 void ConfigReader::field(const char* key, double& value, const char* unit, const char*, Bounds bounds) {
-  const Json* json = find(key);
-  if (json == nullptr) return;
-  if (!json->is_number()) fail(key, *json, *unit == '\0' ? "a number" : std::string("a number in ") + unit);
-  check(key, *json, json->get<double>(), bounds);
-  value = json->get<double>();
+  const std::string expectation = *unit == '\0' ? "a number" : std::string("a number in ") + unit;
+  if (const Json* json = find(key)) value = number(key, *json, *json, expectation, bounds);
 }
 
 void ConfigReader::field(const char* key, std::int64_t& value, const char*, const char*, Bounds bounds) {
-  const Json* json = find(key);
-  if (json == nullptr) return;
-  const bool whole =
-      json->is_number_integer() || (json->is_number_float() && std::abs(json->get<double>()) < 9e15 &&
-                                    std::floor(json->get<double>()) == json->get<double>());
-  if (!whole) fail(key, *json, "a whole number");
-  check(key, *json, json->get<double>(), bounds);
-  value =
-      json->is_number_integer() ? json->get<std::int64_t>() : static_cast<std::int64_t>(json->get<double>());
+  if (const Json* json = find(key)) value = whole_number(key, *json, *json, "a whole number", bounds);
 }
 
 void ConfigReader::field(const char* key, bool& value, const char*, const char*) {
@@ -108,38 +112,28 @@ void ConfigReader::field(const char* key, std::vector<double>& value, const char
   const Json* json = find(key);
   if (json == nullptr) return;
   if (!json->is_array()) fail(key, *json, "a list of numbers");
-  std::vector<double> numbers;
-  for (const Json& item : *json) {
-    if (!item.is_number()) fail(key, *json, "a list of numbers");
-    check(key, *json, item.get<double>(), bounds);
-    numbers.push_back(item.get<double>());
-  }
-  value = std::move(numbers);
+  value.clear();
+  for (const Json& item : *json) value.push_back(number(key, *json, item, "a list of numbers", bounds));
 }
 
 void ConfigReader::field(const char* key, std::vector<std::int64_t>& value, const char*, const char*,
                          Bounds bounds) {
   const Json* json = find(key);
   if (json == nullptr) return;
-  if (!json->is_array()) fail(key, *json, "a list of whole numbers");
-  std::vector<std::int64_t> numbers;
-  for (const Json& item : *json) {
-    if (!item.is_number_integer()) fail(key, *json, "a list of whole numbers");
-    check(key, *json, item.get<double>(), bounds);
-    numbers.push_back(item.get<std::int64_t>());
-  }
-  value = std::move(numbers);
+  const char* const expectation = "a list of whole numbers";
+  if (!json->is_array()) fail(key, *json, expectation);
+  value.clear();
+  for (const Json& item : *json) value.push_back(whole_number(key, *json, item, expectation, bounds));
 }
 
 void ConfigReader::field(const char* key, Range& value, const char*, const char*, Bounds bounds) {
   const Json* json = find(key);
   if (json == nullptr) return;
-  const bool pair =
-      json->is_array() && json->size() == 2 && json->at(0).is_number() && json->at(1).is_number();
-  if (!pair || json->at(0).get<double>() > json->at(1).get<double>())
-    fail(key, *json, "[low, high] with low <= high");
-  for (const Json& item : *json) check(key, *json, item.get<double>(), bounds);
-  value = {json->at(0).get<double>(), json->at(1).get<double>()};
+  const char* const expectation = "[low, high] with low <= high";
+  if (!json->is_array() || json->size() != 2) fail(key, *json, expectation);
+  value.low = number(key, *json, json->at(0), expectation, bounds);
+  value.high = number(key, *json, json->at(1), expectation, bounds);
+  if (value.low > value.high) fail(key, *json, expectation);
 }
 
 void ConfigReader::retired(const char* key, const char* successor) const {
@@ -158,38 +152,27 @@ void ConfigReader::finish() const {
   }
 }
 
-void ConfigDescriber::add(const char* key, const Json& value, const char* unit, const char* meaning,
-                          std::string bounds) {
-  rows_.push_back(
-      {prefix_ + key, value.dump(), unit, std::move(bounds), meaning, sources_.given(prefix_ + key)});
+void ConfigDescriber::add(const char* key, Json value, const char* unit, const char* meaning,
+                          const Bounds& bounds) {
+  const std::string within = value.is_boolean() ? "true | false" : bounds_text(bounds);
+  rows_.push_back({prefix_ + key, std::move(value), unit, within, meaning, sources_.given(prefix_ + key)});
 }
 
-void ConfigDescriber::field(const char* key, double& value, const char* unit, const char* meaning,
-                            Bounds bounds) {
-  add(key, value, unit, meaning, bounds_text(bounds));
-}
-void ConfigDescriber::field(const char* key, std::int64_t& value, const char* unit, const char* meaning,
-                            Bounds bounds) {
-  add(key, value, unit, meaning, bounds_text(bounds));
-}
-void ConfigDescriber::field(const char* key, bool& value, const char* unit, const char* meaning) {
-  add(key, value, unit, meaning, "true | false");
-}
-void ConfigDescriber::field(const char* key, std::string& value, const char* unit, const char* meaning,
+void ConfigDescriber::field(const char* key, const std::string& value, const char* unit, const char* meaning,
                             Choices choices) {
-  add(key, value, unit, meaning, joined(choices, " | "));
+  add(key, value, unit, meaning, {});
+  rows_.back().bounds = joined(choices, " | ");
 }
-void ConfigDescriber::field(const char* key, std::vector<double>& value, const char* unit,
-                            const char* meaning, Bounds bounds) {
-  add(key, value, unit, meaning, bounds_text(bounds));
-}
-void ConfigDescriber::field(const char* key, std::vector<std::int64_t>& value, const char* unit,
-                            const char* meaning, Bounds bounds) {
-  add(key, value, unit, meaning, bounds_text(bounds));
-}
-void ConfigDescriber::field(const char* key, Range& value, const char* unit, const char* meaning,
-                            Bounds bounds) {
-  add(key, {value.low, value.high}, unit, meaning, bounds_text(bounds));
+
+Json config_to_json(const std::vector<ConfigRow>& rows) {
+  Json json = Json::object();
+  for (const ConfigRow& row : rows) {
+    Json* node = &json;
+    std::istringstream path(row.key);
+    for (std::string step; std::getline(path, step, '.');) node = &(*node)[step];
+    *node = row.value;
+  }
+  return json;
 }
 
 Json read_json_file(const std::string& path) {

@@ -1,9 +1,10 @@
 #include "lodestone/control/planner.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <string>
 
 #include "lodestone/common/error.h"
 #include "lodestone/geometry/saturation.h"
@@ -21,8 +22,7 @@ constexpr double kLeastSpread = 0.02;
 
 void PlannerConfig::validate() const {
   if (elites > candidates)
-    throw common::ConfigError("planner.elites = " + std::to_string(elites) +
-                              " must not exceed planner.candidates = " + std::to_string(candidates));
+    throw common::InvalidConfig("elites", elites, fmt::format("not exceed candidates = {}", candidates));
 }
 
 PlannerModel::PlannerModel(const inference::DynamicsModel& model)

@@ -5,15 +5,19 @@
 #include <cmath>
 #include <optional>
 
-#include "csv_table.h"
 #include "impossible_rows.h"
+#include "lodestone/common/csv_table.h"
+#include "lodestone/common/spelling.h"
 #include "lodestone/common/statistics.h"
 #include "lodestone/geometry/pose2.h"
 
 namespace lodestone::data {
 namespace {
 
+using common::CsvTable;
 using common::DataError;
+using common::joined;
+using common::RowError;
 
 const std::vector<std::string> kPulseColumns = {"coil",        "drive_percent", "x_before_mm",
                                                 "y_before_mm", "x_after_mm",    "y_after_mm"};
@@ -40,12 +44,6 @@ constexpr double kMostImpossible = 0.05;
 // in.
 constexpr double kWorkspaceQuantile = 0.995;
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 /// Runs `read` on every row, and settles what a malformed one does.
 template <class Read, class OnSkip>
 void for_each_row(CsvTable& table, const CsvImportConfig& config, CsvImportResult& result, const Read& read,
@@ -56,7 +54,7 @@ void for_each_row(CsvTable& table, const CsvImportConfig& config, CsvImportResul
       table.check_width();
       read();
     } catch (const RowError& error) {
-      if (config.on_error != "skip")
+      if (config.on_error != OnError::kSkip)
         throw DataError(std::string(error.what()) + " (--on-error skip leaves such rows out)");
       ++result.skipped;
       if (static_cast<std::int64_t>(result.problems.size()) < config.max_reported)
@@ -158,7 +156,7 @@ void read_pulses(CsvTable& table, const CsvImportConfig& config, const std::stri
   for_each_row(table, config, result, read, [&] { recording.cut(); });
   recording.cut();
   const std::vector<double> radii_m = radii_of(result.dataset.episodes);
-  if (radii_m.size() >= kFewestPositions && config.impossible == "leave_out")
+  if (radii_m.size() >= kFewestPositions && config.impossible == Impossible::kLeaveOut)
     leave_out_impossible(result, recording,
                          kUnknownDishMargin * common::percentile(radii_m, kWorkspaceQuantile), path);
 
@@ -188,8 +186,8 @@ class LogReader {
     row.frame = table_.number(columns_[0]);
     if (row.frame != std::floor(row.frame)) table_.fail(columns_[0], "a whole number");
     row.drive = {signed_drive(3, 4), signed_drive(1, 2)};
-    const double metres = config_.position_unit == "mm" ? 1.0 / kMmPerM : 1.0;
-    const double radians = config_.angle_unit == "deg" ? M_PI / 180.0 : 1.0;
+    const double metres = config_.position_unit == PositionUnit::kMm ? 1.0 / kMmPerM : 1.0;
+    const double radians = config_.angle_unit == AngleUnit::kDeg ? M_PI / 180.0 : 1.0;
     const double up = config_.y_down ? -1.0 : 1.0;
     row.pose[0] = (table_.number(columns_[5]) - config_.centre_x) * metres;
     row.pose[1] = up * (table_.number(columns_[6]) - config_.centre_y) * metres;
@@ -241,7 +239,8 @@ void read_log(CsvTable& table, const CsvImportConfig& config, const std::string&
   };
   for_each_row(table, config, result, read, cut);
   cut();
-  if (config.impossible == "leave_out") leave_out_impossible(result, recording, config.dish_radius_m, path);
+  if (config.impossible == Impossible::kLeaveOut)
+    leave_out_impossible(result, recording, config.dish_radius_m, path);
 
   DatasetInfo& info = result.dataset.info;
   info.layout = StateLayout::kPose;

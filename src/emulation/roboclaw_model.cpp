@@ -93,6 +93,52 @@ void RoboClawModel::answer(const std::vector<std::uint8_t>& data) {
     answer_.push_back({data[i], now_s_ + kThink_s + static_cast<double>(i) * kByte_s});
 }
 
+std::vector<std::uint8_t> RoboClawModel::reading(std::uint8_t command) const {
+  std::vector<std::uint8_t> reply;
+  switch (command) {
+    case 15:
+      reply.push_back(static_cast<std::uint8_t>(std::lround(timeout_s_ * 10.0)));
+      break;
+    case 24:
+      put16(reply, std::lround(supply_V * 10.0));
+      break;
+    case 49:
+      for (const double current : current_A) put16(reply, std::lround(current * 100.0));
+      break;
+    case 82:
+    case 83:
+      put16(reply, std::lround(board_C * 10.0));
+      break;
+    default:
+      put16(reply, static_cast<long>(status() >> 16));
+      put16(reply, static_cast<long>(status() & 0xffffu));
+  }
+  return reply;
+}
+
+void RoboClawModel::carry_out(std::uint8_t command, const std::uint8_t* data) {
+  switch (command) {
+    case 14:
+      timeout_s_ = data[0] / 10.0;
+      break;
+    case 32:
+    case 33:
+      outputs_[command - 32].target = signed16(data);
+      break;
+    case 34:
+      outputs_[0].target = signed16(data);
+      outputs_[1].target = signed16(data + 2);
+      break;
+    case 68:
+    case 69:
+      outputs_[command - 68].ramp = unsigned32(data);
+      break;
+    default:
+      outputs_[command - 133].max_current_A = unsigned32(data) / 100.0;
+      break;
+  }
+}
+
 /// Carries out the packet when it is whole. True when it is done with, or of no use.
 bool RoboClawModel::handle_packet() {
   if (packet_.size() < 2) return false;
@@ -102,25 +148,7 @@ bool RoboClawModel::handle_packet() {
   if (data == -1) {
     if (!mine) return true;
     heard_s_ = now_s_;
-    std::vector<std::uint8_t> reply;
-    switch (packet_[1]) {
-      case 15:
-        reply.push_back(static_cast<std::uint8_t>(std::lround(timeout_s_ * 10.0)));
-        break;
-      case 24:
-        put16(reply, std::lround(supply_V * 10.0));
-        break;
-      case 49:
-        for (const double current : current_A) put16(reply, std::lround(current * 100.0));
-        break;
-      case 82:
-      case 83:
-        put16(reply, std::lround(board_C * 10.0));
-        break;
-      default:
-        put16(reply, static_cast<long>(status() >> 16));
-        put16(reply, static_cast<long>(status() & 0xffffu));
-    }
+    std::vector<std::uint8_t> reply = reading(packet_[1]);
     std::vector<std::uint8_t> covered = packet_;
     covered.insert(covered.end(), reply.begin(), reply.end());
     put16(reply, crc16(covered));
@@ -133,34 +161,7 @@ bool RoboClawModel::handle_packet() {
   const auto sent = static_cast<std::uint16_t>(packet_[whole - 2] << 8 | packet_[whole - 1]);
   if (!mine || crc16(covered) != sent) return true;
   heard_s_ = now_s_;
-  const std::uint8_t* at = packet_.data() + 2;
-  switch (packet_[1]) {
-    case 14:
-      timeout_s_ = at[0] / 10.0;
-      break;
-    case 32:
-      outputs_[0].target = signed16(at);
-      break;
-    case 33:
-      outputs_[1].target = signed16(at);
-      break;
-    case 34:
-      outputs_[0].target = signed16(at);
-      outputs_[1].target = signed16(at + 2);
-      break;
-    case 68:
-      outputs_[0].ramp = unsigned32(at);
-      break;
-    case 69:
-      outputs_[1].ramp = unsigned32(at);
-      break;
-    case 133:
-      outputs_[0].max_current_A = unsigned32(at) / 100.0;
-      break;
-    default:
-      outputs_[1].max_current_A = unsigned32(at) / 100.0;
-      break;
-  }
+  carry_out(packet_[1], packet_.data() + 2);
   answer({0xff});
   return true;
 }

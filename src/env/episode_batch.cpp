@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/saturation.h"
 
 namespace lodestone::env {
 namespace {
@@ -84,8 +85,7 @@ void EpisodeBatch::begin(std::size_t i,
 }
 
 geometry::Vector2 EpisodeBatch::drive(std::size_t i, const float* action) {
-  const geometry::Vector2 wanted(std::clamp(static_cast<double>(action[0]), -1.0, 1.0),
-                                 std::clamp(static_cast<double>(action[1]), -1.0, 1.0));
+  const geometry::Vector2 wanted = geometry::saturated({action[0], action[1]});
   slots_[i].seen.last_action = wanted;
   return task::axis_drive(wanted, settings_.action);
 }
@@ -147,7 +147,7 @@ void EpisodeBatch::load(const Snapshot& snapshot) {
     Slot& slot = slots_[i];
     double heading_rad = 0.0;
     visit_numbers(slot.pose, slot.seen, heading_rad, [&](double& value) { value = *number++; });
-    if (settings_.task.goal == "pose") slot.seen.target_heading_rad = heading_rad;
+    if (settings_.task.goal == task::GoalKind::kPose) slot.seen.target_heading_rad = heading_rad;
     slot.step = *step++;
     slot.age = *step++;
     slot.random.restore(snapshot.facts.at("random").at(i).get<std::string>());

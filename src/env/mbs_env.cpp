@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/saturation.h"
 
 namespace lodestone::env {
 namespace {
@@ -47,8 +48,8 @@ MbsEnv::MbsEnv(const inference::DynamicsModel& model, const EpisodeSettings& set
       drive_factor_(static_cast<std::size_t>(settings.count), 1.0),
       pool_(static_cast<std::size_t>(threads)) {
   LODESTONE_CHECK(!members_.empty(), "the ensemble has no member");
-  if (state_size_ == 2 && settings.encoder.heading != "none") {
-    throw common::ConfigError("encoder.heading = \"" + settings.encoder.heading +
+  if (state_size_ == 2 && settings.encoder.heading != task::HeadingEncoding::kNone) {
+    throw common::ConfigError("encoder.heading = \"" + common::name_of(settings.encoder.heading) +
                               "\", but the model's state has no heading; set it to \"none\"");
   }
   if (sample_ && model.config.components == 0)
@@ -128,11 +129,8 @@ void MbsEnv::choose_drives(std::size_t first, std::size_t last, const float* act
   scratch.drive.resize(2 * (last - first));
   for (std::size_t i = first; i < last; ++i) {
     geometry::Vector2 drive = episodes_.drive(i, actions + 2 * i);
-    if (config_.breakaway_scatter > 0.0) {
-      drive = (drive * drive_factor_[i])
-                  .cwiseMax(-limit)
-                  .cwiseMin(limit);  // the data know no more than the limit
-    }
+    if (config_.breakaway_scatter > 0.0)
+      drive = geometry::saturated(drive * drive_factor_[i], limit);  // the data know no more than the limit
     common::RandomStream& random = episodes_.random(i);
     if (config_.stall_probability > 0.0 && random.uniform() < config_.stall_probability) drive.setZero();
     if (ensemble_ == Ensemble::kPerStep)

@@ -1,16 +1,18 @@
 #include "lodestone/env/replay_env.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string>
 
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/saturation.h"
 
 namespace lodestone::env {
 
 void ReplayConfig::validate() const {
   if (shortest > longest)
-    throw common::ConfigError("replay.shortest = " + std::to_string(shortest) +
-                              " must not be larger than replay.longest = " + std::to_string(longest));
+    throw common::InvalidConfig("shortest", shortest, fmt::format("not exceed longest = {}", longest));
 }
 
 ReplayEnv::ReplayEnv(const data::Dataset& dataset, const EpisodeSettings& settings,
@@ -27,8 +29,8 @@ ReplayEnv::ReplayEnv(const data::Dataset& dataset, const EpisodeSettings& settin
   if (recorded_.empty())
     throw common::ConfigError("replay.shortest = " + std::to_string(config.shortest) +
                               ": no recorded episode is that long");
-  if (state_size_ == 2 && settings.encoder.heading != "none")
-    throw common::ConfigError("encoder.heading = \"" + settings.encoder.heading +
+  if (state_size_ == 2 && settings.encoder.heading != task::HeadingEncoding::kNone)
+    throw common::ConfigError("encoder.heading = \"" + common::name_of(settings.encoder.heading) +
                               "\", but the recording has no heading; set it to \"none\"");
   reset();
 }
@@ -67,7 +69,7 @@ const StepResult& ReplayEnv::step(const std::vector<float>& actions) {
     const data::Episode& episode = recorded_[static_cast<std::size_t>(stretch.episode)];
     const double* drive = &episode.actions[2 * static_cast<std::size_t>(stretch.next)];
     const geometry::Vector2 action =
-        geometry::Vector2(drive[0] / action_scale_, drive[1] / action_scale_).cwiseMax(-1.0).cwiseMin(1.0);
+        geometry::saturated({drive[0] / action_scale_, drive[1] / action_scale_});
     episodes_.note_action(i, action);
     done[2 * i] = static_cast<float>(action.x());
     done[2 * i + 1] = static_cast<float>(action.y());

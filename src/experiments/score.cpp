@@ -1,6 +1,7 @@
 #include "lodestone/experiments/score.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/statistics.h"
@@ -85,9 +86,7 @@ ErrorSummary summarise(std::vector<double> values) {
   summary.mean = common::mean(values);
   summary.std = common::standard_deviation(values);
   summary.rms = common::root_mean_square(values);
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  summary.median = values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+  summary.median = common::median(std::move(values));
   return summary;
 }
 

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
-#include <sstream>
 
-#include "lodestone/common/error.h"
+#include "lodestone/common/csv_table.h"
+#include "lodestone/common/spelling.h"
 
 namespace lodestone::geometry {
 
@@ -36,30 +35,22 @@ Path Path::circle(double radius_m, int segments) {
   return Path(std::move(points), true);
 }
 
-Path Path::from_csv(const std::string& file) {
-  std::ifstream stream(file);
-  if (!stream) throw DataError("cannot read path file " + file);
-  std::string line;
-  std::getline(stream, line);
-  if (!line.empty() && line.back() == '\r') line.pop_back();
-  if (line != "x_m,y_m") throw DataError(file + ":1:1: the header must be x_m,y_m, found \"" + line + "\"");
+std::vector<Vector2> read_points_csv(const std::string& file) {
+  common::CsvTable table(file);
+  if (table.header() != std::vector<std::string>{"x_m", "y_m"})
+    throw DataError(file + ":1: the header must be x_m,y_m, found \"" + common::joined(table.header(), ",") +
+                    "\"");
   std::vector<Vector2> points;
-  for (int number = 2; std::getline(stream, line); ++number) {
-    if (line.empty() || line == "\r") continue;
-    Vector2 point;
-    std::istringstream cells(line);
-    for (int column = 0; column < 2; ++column) {
-      std::string cell;
-      std::getline(cells, cell, ',');
-      char* end = nullptr;
-      point[column] = std::strtod(cell.c_str(), &end);
-      while (end != nullptr && (*end == '\r' || *end == ' ')) ++end;
-      if (cell.empty() || *end != '\0' || !std::isfinite(point[column]))
-        throw DataError(file + ":" + std::to_string(number) + ": column " + std::to_string(column + 1) +
-                        " (" + (column == 0 ? "x_m" : "y_m") + ") = \"" + cell + "\" is not a finite number");
-    }
-    points.push_back(point);
+  while (table.next()) {
+    table.check_width();
+    points.emplace_back(table.number(0), table.number(1));
   }
+  if (points.empty()) throw DataError(file + ": no points; expected at least one row below the header");
+  return points;
+}
+
+Path Path::from_csv(const std::string& file) {
+  std::vector<Vector2> points = read_points_csv(file);
   const bool closed = points.size() > 2 && points.front() == points.back();
   return Path(std::move(points), closed);
 }

@@ -10,6 +10,7 @@
 #include "dish_edges.h"
 #include "dish_search.h"
 #include "lodestone/common/error.h"
+#include "lodestone/common/statistics.h"
 
 namespace lodestone::imaging {
 namespace {
@@ -158,10 +159,7 @@ class DishFitter {
   void weigh() {
     std::vector<double> sizes;
     for (const Found& found : found_) sizes.push_back(std::abs(found.residual(camera_)));
-    std::vector<double> order = sizes;
-    std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(order.size() / 2),
-                     order.end());
-    const double scale = std::max(1.4826 * order[order.size() / 2], kLeastScale_px);
+    const double scale = std::max(1.4826 * common::median(sizes), kLeastScale_px);
     for (std::size_t i = 0; i < sizes.size(); ++i) {
       const double ratio = sizes[i] / (kTukey * scale);
       found_[i].weight = ratio < 1.0 ? (1.0 - ratio * ratio) * (1.0 - ratio * ratio) : 0.0;

@@ -1,5 +1,7 @@
 #include "lodestone/imaging/charuco.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,7 +12,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "lodestone/common/error.h"
+#include "lodestone/common/config.h"
 #include "lodestone/common/files.h"
 
 namespace lodestone::imaging {
@@ -100,11 +102,11 @@ void set_pose(CameraModel& camera, const cv::Mat& rotation_vector, const cv::Mat
 
 void CharucoConfig::validate() const {
   if (!(marker_m < 0.9 * square_m))
-    throw common::ConfigError("board: marker_m = " + std::to_string(marker_m) +
-                              " must be below 0.9 of square_m = " + std::to_string(square_m));
+    throw common::InvalidConfig("marker_m", marker_m, fmt::format("be below 0.9 of square_m = {}", square_m));
   if (squares_x * squares_y / 2 > kMarkersOfDictionary)
-    throw common::ConfigError("board: squares_x x squares_y = " + std::to_string(squares_x * squares_y) +
-                              " must be at most 100: the dictionary has 50 markers");
+    throw common::InvalidConfig(
+        "squares_x", squares_x,
+        fmt::format("times squares_y = {} be at most 100: the dictionary has 50 markers", squares_y));
 }
 
 cv::Mat draw_charuco(const CharucoConfig& board) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lodestone/geometry/saturation.h"
+
 namespace lodestone::physics {
 
 CoilCircuit::CoilCircuit(const CircuitConfig& config) : config_(config) {
@@ -10,7 +12,7 @@ CoilCircuit::CoilCircuit(const CircuitConfig& config) : config_(config) {
 }
 
 void CoilCircuit::demand(double current_A) {
-  state_.duty = std::clamp(current_A * config_.resistance_20C_ohm / config_.supply_V, -1.0, 1.0);
+  state_.duty = geometry::saturated(current_A * config_.resistance_20C_ohm / config_.supply_V);
 }
 
 double CoilCircuit::resistance_ohm() const {

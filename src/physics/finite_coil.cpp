@@ -1,8 +1,10 @@
 #include "lodestone/physics/finite_coil.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
-#include "lodestone/common/error.h"
+#include "lodestone/common/config.h"
 
 namespace lodestone::physics {
 namespace {
@@ -44,15 +46,13 @@ Quadrature gauss_legendre(int order) {
 }  // namespace
 
 void CoilGeometry::validate() const {
-  if (inner_radius_m >= outer_radius_m) {
-    throw common::ConfigError("coil: inner_radius_m = " + std::to_string(inner_radius_m) +
-                              " must be below outer_radius_m = " + std::to_string(outer_radius_m));
-  }
-  if (centre_distance_m <= length_m / 2.0) {
-    throw common::ConfigError("coil: centre_distance_m = " + std::to_string(centre_distance_m) +
-                              " must exceed half of length_m = " + std::to_string(length_m) +
-                              ", or the winding reaches the dish centre");
-  }
+  if (inner_radius_m >= outer_radius_m)
+    throw common::InvalidConfig("inner_radius_m", inner_radius_m,
+                                fmt::format("be below outer_radius_m = {}", outer_radius_m));
+  if (centre_distance_m <= length_m / 2.0)
+    throw common::InvalidConfig(
+        "centre_distance_m", centre_distance_m,
+        fmt::format("exceed half of length_m = {}, or the winding reaches the dish centre", length_m));
 }
 
 CoilGeometry published_coil_geometry() {

@@ -1,10 +1,11 @@
 #include "lodestone/physics/friction_map.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <string>
 
-#include "lodestone/common/error.h"
+#include "lodestone/common/config.h"
 #include "lodestone/common/random.h"
 
 namespace lodestone::physics {
@@ -15,10 +16,9 @@ constexpr double kSpacing_m = 1e-3;
 }  // namespace
 
 void FrictionConfig::validate() const {
-  if (kinetic_coefficient > static_coefficient) {
-    throw common::ConfigError("friction: kinetic_coefficient = " + std::to_string(kinetic_coefficient) +
-                              " must not exceed static_coefficient = " + std::to_string(static_coefficient));
-  }
+  if (kinetic_coefficient > static_coefficient)
+    throw common::InvalidConfig("kinetic_coefficient", kinetic_coefficient,
+                                fmt::format("not exceed static_coefficient = {}", static_coefficient));
 }
 
 FrictionMap::FrictionMap(const FrictionConfig& config, double reach_m, std::uint64_t seed)

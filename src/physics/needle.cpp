@@ -1,19 +1,19 @@
 #include "lodestone/physics/needle.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <string>
 
-#include "lodestone/common/error.h"
+#include "lodestone/common/config.h"
 
 namespace lodestone::physics {
 
 void NeedleConfig::validate() const {
-  if (chain_m > length_m) {
-    throw common::ConfigError("needle: chain_m = " + std::to_string(chain_m) +
-                              " must not exceed length_m = " + std::to_string(length_m) +
-                              ", for the magnets lie inside the needle");
-  }
+  if (chain_m > length_m)
+    throw common::InvalidConfig(
+        "chain_m", chain_m,
+        fmt::format("not exceed length_m = {}, for the magnets lie inside the needle", length_m));
 }
 
 Wrench magnetic_wrench(const NeedleConfig& needle, const geometry::Pose2& pose, const CoilArray& coils,

@@ -12,6 +12,26 @@ struct NeedleMotion::BodyVelocity {
   double along = 0.0;
   double across = 0.0;
   double spin = 0.0;
+
+  /// Speed of the point this far ahead of the middle.
+  double slide(double ahead_m) const {
+    const double aside = across + spin * ahead_m;
+    return std::sqrt(along * along + aside * aside);
+  }
+};
+
+/// What resists the motion at a velocity: each cell's friction, and moments 0 to 2 of the cross-flow drag
+/// along the needle.
+struct NeedleMotion::Resistance {
+  double friction_N[kCells];
+  double cross_0 = 0.0, cross_1 = 0.0, cross_2 = 0.0;
+};
+
+/// An end of the needle that would touch the wall within the step.
+struct NeedleMotion::Contact {
+  double arm_x, arm_y, normal_x, normal_y;
+  double allowed_m_s;  ///< outwards
+  double normal_impulse = 0.0, tangent_impulse = 0.0;
 };
 
 /// Cosine and sine of the heading.
@@ -89,39 +109,44 @@ bool NeedleMotion::holds(const BodyVelocity& load, const double* factors) const 
   return room > 0.0 && torque * torque < room * (1.0 - across * across);
 }
 
+/// Friction of each cell at this velocity. Cross-flow drag of a cylinder, C_D = 1 + 10 Re^(-2/3) (White,
+/// Viscous Fluid Flow), times speed.
+NeedleMotion::Resistance NeedleMotion::resistance(const BodyVelocity& velocity, const double* factors) const {
+  const double cell_length = needle_.length_m / kCells;
+  const double inertial =
+      0.5 * fluid_.density_kg_m3 * needle_.diameter_m * cell_length * fluid_.cross_flow_factor;
+  const double kinematic = fluid_.viscosity_Pa_s / (fluid_.density_kg_m3 * needle_.diameter_m);
+  const double viscous = 10.0 * std::cbrt(kinematic * kinematic);
+  Resistance found;
+  for (int i = 0; i < kCells; ++i) {
+    const double s = cell_position_m_[i];
+    const double across = velocity.across + velocity.spin * s;
+    const double speed = std::abs(across);
+    found.friction_N[i] =
+        cell_load_N_ * factors[i] *
+        (friction_.kinetic_coefficient + (friction_.static_coefficient - friction_.kinetic_coefficient) *
+                                             std::exp(-velocity.slide(s) / friction_.stribeck_speed_m_s));
+    const double cross =
+        inertial > 0.0 && speed > 0.0 ? inertial * (speed + viscous * std::cbrt(speed)) : 0.0;
+    found.cross_0 += cross;
+    found.cross_1 += cross * s;
+    found.cross_2 += cross * s * s;
+  }
+  return found;
+}
+
 /// One implicit step of the velocity: minimises 1/2 (v - v*)^T A (v - v*) + step * sum of friction_i |v_i|,
 /// where A holds inertia and drag and v* is the step without friction. Iteratively reweighted least squares;
 /// the first guess, v* scaled back by the friction's power, is already exact for pure sliding and pure
 /// turning. Returns false when the needle comes to rest.
 bool NeedleMotion::kick(BodyVelocity& velocity, const BodyVelocity& load, const double* factors, bool held,
                         double step_s) const {
-  double friction_N[kCells];
-  double cross[kCells];
-  // Cross-flow drag of a cylinder, C_D = 1 + 10 Re^(-2/3) (White, Viscous Fluid Flow), times speed.
-  const double cell_length = needle_.length_m / kCells;
-  const double inertial =
-      0.5 * fluid_.density_kg_m3 * needle_.diameter_m * cell_length * fluid_.cross_flow_factor;
-  const double kinematic = fluid_.viscosity_Pa_s / (fluid_.density_kg_m3 * needle_.diameter_m);
-  const double viscous = 10.0 * std::cbrt(kinematic * kinematic);
-  double cross_0 = 0.0, cross_1 = 0.0, cross_2 = 0.0;
-  for (int i = 0; i < kCells; ++i) {
-    const double s = cell_position_m_[i];
-    const double across = velocity.across + velocity.spin * s;
-    const double speed = std::abs(across);
-    const double slide = std::sqrt(velocity.along * velocity.along + across * across);
-    friction_N[i] =
-        cell_load_N_ * factors[i] *
-        (friction_.kinetic_coefficient + (friction_.static_coefficient - friction_.kinetic_coefficient) *
-                                             std::exp(-slide / friction_.stribeck_speed_m_s));
-    cross[i] = inertial > 0.0 && speed > 0.0 ? inertial * (speed + viscous * std::cbrt(speed)) : 0.0;
-    cross_0 += cross[i];
-    cross_1 += cross[i] * s;
-    cross_2 += cross[i] * s * s;
-  }
+  const Resistance resisting = resistance(velocity, factors);
+  const double* friction_N = resisting.friction_N;
   const double a_along = needle_.mass_kg + step_s * drag_.along_N_s_m;
-  const double a_across = needle_.mass_kg + step_s * (drag_.across_N_s_m + cross_0);
-  const double a_mixed = step_s * cross_1;
-  const double a_spin = needle_.inertia_kg_m2 + step_s * (drag_.rotation_N_m_s + cross_2);
+  const double a_across = needle_.mass_kg + step_s * (drag_.across_N_s_m + resisting.cross_0);
+  const double a_mixed = step_s * resisting.cross_1;
+  const double a_spin = needle_.inertia_kg_m2 + step_s * (drag_.rotation_N_m_s + resisting.cross_2);
   const double b_along = needle_.mass_kg * velocity.along + step_s * load.along;
   const double b_across = needle_.mass_kg * velocity.across + step_s * load.across;
   const double b_spin = needle_.inertia_kg_m2 * velocity.spin + step_s * load.spin;
@@ -134,17 +159,11 @@ bool NeedleMotion::kick(BodyVelocity& velocity, const BodyVelocity& load, const 
     return BodyVelocity{b_along / (a_along + k_0), (b_across * ww - b_spin * nw) / determinant,
                         (b_spin * nn - b_across * nw) / determinant};
   };
-  BodyVelocity guess = solve(0.0, 0.0, 0.0);
+  velocity = solve(0.0, 0.0, 0.0);
   double power = 0.0;
-  for (int i = 0; i < kCells; ++i) {
-    const double across = guess.across + guess.spin * cell_position_m_[i];
-    power += friction_N[i] * std::sqrt(guess.along * guess.along + across * across);
-  }
-  if (power == 0.0) {
-    velocity = guess;
-    return true;
-  }
-  const double energy = b_along * guess.along + b_across * guess.across + b_spin * guess.spin;
+  for (int i = 0; i < kCells; ++i) power += friction_N[i] * velocity.slide(cell_position_m_[i]);
+  if (power == 0.0) return true;
+  const double energy = b_along * velocity.along + b_across * velocity.across + b_spin * velocity.spin;
   double scale = 1.0 - step_s * power / energy;
   if (scale <= 0.0 && held) {
     velocity = BodyVelocity{};
@@ -153,21 +172,18 @@ bool NeedleMotion::kick(BodyVelocity& velocity, const BodyVelocity& load, const 
   // Friction stops the motion as a whole but not every part of it: start near rest and iterate longer.
   const int iterations = scale > 0.2 ? 3 : 8;
   scale = std::max(scale, 0.02);
-  guess = {scale * guess.along, scale * guess.across, scale * guess.spin};
+  velocity = {scale * velocity.along, scale * velocity.across, scale * velocity.spin};
   for (int iteration = 0; iteration < iterations; ++iteration) {
     double k_0 = 0.0, k_1 = 0.0, k_2 = 0.0;
     for (int i = 0; i < kCells; ++i) {
       const double s = cell_position_m_[i];
-      const double across = guess.across + guess.spin * s;
-      const double slide = std::sqrt(guess.along * guess.along + across * across);
-      const double k = step_s * friction_N[i] / std::max(slide, kCreep_m_s);
+      const double k = step_s * friction_N[i] / std::max(velocity.slide(s), kCreep_m_s);
       k_0 += k;
       k_1 += k * s;
       k_2 += k * s * s;
     }
-    guess = solve(k_0, k_1, k_2);
+    velocity = solve(k_0, k_1, k_2);
   }
-  velocity = guess;
   return true;
 }
 
@@ -214,18 +230,13 @@ bool NeedleMotion::fits(const geometry::Pose2& pose) const {
   return true;
 }
 
-/// Inelastic contact with friction: no end may pass the wall within the step. Sequential impulses over the
-/// two ends. Impulses only take outward motion away, so that the wall cannot add energy.
-void NeedleMotion::wall_impulses(NeedleState& state, const Axes& axes, double step_s) const {
-  struct Contact {
-    double arm_x, arm_y, normal_x, normal_y, allowed_m_s, normal_impulse, tangent_impulse;
-  };
-  Contact contacts[2];
+int NeedleMotion::find_contacts(const NeedleState& state, const Axes& axes, double step_s,
+                                Contact* contacts) const {
   const auto length = [](double x, double y) { return std::sqrt(x * x + y * y); };
   const double reach =
       needle_.length_m / 2.0 + step_s * (length(state.velocity_x_m_s, state.velocity_y_m_s) +
                                          std::abs(state.spin_rad_s) * needle_.length_m / 2.0);
-  if (length(state.pose.x_m, state.pose.y_m) + reach < dish_.radius_m) return;
+  if (length(state.pose.x_m, state.pose.y_m) + reach < dish_.radius_m) return 0;
   int count = 0;
   for (const double side : {0.5, -0.5}) {
     const double arm_x = side * needle_.length_m * axes.c;
@@ -236,44 +247,51 @@ void NeedleMotion::wall_impulses(NeedleState& state, const Axes& axes, double st
     const double speed = length(state.velocity_x_m_s - state.spin_rad_s * arm_y,
                                 state.velocity_y_m_s + state.spin_rad_s * arm_x);
     const double gap = std::max(0.0, dish_.radius_m - radius);
-    if (speed * step_s < gap) continue;
-    contacts[count++] = {arm_x, arm_y, x / radius, y / radius, gap / step_s, 0.0, 0.0};
+    if (speed * step_s >= gap) contacts[count++] = {arm_x, arm_y, x / radius, y / radius, gap / step_s};
   }
-  if (count == 0) return;
-  const auto push = [&](const Contact& c, double x, double y) {
+  return count;
+}
+
+/// Brings one contact to rest for itself; adds to `change` by how much its impulses changed.
+void NeedleMotion::settle(Contact& c, NeedleState& state, double& change) const {
+  const auto push = [&](double x, double y) {
     state.velocity_x_m_s += x / needle_.mass_kg;
     state.velocity_y_m_s += y / needle_.mass_kg;
     state.spin_rad_s += (c.arm_x * y - c.arm_y * x) / needle_.inertia_kg_m2;
   };
-  const auto mass = [&](const Contact& c, double x, double y) {
+  const auto mass = [&](double x, double y) {
     const double lever = c.arm_x * y - c.arm_y * x;
     return 1.0 / (1.0 / needle_.mass_kg + lever * lever / needle_.inertia_kg_m2);
   };
+  const auto speed_along = [&](double x, double y) {
+    return (state.velocity_x_m_s - state.spin_rad_s * c.arm_y) * x +
+           (state.velocity_y_m_s + state.spin_rad_s * c.arm_x) * y;
+  };
+  const double outward = speed_along(c.normal_x, c.normal_y);
+  const double normal =
+      std::max(0.0, c.normal_impulse + (outward - c.allowed_m_s) * mass(c.normal_x, c.normal_y));
+  push(-(normal - c.normal_impulse) * c.normal_x, -(normal - c.normal_impulse) * c.normal_y);
+  change += std::abs(normal - c.normal_impulse);
+  c.normal_impulse = normal;
+  const double tx = -c.normal_y;
+  const double ty = c.normal_x;
+  const double limit = dish_.wall_friction * c.normal_impulse;
+  const double tangent = std::clamp(c.tangent_impulse - speed_along(tx, ty) * mass(tx, ty), -limit, limit);
+  push((tangent - c.tangent_impulse) * tx, (tangent - c.tangent_impulse) * ty);
+  change += std::abs(tangent - c.tangent_impulse);
+  c.tangent_impulse = tangent;
+}
+
+/// Inelastic contact with friction: no end may pass the wall within the step. Sequential impulses over the
+/// two ends. Impulses only take outward motion away, so that the wall cannot add energy.
+void NeedleMotion::wall_impulses(NeedleState& state, const Axes& axes, double step_s) const {
   constexpr int kIterations = 20;
   constexpr double kSettled_m_s = 1e-9;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
+  Contact contacts[2];
+  const int count = find_contacts(state, axes, step_s, contacts);
+  for (int iteration = 0; iteration < kIterations && count > 0; ++iteration) {
     double change = 0.0;
-    for (int i = 0; i < count; ++i) {
-      Contact& c = contacts[i];
-      const double tx = -c.normal_y;
-      const double ty = c.normal_x;
-      double vx = state.velocity_x_m_s - state.spin_rad_s * c.arm_y;
-      double vy = state.velocity_y_m_s + state.spin_rad_s * c.arm_x;
-      const double outward = vx * c.normal_x + vy * c.normal_y;
-      const double normal =
-          std::max(0.0, c.normal_impulse + (outward - c.allowed_m_s) * mass(c, c.normal_x, c.normal_y));
-      push(c, -(normal - c.normal_impulse) * c.normal_x, -(normal - c.normal_impulse) * c.normal_y);
-      change += std::abs(normal - c.normal_impulse);
-      c.normal_impulse = normal;
-      vx = state.velocity_x_m_s - state.spin_rad_s * c.arm_y;
-      vy = state.velocity_y_m_s + state.spin_rad_s * c.arm_x;
-      const double limit = dish_.wall_friction * c.normal_impulse;
-      const double tangent =
-          std::clamp(c.tangent_impulse - (vx * tx + vy * ty) * mass(c, tx, ty), -limit, limit);
-      push(c, (tangent - c.tangent_impulse) * tx, (tangent - c.tangent_impulse) * ty);
-      change += std::abs(tangent - c.tangent_impulse);
-      c.tangent_impulse = tangent;
-    }
+    for (int i = 0; i < count; ++i) settle(contacts[i], state, change);
     if (change < kSettled_m_s * needle_.mass_kg) break;
   }
 }

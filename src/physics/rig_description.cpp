@@ -1,44 +1,36 @@
 #include "lodestone/physics/rig_description.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "lodestone/common/config.h"
-#include "lodestone/common/error.h"
 
 namespace lodestone::physics {
-namespace {
-
-std::string text(double value) { return common::Json(value).dump(); }
-
-}  // namespace
 
 void CoilsDescription::validate() const {
-  geometry.validate();
-  const auto need_four = [](const char* key, std::size_t count) {
-    if (count != static_cast<std::size_t>(kCoils))
-      throw common::ConfigError(std::string("rig.coils.") + key + " holds " + std::to_string(count) +
-                                " numbers, must be four: +x, -x, +y, -y");
+  geometry.validate();  // its keys are among these
+  const auto need_four = [](const char* key, const auto& list) {
+    if (list.size() != static_cast<std::size_t>(kCoils))
+      throw common::InvalidConfig(key, list, "hold four numbers: +x, -x, +y, -y");
   };
-  need_four("resistance_20C_ohm", resistance_20C_ohm.size());
-  need_four("inductance_H", inductance_H.size());
-  need_four("polarity", polarity.size());
-  for (const std::int64_t sign : polarity)
-    if (sign == 0) throw common::ConfigError("rig.coils.polarity = 0, must be 1 or -1");
+  need_four("resistance_20C_ohm", resistance_20C_ohm);
+  need_four("inductance_H", inductance_H);
+  need_four("polarity", polarity);
+  if (std::count(polarity.begin(), polarity.end(), 0) > 0)
+    throw common::InvalidConfig("polarity", polarity, "hold 1 or -1 for each coil");
 }
 
 void RigDescription::validate() const {
-  coils.validate();
-  needle.validate();
-  friction.validate();
   if (needle.length_m >= 2.0 * dish.radius_m)
-    throw common::ConfigError("rig.needle.length_m = " + text(needle.length_m) +
-                              " must be below the dish diameter, " + text(2.0 * dish.radius_m));
+    throw common::InvalidConfig("needle.length_m", needle.length_m,
+                                fmt::format("be below the dish diameter, {}", 2.0 * dish.radius_m));
   const double face_m = coils.geometry.centre_distance_m - 0.5 * coils.geometry.length_m;
   if (dish.radius_m >= face_m)
-    throw common::ConfigError("rig.dish.radius_m = " + text(dish.radius_m) +
-                              " must be below the distance of the coils' faces from the dish centre, " +
-                              text(face_m));
+    throw common::InvalidConfig(
+        "dish.radius_m", dish.radius_m,
+        fmt::format("be below the distance of the coils' faces from the dish centre, {}", face_m));
 }
 
 CircuitConfig RigDescription::circuit(int coil) const {

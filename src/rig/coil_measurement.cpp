@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/statistics.h"
 
 namespace lodestone::rig {
 
@@ -101,9 +102,7 @@ CoilMeasurement measure_coil(SerialCoils& coils, Coils& guarded, int coil, doubl
   const auto middle = [&](auto value) {
     std::vector<double> values;
     for (const CoilMeasurement& one : found) values.push_back(value(one));
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                     values.end());
-    return values[values.size() / 2];
+    return common::median(std::move(values));
   };
   CoilMeasurement median;
   median.resistance_ohm = middle([](const CoilMeasurement& one) { return one.resistance_ohm; });

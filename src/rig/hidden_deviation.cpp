@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "lodestone/common/error.h"
 #include "lodestone/common/random.h"
 #include "lodestone/common/range.h"
 
@@ -38,13 +37,6 @@ geometry::Vector2 draw_in_disc(double radius_m, common::RandomStream& random) {
 }
 
 }  // namespace
-
-DeviationWidth deviation_width(const std::string& name) {
-  if (name == "none") return DeviationWidth::kNone;
-  if (name == "lab") return DeviationWidth::kLab;
-  if (name == "wide") return DeviationWidth::kWide;
-  throw common::ConfigError("deviation = \"" + name + "\", must be none, lab or wide");
-}
 
 HiddenDeviation HiddenDeviation::draw(DeviationWidth width, std::uint64_t seed) {
   HiddenDeviation hidden;

@@ -14,7 +14,7 @@ void SerialConfig::validate() const {
   constexpr std::array<std::int64_t, kCoilCount> kOutputs = {1, 2, 3, 4};
   if (output.size() != kOutputs.size() ||
       !std::is_permutation(output.begin(), output.end(), kOutputs.begin()))
-    throw common::ConfigError("rig.serial.output must name each of the outputs 1, 2, 3 and 4 once");
+    throw common::InvalidConfig("output", output, "name each of the outputs 1, 2, 3 and 4 once");
 }
 
 SerialCoils::SerialCoils(const SerialConfig& config, const physics::CoilsDescription& coils)

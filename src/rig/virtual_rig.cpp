@@ -35,7 +35,7 @@ struct VirtualRig::State {
         std::shared_ptr<const physics::FieldTable> shared)
       : config(rig_config),
         seed(rig_seed),
-        hidden(HiddenDeviation::draw(deviation_width(config.simulation.deviation), seed)),
+        hidden(HiddenDeviation::draw(config.simulation.deviation, seed)),
         truth(hidden.applied_to(config)),
         table(std::move(shared)),
         field(table, hidden.coils),
@@ -165,8 +165,9 @@ class VirtualRig::VirtualClock final : public common::Clock {
 
 VirtualRig::VirtualRig(const VirtualRigConfig& config, std::uint64_t seed,
                        std::shared_ptr<const physics::FieldTable> table) {
+  config.coils.validate();
   config.validate();
-  const double margin_m = deviation_margin_m(deviation_width(config.simulation.deviation), config);
+  const double margin_m = deviation_margin_m(config.simulation.deviation, config);
   if (!table) table = physics::make_field_table(config.coils.geometry, config.dish.radius_m, margin_m);
   LODESTONE_CHECK(table->geometry() == config.coils.geometry, "the field table is of another coil geometry");
   LODESTONE_CHECK(table->reach_m() >= config.dish.radius_m + margin_m,

@@ -15,7 +15,7 @@ Hindsight::Hindsight(double fraction, const task::TaskConfig& task, const task::
 }
 
 void Hindsight::check(const task::TaskConfig& task, const task::EncoderConfig& encoder) {
-  if (task.goal != "point" || !(encoder.target || encoder.relative_target))
+  if (task.goal != task::GoalKind::kPoint || !(encoder.target || encoder.relative_target))
     throw common::ConfigError(
         "training.hindsight needs a task whose goal is a point (task.goal = \"point\") that the "
         "policy sees (encoder.target or encoder.relative_target)");

@@ -19,7 +19,7 @@ namespace {
 /// Where the training data moved, as far as the task wants to know.
 std::shared_ptr<const task::Region> region_for(const TrainPolicyConfig& config,
                                                const std::optional<inference::DynamicsModel>& model) {
-  if (config.task.within != "reachable") return nullptr;
+  if (config.task.within != task::Within::kReachable) return nullptr;
   if (!model) throw common::ConfigError("task.within = \"reachable\" needs data to map: --set dynamics=DIR");
   return std::make_shared<const task::Region>(model->recorded_moves, config.region);
 }

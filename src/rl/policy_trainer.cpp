@@ -148,7 +148,7 @@ class Training : public runs::ResumableWork {
     policy.encoder = config_.encoder;
     policy.action = config_.action;
     policy.rig = config_.learned_rig;
-    policy.goal = config_.task.goal;
+    policy.goal = common::name_of(config_.task.goal);
     policy.region = region_;
     common::Json metrics = common::artefact_to_json(result_.evaluation);
     metrics["env_steps"] = result_.best_env_steps;
@@ -171,25 +171,20 @@ class Training : public runs::ResumableWork {
 
 void TrainPolicyConfig::validate() const {
   const LearningConfig& learning = training.learning;
-  if (learning.warm_up_steps >= learning.env_steps) {
-    throw common::ConfigError("training.warm_up_steps = " + std::to_string(learning.warm_up_steps) +
-                              " must be below training.env_steps = " + std::to_string(learning.env_steps));
-  }
-  if (replay.environments > training.environments) {
-    throw common::ConfigError(
-        "replay.environments = " + std::to_string(replay.environments) +
-        " must not exceed training.environments = " + std::to_string(training.environments));
-  }
-  if (replay.environments > 0 && recorded.empty()) {
-    throw common::ConfigError("replay.environments = " + std::to_string(replay.environments) +
-                              " needs a recording: --set recorded=FILE.h5");
-  }
-  replay.validate();
+  if (learning.warm_up_steps >= learning.env_steps)
+    throw common::InvalidConfig("training.warm_up_steps", learning.warm_up_steps,
+                                "be below training.env_steps = " + std::to_string(learning.env_steps));
+  if (replay.environments > training.environments)
+    throw common::InvalidConfig(
+        "replay.environments", replay.environments,
+        "not exceed training.environments = " + std::to_string(training.environments));
+  if (replay.environments > 0 && recorded.empty())
+    throw common::InvalidConfig("replay.environments", replay.environments,
+                                "be 0 without a recording; name one: --set recorded=FILE.h5");
   if (learning.hindsight > 0.0) Hindsight::check(task, encoder);
-  if (td3.batch_size > learning.buffer_size) {
-    throw common::ConfigError("training.buffer_size = " + std::to_string(learning.buffer_size) +
-                              " must be at least td3.batch_size = " + std::to_string(td3.batch_size));
-  }
+  if (td3.batch_size > learning.buffer_size)
+    throw common::InvalidConfig("training.buffer_size", learning.buffer_size,
+                                "be at least td3.batch_size = " + std::to_string(td3.batch_size));
 }
 
 TrainPolicyConfig adopt_rig(TrainPolicyConfig config) {
@@ -207,7 +202,7 @@ TrainPolicyConfig adopt_data(TrainPolicyConfig config, const data::DatasetInfo& 
   config.task.dish_radius_m = info.workspace_radius_m;
   config.encoder.length_scale_m = info.workspace_radius_m;
   config.learned_rig = info.rig;
-  if (info.layout != data::StateLayout::kPose) config.encoder.heading = "none";
+  if (info.layout != data::StateLayout::kPose) config.encoder.heading = task::HeadingEncoding::kNone;
   return config;
 }
 

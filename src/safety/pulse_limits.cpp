@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lodestone/geometry/saturation.h"
+
 namespace lodestone::safety {
 
 void PulseLimits::check(rig::CoilPulse& pulse, const PulseContext&) {
@@ -16,7 +18,7 @@ void PulseLimits::check(rig::CoilPulse& pulse, const PulseContext&) {
     if (!std::isfinite(current_A))
       throw Distrust(
           fmt::format("current of coil {} is {:g} A, must be a finite number", kCoilNames[coil], current_A));
-    current_A = std::clamp(current_A, -max_current_A_, max_current_A_);
+    current_A = geometry::saturated(current_A, max_current_A_);
     power_W += thermal_.power_W(static_cast<int>(coil), current_A);
   }
   for (std::size_t axis = 0; axis < 2; ++axis)

@@ -49,7 +49,7 @@ struct SerialParts {
     std::optional<imaging::Calibration> calibration;
     if (!sensing.calibration.empty()) calibration = imaging::read_calibration(sensing.calibration);
     camera = rig::open_camera(rig.camera);
-    if (rig.camera.kind != "files") {  // those would run out while nobody looks
+    if (rig.camera.kind != rig::CameraKind::kFiles) {  // those would run out while nobody looks
       auto running = std::make_unique<rig::FreeRunningCamera>(std::move(camera), sensing.camera.timeout_s);
       watched = running.get();
       camera = std::move(running);

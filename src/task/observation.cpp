@@ -18,11 +18,17 @@ EncoderConfig encoder_from_json(common::Json json, const std::string& what) {
   return config;
 }
 
-ObservationEncoder::ObservationEncoder(const EncoderConfig& config)
-    : config_(config),
-      heading_(config.heading == "none"    ? Heading::kNone
-               : config.heading == "angle" ? Heading::kAngle
-                                           : Heading::kSineCosine) {}
+int ObservationEncoder::heading_size() const {
+  switch (config_.heading) {
+    case HeadingEncoding::kAngle:
+      return 1;
+    case HeadingEncoding::kSineCosine:
+      return 2;
+    case HeadingEncoding::kNone:
+      break;
+  }
+  return 0;
+}
 
 int ObservationEncoder::size() const {
   return 2 + heading_size() + (config_.target ? 2 : 0) + (config_.relative_target ? 2 : 0) +
@@ -36,9 +42,9 @@ void ObservationEncoder::encode(const Observation& observation, float* out) cons
   };
   const geometry::Vector2 position_m = observation.pose.position_m();
   put(position_m, config_.length_scale_m);
-  if (heading_ == Heading::kAngle) {
+  if (config_.heading == HeadingEncoding::kAngle) {
     *out++ = static_cast<float>(observation.pose.heading_rad);
-  } else if (heading_ == Heading::kSineCosine) {
+  } else if (config_.heading == HeadingEncoding::kSineCosine) {
     *out++ = static_cast<float>(std::sin(observation.pose.heading_rad));
     *out++ = static_cast<float>(std::cos(observation.pose.heading_rad));
   }

@@ -13,10 +13,10 @@ geometry::Vector2 draw_in_disc(double radius_m, common::RandomStream& random) {
 
 Goal draw_goal(const TaskConfig& config, common::RandomStream& random, const Region* region) {
   Goal goal;
-  if (config.goal == "centre") return goal;
+  if (config.goal == GoalKind::kCentre) return goal;
   const auto draw = [&] { return draw_in_disc(config.goal_radius_m(), random); };
   goal.position_m = region != nullptr ? region->draw(draw) : draw();
-  if (config.goal == "pose") goal.heading_rad = random.uniform(-M_PI, M_PI);
+  if (config.goal == GoalKind::kPose) goal.heading_rad = random.uniform(-M_PI, M_PI);
   return goal;
 }
 

@@ -31,16 +31,14 @@ namespace lodestone::vision {
 void TrainSegmenterConfig::validate() const {
   const nets::UNetConfig& network = segmenter.network;
   if (images.crop_px % network.multiple() != 0)
-    throw common::ConfigError("images.crop_px = " + std::to_string(images.crop_px) +
-                              ", must be a multiple of " + std::to_string(network.multiple()) +
-                              " (segmenter.network.stem times 2 to the power of its depth)");
+    throw common::InvalidConfig("images.crop_px", images.crop_px,
+                                "be a multiple of " + std::to_string(network.multiple()) +
+                                    " (segmenter.network.stem times 2 to the power of its depth)");
   if (training.batch_size % 4 != 0)
-    throw common::ConfigError("training.batch_size = " + std::to_string(training.batch_size) +
-                              ", must be a multiple of 4");
+    throw common::InvalidConfig("training.batch_size", training.batch_size, "be a multiple of 4");
   if (training.samples < training.batch_size)
-    throw common::ConfigError(
-        "training.samples = " + std::to_string(training.samples) +
-        ", must be at least training.batch_size = " + std::to_string(training.batch_size));
+    throw common::InvalidConfig("training.samples", training.samples,
+                                "be at least training.batch_size = " + std::to_string(training.batch_size));
 }
 
 namespace {

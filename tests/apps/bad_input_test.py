@@ -65,6 +65,8 @@ check(["calibrate", "coils", "--port", "/dev/ttyNOTHING"], 2, "--out")
 check(["bench", "paper", "--scale", "huge"], 2, "smoke")
 check(["bench", "paper", "--scale", "smoke", "--only", "nothing"], 2, "nothing", "--list")
 check(["deploy", "--controller", "planner", "--sensor", "simulated", "--out", "run"], 2, "dynamics")
+check(["deploy", "--controller", "planner", "--set", "planner.elites=5000", "--out", "run"], 2,
+      "--set planner.elites: planner.elites = 5000 must not exceed candidates")
 check(["deploy", "--models", "missing", "--out", "run"], 2, "missing/deploy.json")
 check(["collect", "--by", "policy", "--out", "run"], 2, "--policy")
 check(["train-policy", "--set", "simulator=physics", "--set", "task.within=reachable", "--out", "run"], 2, "dynamics")

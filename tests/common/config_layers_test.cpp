@@ -64,7 +64,7 @@ TEST_CASE("later layers win key by key, and every value remembers where it came 
   const auto rows = common::describe_config<Run>(run, layers.sources());
   REQUIRE(rows.size() == 3);
   CHECK(rows[0].source == "--seed");
-  CHECK(rows[1].value == "510");
+  CHECK(rows[1].value == 510);
 }
 
 TEST_CASE("an error names the file or the option that held the value") {

@@ -18,11 +18,21 @@ struct SceneConfig {
   }
 };
 
+enum class Shape { kRound, kSquare };
+std::vector<std::string> names_of(Shape) { return {"round", "square"}; }
+
 struct DishConfig {
   double radius_m = 0.0425;
+  double rim_m = 0.001;
+  Shape shape = Shape::kRound;
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("radius_m", radius_m, "m", "inner radius", {0.005, 0.5});
+    v.field("rim_m", rim_m, "m", "width of the rim", {0.0, 0.5});
+    v.field("shape", shape, "", "its outline");
+  }
+  void validate() const {
+    if (rim_m >= radius_m) throw InvalidConfig("rim_m", rim_m, "be below radius_m");
   }
 };
 
@@ -41,7 +51,7 @@ struct ExampleConfig {
     v.group("dish", dish, "the dish");
   }
   void validate() const {
-    if (fast && steps > 100) throw ConfigError("fast = true allows at most 100 steps");
+    if (fast && steps > 100) throw InvalidConfig("steps", steps, "be at most 100 with fast = true");
   }
 };
 
@@ -81,7 +91,10 @@ TEST_CASE("a bad key or value is one line naming source, key, value and bound") 
   CHECK(message_of(R"({"fast": 1})") == "a.json: fast = 1 must be true or false");
   CHECK(message_of(R"({"optimiser": "lion"})") == "a.json: optimiser = \"lion\" must be one of adam, sgd");
   CHECK(message_of(R"({"hidden": [8, 0]})") == "a.json: hidden = [8,0] must be within 1 .. 4096");
-  CHECK(message_of(R"({"fast": true, "steps": 200})") == "fast = true allows at most 100 steps");
+  CHECK(message_of(R"({"dish": {"shape": "oval"}})") ==
+        "a.json: dish.shape = \"oval\" must be one of round, square");
+  CHECK(message_of(R"({"fast": true, "steps": 200})") ==
+        "a.json: steps = 200 must be at most 100 with fast = true");
   CHECK(message_of(R"({"zzzzzzzzzzzz": 1})").find("known keys are dish, fast") != std::string::npos);
 }
 
@@ -109,12 +122,28 @@ TEST_CASE("a missing or malformed file is reported with its place") {
 
 TEST_CASE("every key is described with default, unit and bounds") {
   const auto rows = describe_config<ExampleConfig>();
-  REQUIRE(rows.size() == 5);
+  REQUIRE(rows.size() == 7);
   CHECK(rows[2].bounds == "adam | sgd");
   CHECK(rows[4].key == "dish.radius_m");
-  CHECK(rows[4].value == "0.0425");
+  CHECK(rows[4].value == 0.0425);
   CHECK(rows[4].unit == "m");
   CHECK(rows[4].bounds == "0.005 .. 0.5");
+  CHECK(rows[6].value == "round");
+  CHECK(rows[6].bounds == "round | square");
+}
+
+TEST_CASE("a nested configuration whose values do not fit together is refused by its file and path") {
+  const ConfigSources sources("command line",
+                              {{"dish.radius_m", "rig.json"}, {"dish.rim_m", "--set dish.rim_m"}});
+  const auto read = [&](const char* text) {
+    return config_from_json<ExampleConfig>(Json::parse(text), sources).dish.shape;
+  };
+  CHECK_THROWS_WITH(read(R"({"dish": {"radius_m": 0.01, "rim_m": 0.2}})"),
+                    "--set dish.rim_m: dish.rim_m = 0.2 must be below radius_m");
+  CHECK(read(R"({"dish": {"shape": "square"}})") == Shape::kSquare);
+  ExampleConfig config;
+  config.dish.rim_m = 1.0;  // by whoever calls
+  CHECK_THROWS_AS(config_from_json<ExampleConfig>(Json::object(), "a.json", config), ConfigError);
 }
 
 TEST_CASE("a range is two numbers in order, within the key's bounds") {
@@ -127,5 +156,5 @@ TEST_CASE("a range is two numbers in order, within the key's bounds") {
   for (const char* bad : {R"({"blur_px": 1})", R"({"blur_px": [2, 1]})", R"({"blur_px": [1]})",
                           R"({"blur_px": [1, 11]})", R"({"blur_px": [1, "2"]})"})
     CHECK_THROWS_WITH(read(bad), Catch::Contains("blur_px"));
-  CHECK(describe_config<SceneConfig>().front().value == "[0.5,1.5]");
+  CHECK(describe_config<SceneConfig>().front().value == Json({0.5, 1.5}));
 }

@@ -7,6 +7,12 @@
 
 using namespace lodestone::common;
 
+TEST_CASE("the median is the middle value, or lies between the two in the middle") {
+  CHECK(median({3, 1, 100}) == 3.0);
+  CHECK(median({4, 1, 2, 100}) == 3.0);
+  CHECK(median({}) == 0.0);
+}
+
 TEST_CASE("the interquartile mean is that of the middle half") {
   CHECK(interquartile_mean({1, 2, 3, 4, 5, 6, 7, 1000}) == Approx(4.5));
   // five values: 1.25 to 3.75 of them, so the second and fourth count three quarters

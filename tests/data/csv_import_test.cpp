@@ -31,7 +31,7 @@ data::CsvImportResult import_text(const std::string& text, data::CsvImportConfig
 
 data::CsvImportConfig skipping() {
   data::CsvImportConfig config;
-  config.on_error = "skip";
+  config.on_error = data::OnError::kSkip;
   return config;
 }
 
@@ -114,7 +114,7 @@ TEST_CASE("files without a usable header or row are refused") {
 
 TEST_CASE("the lab's log: currents act up to the next row, gaps end an episode") {
   data::CsvImportConfig config;
-  config.angle_unit = "deg";
+  config.angle_unit = data::AngleUnit::kDeg;
   const data::CsvImportResult result = import_text(kLog +
                                                        "10,0,0,5,0.01,1,2,90\n"
                                                        "11,0,3,0,7,2,2,180\n"
@@ -139,7 +139,7 @@ TEST_CASE("the lab's log: currents act up to the next row, gaps end an episode")
 
 TEST_CASE("the lab's log in metres, off centre, with y pointing down") {
   data::CsvImportConfig config;
-  config.position_unit = "m";
+  config.position_unit = data::PositionUnit::kM;
   config.centre_x = 0.05;
   config.centre_y = 0.04;
   config.y_down = true;
@@ -184,7 +184,7 @@ TEST_CASE("positions where nothing can be are listed with file and line, and lef
   CHECK(result.dataset.episodes.size() == 2);
   CHECK(result.dataset.impossible.size() == 2);
   data::CsvImportConfig config;
-  config.impossible = "keep";
+  config.impossible = data::Impossible::kKeep;
   CHECK(import_text(text, config).dataset.transitions() == 59);
 
   const tests::TemporaryFolder folder;

@@ -19,7 +19,7 @@ namespace {
 /// The rig exactly as it is described.
 rig::VirtualRigConfig described() {
   rig::VirtualRigConfig config;
-  config.simulation.deviation = "none";
+  config.simulation.deviation = rig::DeviationWidth::kNone;
   return config;
 }
 

@@ -41,7 +41,7 @@ TEST_CASE("joined environments are their parts, one after the other, and resume 
 TEST_CASE("parts of other sizes, and no part, are refused", "[unit]") {
   CHECK_THROWS_AS(JoinedEnv({}), common::LogicFault);
   EpisodeSettings wide = tests::plain_settings(2);
-  wide.encoder.heading = "angle";
+  wide.encoder.heading = task::HeadingEncoding::kAngle;
   std::vector<std::unique_ptr<VecEnv>> parts;
   parts.push_back(std::make_unique<ReplayEnv>(tests::recording(), tests::plain_settings(2), ReplayConfig()));
   parts.push_back(std::make_unique<ReplayEnv>(tests::recording(), wide, ReplayConfig()));

@@ -113,7 +113,7 @@ TEST_CASE("headings are averaged across the cut of the circle", "[unit]") {
   const inference::DynamicsModel model =
       linear_model(data::StateLayout::kPose, {kGain_m, kGain_m}, {2.9, 3.3});
   EpisodeSettings settings = settings_for(32);
-  settings.encoder.heading = "angle";
+  settings.encoder.heading = task::HeadingEncoding::kAngle;
   settings.task.end_on_success = false;
   MbsEnv environments(model, settings, {}, 1);
   const std::vector<float> before = environments.reset();
@@ -128,7 +128,7 @@ TEST_CASE("headings are averaged across the cut of the circle", "[unit]") {
 TEST_CASE("the rules of the paper are options", "[unit]") {
   const inference::DynamicsModel model = linear_model(data::StateLayout::kPose, {kGain_m}, {0.25});
   EpisodeSettings settings = settings_for(40);
-  settings.encoder.heading = "angle";
+  settings.encoder.heading = task::HeadingEncoding::kAngle;
   settings.task.end_on_success = false;
 
   SECTION("zero current moves nothing") {
@@ -206,7 +206,7 @@ TEST_CASE("disturbances do what they are called", "[unit]") {
 
 TEST_CASE("a heading that the model lacks cannot be encoded", "[unit]") {
   EpisodeSettings settings = settings_for(2);
-  settings.encoder.heading = "angle";
+  settings.encoder.heading = task::HeadingEncoding::kAngle;
   CHECK_THROWS_AS(MbsEnv(linear_model(data::StateLayout::kPosition, {kGain_m}, {0}), settings, {}, 1),
                   common::ConfigError);
 }

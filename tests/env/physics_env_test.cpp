@@ -29,7 +29,7 @@ TEST_CASE("the plain simulator keeps the promises of a VecEnv", "[unit]") {
 
 TEST_CASE("the environment moves the needle as the simulator does", "[unit]") {
   EpisodeSettings settings = short_episodes(1);
-  settings.encoder.heading = "angle";
+  settings.encoder.heading = task::HeadingEncoding::kAngle;
   settings.task.success_radius_m = 1e-5;
   const PhysicsEnvConfig config;
   PhysicsEnv environments(settings, lodestone::tests::paper_rig(), config, 1);
@@ -59,7 +59,7 @@ TEST_CASE("randomised simulators keep the promises too, and differ from episode 
   config.randomise.viscosity = {0.9, 0.9};
   config.randomise.friction = {1.2, 1.2};
   EpisodeSettings one = short_episodes(1);
-  one.encoder.heading = "angle";
+  one.encoder.heading = task::HeadingEncoding::kAngle;
   one.task.success_radius_m = 1e-5;
   PhysicsEnv fixed(one, lodestone::tests::paper_rig(), config, 1);
   const std::vector<float> start = fixed.reset();

@@ -13,7 +13,7 @@ inline EpisodeSettings plain_settings(std::int64_t count) {
   settings.encoder = lodestone::tests::paper_encoder();
   settings.action = lodestone::tests::paper_action();
   settings.count = count;
-  settings.encoder.heading = "none";
+  settings.encoder.heading = task::HeadingEncoding::kNone;
   settings.seed = 4;
   return settings;
 }

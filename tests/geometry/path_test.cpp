@@ -9,13 +9,6 @@
 
 using namespace lodestone::geometry;
 
-TEST_CASE("angles wrap into (-pi, pi]") {
-  CHECK(wrap_angle(0.0) == 0.0);
-  CHECK(wrap_angle(3.0 * M_PI) == Approx(M_PI));
-  CHECK(wrap_angle(-M_PI) == Approx(M_PI));
-  CHECK(wrap_angle(-3.5 * M_PI) == Approx(0.5 * M_PI));
-}
-
 TEST_CASE("a square has its length, corners and cross-track distances") {
   const Path square = Path::square(0.02);
   CHECK(square.closed());
@@ -45,14 +38,27 @@ TEST_CASE("an open path stops at its ends") {
   CHECK_THROWS_AS(Path({{1.0, 0.0}, {1.0, 0.0}}, false), lodestone::common::DataError);
 }
 
-TEST_CASE("paths are read from CSV, and a bad cell is named by line and column") {
+TEST_CASE("a path is read from CSV, closed where it ends as it begins") {
   const lodestone::tests::TemporaryFolder folder;
-  std::ofstream(folder / "good.csv") << "x_m,y_m\r\n0,0\r\n0.01,0\r\n0.01,0.01\r\n0,0\r\n";
+  std::ofstream(folder / "good.csv") << "x_m,y_m\r\n0,0\r\n 1e-2 , 0\r\n\r\n0.01,0.01\r\n0,0\r\n";
   const Path path = Path::from_csv(folder / "good.csv");
   CHECK(path.closed());
   CHECK(path.length_m() == Approx(0.02 + std::sqrt(2.0) * 0.01));
-  std::ofstream(folder / "bad.csv") << "x_m,y_m\n0,0\n0.01,oops\n";
-  CHECK_THROWS_WITH(Path::from_csv(folder / "bad.csv"), Catch::Contains("bad.csv:3: column 2 (y_m)"));
-  std::ofstream(folder / "header.csv") << "x,y\n0,0\n";
-  CHECK_THROWS_WITH(Path::from_csv(folder / "header.csv"), Catch::Contains("x_m,y_m"));
+}
+
+TEST_CASE("points that cannot be read are named by file, line and column") {
+  const lodestone::tests::TemporaryFolder folder;
+  const std::string file = folder / "points.csv";
+  const char* const bad[][2] = {{"x,y\n0,0\n", ":1: the header must be x_m,y_m, found \"x,y\""},
+                                {"x_m,y_m\n0,0\n0.01,oops\n", ":3: column 2 (y_m)"},
+                                {"x_m,y_m\nnan,0\n", ":2: column 1 (x_m)"},
+                                {"x_m,y_m\n0.1\n", ":2: column 2 (y_m) is missing"},
+                                {"x_m,y_m\n0.1,0.2,0.3\n", ":2: column 3 is one too many"},
+                                {"x_m,y_m\n", "no points"},
+                                {"", "empty"}};
+  for (const auto& [content, message] : bad) {
+    std::ofstream(file) << content;
+    CHECK_THROWS_WITH(read_points_csv(file), Catch::Contains("points.csv") && Catch::Contains(message));
+    CHECK_THROWS_AS(read_points_csv(file), lodestone::common::DataError);
+  }
 }

@@ -5,6 +5,12 @@
 using namespace lodestone;
 using geometry::Vector2;
 
+TEST_CASE("a single drive is cut at its limit") {
+  CHECK(geometry::saturated(1.5) == 1.0);
+  CHECK(geometry::saturated(-20.0, 15.0) == -15.0);
+  CHECK(geometry::saturated(-3.0, 15.0) == -3.0);
+}
+
 TEST_CASE("saturation cuts each axis, or keeps the direction, and leaves what is within as it is") {
   CHECK(geometry::saturated({2.0, -0.25}) == Vector2(1.0, -0.25));
   CHECK(geometry::saturated({-20.0, 3.0}, 15.0) == Vector2(-15.0, 3.0));

@@ -13,7 +13,7 @@ namespace {
 Policy sample_policy() {
   Policy policy;
   policy.hidden = {32, 16};
-  policy.encoder.heading = "sine_cosine";
+  policy.encoder.heading = task::HeadingEncoding::kSineCosine;
   policy.action.dead_band = 0.05;
   policy.goal = "centre";
   tests::draw_weights(policy, 4);
@@ -32,7 +32,7 @@ TEST_CASE("a policy comes back with its encoder and acts the same", "[unit]") {
   const Policy policy = sample_policy();
   save_policy(temporary / "policy", policy, common::Json::object(), common::Json::object());
   const Policy loaded = load_policy(temporary / "policy");
-  CHECK(loaded.encoder.heading == "sine_cosine");
+  CHECK(loaded.encoder.heading == task::HeadingEncoding::kSineCosine);
   CHECK(loaded.action.dead_band == 0.05);
   CHECK(loaded.goal == "centre");
   const std::vector<float> observation = {0.1F, 0.2F, 0.3F, -0.4F, 0.5F, -0.6F};

@@ -73,7 +73,7 @@ class FakeGigeCamera {
 
 rig::CameraSourceConfig fake_source() {
   rig::CameraSourceConfig config;
-  config.kind = "genicam";
+  config.kind = rig::CameraKind::kGenicam;
   config.source = "Aravis-Fake-LODESTONE";
   config.width_px = 320;
   config.height_px = 240;

@@ -10,28 +10,6 @@
 namespace lodestone::rig {
 namespace {
 
-TEST_CASE("points of a CSV, and what is wrong with one") {
-  const tests::TemporaryFolder folder;
-  const std::string file = folder / "points.csv";
-  common::write_file_atomically(file, "x_m,y_m\r\n0.01,-0.02\r\n\n 1e-3 , 0 \n");
-  const auto points = read_points_csv(file);
-  REQUIRE(points.size() == 2);
-  CHECK(points[0] == geometry::Vector2(0.01, -0.02));
-  CHECK(points[1] == geometry::Vector2(1e-3, 0.0));
-
-  const char* const bad[][2] = {
-      {"x,y\n0,0\n", ":1:1:"},        {"x_m,y_m\n0,0\n0.1,abc\n", ":3:5:"}, {"x_m,y_m\nnan,0\n", ":2:1:"},
-      {"x_m,y_m\n0.1\n", ":2:4:"},    {"x_m,y_m\n0.1,0.2,0.3\n", ":2:8:"},  {"x_m,y_m\n0.1,\n", ":2:5:"},
-      {"x_m,y_m\n0.1x,1\n", ":2:1:"}, {"x_m,y_m\n", "no points"},           {"", "no points"}};
-  for (const auto& row : bad) {
-    common::write_file_atomically(file, row[0]);
-    CAPTURE(row[0]);
-    CHECK_THROWS_WITH(read_points_csv(file), Catch::Contains(row[1]) && Catch::Contains("points.csv"));
-    CHECK_THROWS_AS(read_points_csv(file), common::DataError);
-  }
-  CHECK_THROWS_AS(read_points_csv(folder / "missing.csv"), common::IoError);
-}
-
 TEST_CASE("field of each coil at points") {
   const physics::CoilGeometry geometry;
   const double centre = physics::on_axis_per_ampere(geometry, -geometry.centre_distance_m);

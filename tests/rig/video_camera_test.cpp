@@ -101,7 +101,7 @@ TEST_CASE("a driver's exception reaches the caller as a camera that failed") {
 
 TEST_CASE("a device that is missing or no device is named, with what to do") {
   rig::CameraSourceConfig config;
-  config.kind = "uvc";
+  config.kind = rig::CameraKind::kUvc;
   config.source = "9173";
   CHECK_THROWS_WITH(rig::open_camera(config), Contains("/dev/video9173") && Contains("devices present"));
   const tests::TemporaryFolder folder;
@@ -124,6 +124,6 @@ TEST_CASE("camera settings are read strictly") {
 TEST_CASE("a build without Aravis names the package") {
   if (rig::AravisCamera::available()) return;
   rig::CameraSourceConfig config;
-  config.kind = "genicam";
+  config.kind = rig::CameraKind::kGenicam;
   CHECK_THROWS_WITH(rig::open_camera(config), Contains("libaravis-dev"));
 }

@@ -26,7 +26,7 @@ std::shared_ptr<const physics::FieldTable> shared_table() {
 /// The rig exactly as it is described.
 VirtualRigConfig described() {
   VirtualRigConfig config;
-  config.simulation.deviation = "none";
+  config.simulation.deviation = DeviationWidth::kNone;
   return config;
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 task::EncoderConfig encoder() {
   task::EncoderConfig config = tests::paper_encoder();
-  config.heading = "none";
+  config.heading = task::HeadingEncoding::kNone;
   config.relative_target = true;
   return config;
 }
@@ -94,6 +94,6 @@ TEST_CASE("Half an episode survives saving, and no fraction means no rows", "[rl
   CHECK(for_one.size() < 24);
   CHECK_THROWS_AS(two.load(common::Json::object()), common::CheckpointError);
   task::TaskConfig centre = tests::paper_task();
-  centre.goal = "centre";
+  centre.goal = task::GoalKind::kCentre;
   CHECK_THROWS_AS(rl::Hindsight(0.5, centre, encoder(), 1, 7), common::ConfigError);
 }

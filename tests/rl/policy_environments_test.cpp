@@ -45,7 +45,7 @@ TEST_CASE("The learned simulator must be named, and its data say what they know"
 TEST_CASE("The reachable region is mapped from the dynamics' data", "[rl]") {
   rl::TrainPolicyConfig config = small_config();
   config.simulator = "physics";
-  config.task.within = "reachable";
+  config.task.within = task::Within::kReachable;
   CHECK_THROWS_WITH(rl::make_policy_environments(config), Catch::Contains("needs data to map"));
   config.dynamics = kModel;
   const rl::PolicyEnvironments made = rl::make_policy_environments(config);

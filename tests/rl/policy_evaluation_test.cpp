@@ -13,7 +13,7 @@ namespace {
 
 task::EncoderConfig point_encoder() {
   task::EncoderConfig encoder;
-  encoder.heading = "none";
+  encoder.heading = task::HeadingEncoding::kNone;
   encoder.target = false;
   encoder.length_scale_m = 1.0;
   return encoder;

@@ -32,7 +32,7 @@ class MiswiredCoils final : public rig::Coils {
   CoilWiring wiring_;
 };
 
-rig::RigConfig described(const std::string& deviation = "none") {
+rig::RigConfig described(rig::DeviationWidth deviation = rig::DeviationWidth::kNone) {
   rig::RigConfig rig;
   rig.simulation.deviation = deviation;
   return rig;
@@ -91,7 +91,7 @@ TEST_CASE("every single and double reversal and every swap of two coils is found
 }
 
 TEST_CASE("a rig that differs from its description is told right, too") {
-  const rig::RigConfig real = described(GENERATE("lab", "wide"));
+  const rig::RigConfig real = described(GENERATE(rig::DeviationWidth::kLab, rig::DeviationWidth::kWide));
   for (const CoilWiring& wiring : usual_mistakes()) check_found(wiring, {-0.015, 0.005, -1.2}, 3, real);
 }
 

@@ -36,7 +36,7 @@ TEST_CASE("the paper's observation is x, y, theta and the target") {
 
 TEST_CASE("every option adds its numbers in order") {
   EncoderConfig config = lodestone::tests::paper_encoder();
-  config.heading = "sine_cosine";
+  config.heading = HeadingEncoding::kSineCosine;
   config.relative_target = true;
   config.memory = true;
   const auto row = encode(config);
@@ -44,14 +44,14 @@ TEST_CASE("every option adds its numbers in order") {
   const std::vector<float> expected{1.0F,  -0.5F, 1.0F,  0.0F,  0.0F, 0.5F,
                                     -1.0F, 1.0F,  0.25F, -1.0F, 0.5F, 1.0F};
   for (std::size_t i = 0; i < row.size(); ++i) CHECK(row[i] == Approx(expected[i]).margin(1e-6));
-  config.heading = "none";
+  config.heading = HeadingEncoding::kNone;
   config.target = false;
   CHECK(encode(config).size() == 8);
 }
 
 TEST_CASE("an encoded row can be read back and given another target") {
   EncoderConfig config = lodestone::tests::paper_encoder();
-  config.heading = "sine_cosine";
+  config.heading = HeadingEncoding::kSineCosine;
   config.relative_target = true;
   config.target_heading = true;
   config.memory = true;

@@ -56,7 +56,7 @@ TEST_CASE("goals fill their disc evenly") {
     if (radius < config.goal_radius_m() / 2.0) ++inner;
   }
   CHECK(inner / 20000.0 == Approx(0.25).margin(0.015));
-  config.goal = "centre";
+  config.goal = GoalKind::kCentre;
   CHECK(draw_goal(config, random).position_m == Vector2::Zero());
 }
 
@@ -78,7 +78,7 @@ TEST_CASE("the success radius shrinks with the training's progress") {
 
 TEST_CASE("a pose is reached when place and heading are") {
   TaskConfig config = lodestone::tests::paper_task();
-  config.goal = "pose";
+  config.goal = GoalKind::kPose;
   Step step;
   step.before = {0.001, 0.0, 1.0};
   step.after = {0.001, 0.0, 3.1};

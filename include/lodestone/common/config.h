@@ -8,9 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "lodestone/common/error.h"
+#include "lodestone/common/named.h"
 #include "lodestone/common/range.h"
 
 namespace lodestone::common {
@@ -57,10 +60,38 @@ class ConfigSources {
 //     }
 //   };
 //
-// The same visit() reads JSON (ConfigReader), writes it (ConfigWriter) and documents it (ConfigDescriber).
+// The same visit() reads JSON (ConfigReader), and writes and documents it (ConfigDescriber). A field is a
+// number, a bool, text, a Range, a list of numbers, or an enum with names (common/named.h).
 // Nested configurations are visited with v.group("dish", dish, "the dish").
 // A key that is no longer known is refused with where it went: v.retired("radius", "radius_m").
-// A configuration may also have `void validate() const`, which throws ConfigError; it runs after reading.
+// A configuration may also have `void validate() const`, which throws InvalidConfig where values do not fit
+// together; it runs after reading, for nested ones, too.
+
+/// Values of a configuration that do not fit together. Whoever reads it puts the file or option and the path
+/// of the configuration before the key.
+class InvalidConfig : public ConfigError {
+ public:
+  /// `key` of this configuration (or "below.it"), its value and what it "must ...".
+  InvalidConfig(std::string key, const Json& value, const std::string& must)
+      : ConfigError(key + " = " + value.dump() + " must " + must), key_(std::move(key)) {}
+  const std::string& key() const { return key_; }
+
+ private:
+  std::string key_;
+};
+
+namespace detail {
+template <class Config>
+auto validate(const Config& config, int) -> decltype(config.validate(), void()) {
+  config.validate();
+}
+template <class Config>
+void validate(const Config&, long) {}
+template <class Value>
+using IfEnum = std::enable_if_t<std::is_enum_v<Value>>;
+template <class Value>
+using IfPlain = std::enable_if_t<!std::is_enum_v<Value>>;
+}  // namespace detail
 
 /// Reads one JSON object strictly: an unknown key, a wrong type or a value out of bounds throws ConfigError
 /// naming source, key, value and bound. Keys that are absent keep their default.
@@ -80,25 +111,46 @@ class ConfigReader {
   /// [low, high] with low <= high, both within `bounds`.
   void field(const char* key, Range& value, const char* unit, const char* meaning, Bounds bounds = {});
 
+  template <class Kind, class = detail::IfEnum<Kind>>
+  void field(const char* key, Kind& value, const char* unit, const char* meaning) {
+    std::string name = name_of(value);
+    field(key, name, unit, meaning, names_of(value));
+    value = *find_named<Kind>(name);
+  }
+
   template <class Config>
   void group(const char* key, Config& value, const char* /*meaning*/) {
     known_.insert(key);
-    if (!object_.contains(key)) return;
-    ConfigReader reader(object_.at(key), sources_, prefix_ + key + ".");
-    value.visit(reader);
-    reader.finish();
+    const auto found = object_.find(key);
+    static const Json kNothing = Json::object();
+    ConfigReader(found == object_.end() ? kNothing : *found, sources_, prefix_ + key + ".").read(value);
+  }
+
+  /// All of a configuration: its keys, none but these, and that its values fit together.
+  template <class Config>
+  void read(Config& value) {
+    value.visit(*this);
+    finish();
+    try {
+      detail::validate(value, 0);
+    } catch (const InvalidConfig& error) {
+      refuse(error);
+    }
   }
 
   /// A key of earlier versions. Throws ConfigError that says what took its place.
   void retired(const char* key, const char* successor) const;
 
-  /// Throws ConfigError when the object holds a key that no field() or group() asked for.
-  void finish() const;
-
  private:
   const Json* find(const char* key);
+  /// Throws ConfigError when the object holds a key that no field() or group() asked for.
+  void finish() const;
+  [[noreturn]] void refuse(const InvalidConfig& error) const;
   [[noreturn]] void fail(const std::string& key, const Json& value, const std::string& expectation) const;
-  void check(const char* key, const Json& value, double number, const Bounds& bounds) const;
+  double number(const char* key, const Json& whole, const Json& item, const std::string& expectation,
+                const Bounds& bounds) const;
+  std::int64_t whole_number(const char* key, const Json& whole, const Json& item,
+                            const std::string& expectation, const Bounds& bounds) const;
 
   const Json& object_;
   ConfigSources sources_;
@@ -106,40 +158,10 @@ class ConfigReader {
   std::set<std::string> known_;
 };
 
-/// Writes a configuration as a JSON object, every key included.
-class ConfigWriter {
- public:
-  template <class Value, class... Rest>
-  void field(const char* key, Value& value, const char* /*unit*/, const char* /*meaning*/, Rest&&...) {
-    json_[key] = value;
-  }
-  // Braced bounds and choices cannot be deduced by the template above.
-  template <class Value>
-  void field(const char* key, Value& value, const char*, const char*, Bounds) {
-    json_[key] = value;
-  }
-  void field(const char* key, std::string& value, const char*, const char*, Choices) { json_[key] = value; }
-  void field(const char* key, Range& value, const char*, const char*, Bounds = {}) {
-    json_[key] = {value.low, value.high};
-  }
-
-  template <class Config>
-  void group(const char* key, Config& value, const char* /*meaning*/) {
-    ConfigWriter writer;
-    value.visit(writer);
-    json_[key] = writer.take();
-  }
-  void retired(const char* /*key*/, const char* /*successor*/) {}
-  Json take() { return std::move(json_); }
-
- private:
-  Json json_ = Json::object();
-};
-
 /// One line of `lodestone config --print`.
 struct ConfigRow {
   std::string key;     ///< dotted path
-  std::string value;   ///< default, as JSON
+  Json value;          ///< as it is now
   std::string unit;    ///< empty when the key has none
   std::string bounds;  ///< "0.01 .. 2" or "adam | sgd", empty when free
   std::string meaning;
@@ -152,16 +174,19 @@ class ConfigDescriber {
   explicit ConfigDescriber(ConfigSources sources = "", std::string prefix = "")
       : sources_(std::move(sources)), prefix_(std::move(prefix)) {}
 
-  void field(const char* key, double& value, const char* unit, const char* meaning, Bounds bounds = {});
-  void field(const char* key, std::int64_t& value, const char* unit, const char* meaning, Bounds bounds = {});
-  void field(const char* key, bool& value, const char* unit, const char* meaning);
-  void field(const char* key, std::string& value, const char* unit, const char* meaning,
+  template <class Value, class = detail::IfPlain<Value>>
+  void field(const char* key, const Value& value, const char* unit, const char* meaning, Bounds bounds = {}) {
+    add(key, value, unit, meaning, bounds);
+  }
+  void field(const char* key, const std::string& value, const char* unit, const char* meaning,
              Choices choices = {});
-  void field(const char* key, std::vector<double>& value, const char* unit, const char* meaning,
-             Bounds bounds = {});
-  void field(const char* key, std::vector<std::int64_t>& value, const char* unit, const char* meaning,
-             Bounds bounds = {});
-  void field(const char* key, Range& value, const char* unit, const char* meaning, Bounds bounds = {});
+  void field(const char* key, const Range& value, const char* unit, const char* meaning, Bounds bounds = {}) {
+    add(key, {value.low, value.high}, unit, meaning, bounds);
+  }
+  template <class Kind, class = detail::IfEnum<Kind>>
+  void field(const char* key, const Kind& value, const char* unit, const char* meaning) {
+    field(key, name_of(value), unit, meaning, names_of(value));
+  }
   template <class Config>
   void group(const char* key, Config& value, const char* /*meaning*/) {
     ConfigDescriber nested(sources_, prefix_ + key + ".");
@@ -172,7 +197,7 @@ class ConfigDescriber {
   const std::vector<ConfigRow>& rows() const { return rows_; }
 
  private:
-  void add(const char* key, const Json& value, const char* unit, const char* meaning, std::string bounds);
+  void add(const char* key, Json value, const char* unit, const char* meaning, const Bounds& bounds);
 
   ConfigSources sources_;
   std::string prefix_;
@@ -187,30 +212,11 @@ Json read_json_file(const std::string& path);
 /// Throws ConfigError when there is no '=' or a step of the path is not an object.
 void apply_override(Json& config, const std::string& assignment);
 
-/// Reads `json` over the defaults of `Config`; `source` names it in messages (a file name).
-namespace detail {
-template <class Config>
-auto validate(const Config& config, int) -> decltype(config.validate(), void()) {
-  config.validate();
-}
-template <class Config>
-void validate(const Config&, long) {}
-}  // namespace detail
-
+/// Reads `json` over the defaults of `Config`; `sources` names where it comes from in messages (a file name).
 template <class Config>
 Config config_from_json(const Json& json, const ConfigSources& sources, Config config = Config{}) {
-  ConfigReader reader(json, sources);
-  config.visit(reader);
-  reader.finish();
-  detail::validate(config, 0);
+  ConfigReader(json, sources).read(config);
   return config;
-}
-
-template <class Config>
-Json config_to_json(Config config) {
-  ConfigWriter writer;
-  config.visit(writer);
-  return writer.take();
 }
 
 template <class Config>
@@ -218,6 +224,15 @@ std::vector<ConfigRow> describe_config(Config config = Config{}, const ConfigSou
   ConfigDescriber describer(sources);
   config.visit(describer);
   return describer.rows();
+}
+
+/// The values of described keys as one JSON object.
+Json config_to_json(const std::vector<ConfigRow>& rows);
+
+/// Every key included.
+template <class Config>
+Json config_to_json(const Config& config) {
+  return config_to_json(describe_config<Config>(config));
 }
 
 }  // namespace lodestone::common

@@ -10,7 +10,8 @@ namespace lodestone::common {
 
 /// The value below which this fraction of the values lies, without interpolation; 0 when there are none.
 double percentile(std::vector<double> values, double fraction);
-double median(const std::vector<double>& values);
+/// The middle value, or the mean of the two in the middle; 0 when there are none.
+double median(std::vector<double> values);
 
 double mean(const std::vector<double>& values);
 double root_mean_square(const std::vector<double>& values);

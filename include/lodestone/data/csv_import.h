@@ -8,6 +8,15 @@
 
 namespace lodestone::data {
 
+enum class OnError { kAbort, kSkip };
+inline std::vector<std::string> names_of(OnError) { return {"abort", "skip"}; }
+enum class Impossible { kLeaveOut, kKeep };
+inline std::vector<std::string> names_of(Impossible) { return {"leave_out", "keep"}; }
+enum class PositionUnit { kMm, kM };
+inline std::vector<std::string> names_of(PositionUnit) { return {"mm", "m"}; }
+enum class AngleUnit { kRad, kDeg };
+inline std::vector<std::string> names_of(AngleUnit) { return {"rad", "deg"}; }
+
 /// How foreign recordings are read. Two layouts are known, told apart by their header (any column order,
 /// further columns are ignored):
 ///
@@ -23,12 +32,12 @@ namespace lodestone::data {
 struct CsvImportConfig {
   std::int64_t seed = 0;
   std::int64_t threads = 0;
-  std::string on_error = "abort";
+  OnError on_error = OnError::kAbort;
   std::int64_t max_reported = 20;
-  std::string impossible = "leave_out";
+  Impossible impossible = Impossible::kLeaveOut;
   double control_period_s = 0.3;
-  std::string position_unit = "mm";
-  std::string angle_unit = "rad";
+  PositionUnit position_unit = PositionUnit::kMm;
+  AngleUnit angle_unit = AngleUnit::kRad;
   double centre_x = 0.0;
   double centre_y = 0.0;
   bool y_down = false;
@@ -40,16 +49,15 @@ struct CsvImportConfig {
     v.field("seed", seed, "", "seed written into the dataset; importing draws nothing");
     v.field("threads", threads, "", "importing uses one thread; taken so that every verb takes it",
             {0, 1024});
-    v.field("on_error", on_error, "", "what a malformed row does", {"abort", "skip"});
+    v.field("on_error", on_error, "", "what a malformed row does");
     v.field("max_reported", max_reported, "rows", "skipped rows that are reported one by one", {0, 1000000});
     v.field(
         "impossible", impossible, "",
         "what is done with positions where nothing can be, outside the dish or, where that is not known, far "
-        "beyond all others: a glitch of the camera",
-        {"leave_out", "keep"});
+        "beyond all others: a glitch of the camera");
     v.field("control_period_s", control_period_s, "s", "time between two rows of a recording", {1e-3, 60.0});
-    v.field("position_unit", position_unit, "", "lab log: unit of the position", {"mm", "m"});
-    v.field("angle_unit", angle_unit, "", "lab log: unit of the angle", {"rad", "deg"});
+    v.field("position_unit", position_unit, "", "lab log: unit of the position");
+    v.field("angle_unit", angle_unit, "", "lab log: unit of the angle");
     v.field("centre_x", centre_x, "position_unit", "lab log: dish centre in the log's own coordinates");
     v.field("centre_y", centre_y, "position_unit", "lab log: dish centre in the log's own coordinates");
     v.field("y_down", y_down, "", "lab log: its y axis points to the south coil, as in image coordinates");

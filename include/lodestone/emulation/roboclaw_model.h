@@ -43,6 +43,8 @@ class RoboClawModel {
     bool tripped = false;
   };
   bool handle_packet();
+  std::vector<std::uint8_t> reading(std::uint8_t command) const;  ///< data of an answer
+  void carry_out(std::uint8_t command, const std::uint8_t* data);
   void answer(const std::vector<std::uint8_t>& data);
   std::uint32_t status() const;
 

@@ -23,6 +23,7 @@
 #include "lodestone/session/rig_session.h"
 #include "lodestone/session/sensing.h"
 #include "lodestone/task/region.h"
+#include "lodestone/task/task.h"
 
 namespace lodestone::experiments {
 
@@ -32,7 +33,7 @@ struct TrialsConfig {
   std::int64_t count = 50;
   double start_radius = 0.82;
   double goal_radius = 0.7;
-  std::string within = "disc";
+  task::Within within = task::Within::kDisc;
   common::Range temperature_C = {20.0, 25.0};  // I: a laboratory over the year
   double point_seconds = 20.0;
   double square_side_m = 0.030;
@@ -50,8 +51,7 @@ struct TrialsConfig {
     v.field("within", within, "",
             "starts and targets lie anywhere on those discs, or only where the policy's training data show "
             "them to be "
-            "reachable",
-            {"disc", "reachable"});
+            "reachable");
     v.field("temperature_C", temperature_C, "C",
             "an unseen rig's room, and with it its coils and fluid, is this warm", {0.0, 60.0});
     v.field("point_seconds", point_seconds, "s", "length of a trial of `centre`, `point` or `pose`",

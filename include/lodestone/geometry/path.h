@@ -7,6 +7,9 @@
 
 namespace lodestone::geometry {
 
+/// Points of a CSV file with header `x_m,y_m`. Throws common::DataError naming file, line and column.
+std::vector<Vector2> read_points_csv(const std::string& file);
+
 /// A polyline in the dish frame, open or closed, parametrised by arc length.
 class Path {
  public:
@@ -23,8 +26,7 @@ class Path {
   static Path square(double side_m);
   /// Circle centred at the origin as a polygon of `segments`, counter-clockwise from +x.
   static Path circle(double radius_m, int segments = 180);
-  /// CSV with header `x_m,y_m`. The path is closed when its last point equals its first.
-  /// Throws common::DataError with file, line and column.
+  /// Through the points of a CSV file; closed when the last one equals the first.
   static Path from_csv(const std::string& file);
 
   double length_m() const { return arc_m_.back(); }

@@ -6,6 +6,9 @@
 
 namespace lodestone::geometry {
 
+/// A drive within [-limit, limit].
+inline double saturated(double drive, double limit = 1.0) { return std::clamp(drive, -limit, limit); }
+
 /// A drive of two axes within [-limit, limit]: each axis is cut for itself. This is what the rig does to an
 /// action.
 inline Vector2 saturated(const Vector2& drive, double limit = 1.0) {

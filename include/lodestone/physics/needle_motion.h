@@ -62,14 +62,19 @@ class NeedleMotion {
   static constexpr int kCells = 6;
   struct BodyVelocity;
   struct Axes;
+  struct Resistance;
+  struct Contact;
 
   static Axes axes_of(const geometry::Pose2& pose);
   void cell_factors(const geometry::Pose2& pose, const Axes& axes, const FrictionMap& map, double scale,
                     double* factors) const;
   bool holds(const BodyVelocity& load, const double* factors) const;
+  Resistance resistance(const BodyVelocity& velocity, const double* factors) const;
   bool kick(BodyVelocity& velocity, const BodyVelocity& load, const double* factors, bool held,
             double step_s) const;
   bool near_wall(const geometry::Pose2& pose) const;
+  int find_contacts(const NeedleState& state, const Axes& axes, double step_s, Contact* contacts) const;
+  void settle(Contact& contact, NeedleState& state, double& change) const;
   void wall_impulses(NeedleState& state, const Axes& axes, double step_s) const;
   void keep_inside(geometry::Pose2& pose) const;
 

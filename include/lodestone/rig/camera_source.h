@@ -3,15 +3,19 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "lodestone/common/config.h"
 #include "lodestone/rig/camera.h"
 
 namespace lodestone::rig {
 
+enum class CameraKind { kFiles, kUvc, kGenicam };
+inline std::vector<std::string> names_of(CameraKind) { return {"files", "uvc", "genicam"}; }
+
 /// Which camera looks at the dish, and how it is set.
 struct CameraSourceConfig {
-  std::string kind = "files";
+  CameraKind kind = CameraKind::kFiles;
   std::string source;
   std::string serial;
   std::int64_t width_px = 1280;
@@ -24,8 +28,7 @@ struct CameraSourceConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("kind", kind, "", "images or a video from disk, a USB (UVC) camera, or a GenICam camera",
-            {"files", "uvc", "genicam"});
+    v.field("kind", kind, "", "images or a video from disk, a USB (UVC) camera, or a GenICam camera");
     v.field("source", source, "",
             "files: folder, pattern, image or video; uvc: number or /dev path; genicam: name, empty for the "
             "first one found");

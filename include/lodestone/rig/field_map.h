@@ -11,9 +11,6 @@ namespace lodestone::rig {
 /// Index of a coil named "+x", "-x", "+y" or "-y". Throws ConfigError.
 int coil_index(const std::string& name);
 
-/// Points of a CSV with header `x_m,y_m`. Throws DataError with file, line and column (of the character).
-std::vector<geometry::Vector2> read_points_csv(const std::string& file);
-
 /// Exact field per ampere of one coil at points of the dish plane, T/A. Throws DataError when a point lies in
 /// or beyond the face of the coil's winding, where the field in the plane cannot be measured.
 std::vector<geometry::Vector2> field_per_ampere(const physics::CoilGeometry& geometry, int coil,

@@ -12,9 +12,7 @@ namespace lodestone::rig {
 /// How far a virtual rig is from its description: not at all, by what a careful laboratory would not know, or
 /// as another rig of the same kind. docs/virtual-rig.md has the ranges with their sources.
 enum class DeviationWidth { kNone, kLab, kWide };
-
-/// "none", "lab" or "wide". Throws ConfigError on any other word.
-DeviationWidth deviation_width(const std::string& name);
+inline std::vector<std::string> names_of(DeviationWidth) { return {"none", "lab", "wide"}; }
 
 /// What nobody knows of a rig: factors on its description, and where its coils stand. Only the virtual rig
 /// itself sees them.

@@ -13,12 +13,13 @@
 #include "lodestone/physics/field_table.h"
 #include "lodestone/physics/rig_description.h"
 #include "lodestone/rig/coils.h"
+#include "lodestone/rig/hidden_deviation.h"
 
 namespace lodestone::rig {
 
 /// How the virtual rig stands in for a real one.
 struct SimulationConfig {
-  std::string deviation = "lab";
+  DeviationWidth deviation = DeviationWidth::kLab;
   double max_pulse_s = 10.0;         // D: the driver refuses to hold longer
   double max_temperature_C = 120.0;  // D: reported as a fault above
   double step_s = 0.5e-3;            // D: longest integration step; see the convergence test
@@ -28,8 +29,7 @@ struct SimulationConfig {
     v.field(
         "deviation", deviation, "",
         "how far the virtual rig is from its description: not at all, by what a careful laboratory would not "
-        "know, or as another rig of the same kind",
-        {"none", "lab", "wide"});
+        "know, or as another rig of the same kind");
     v.field("max_pulse_s", max_pulse_s, "s", "longest pulse the drivers accept", {1e-3, 3600.0});
     v.field("max_temperature_C", max_temperature_C, "C",
             "coil temperature above which status() reports a fault", {0.0, 300.0});

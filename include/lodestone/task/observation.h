@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lodestone/common/config.h"
 #include "lodestone/geometry/pose2.h"
@@ -18,18 +19,22 @@ struct Observation {
   geometry::Vector2 last_displacement_m = geometry::Vector2::Zero();  ///< sensed motion since the last action
 };
 
+/// The heading in rad (the paper's), as sine and cosine, or not at all (the recorded sphere has none).
+enum class HeadingEncoding { kAngle, kSineCosine, kNone };
+inline std::vector<std::string> names_of(HeadingEncoding) { return {"angle", "sine_cosine", "none"}; }
+
 /// How observations become the numbers a policy network sees. Used by training and by deployment alike.
 struct EncoderConfig {
-  std::string heading = "angle";  ///< "angle" (paper: theta in rad), "sine_cosine", or "none" (sphere)
-  bool target = true;             ///< append the target: the random-target policy
-  bool relative_target = false;   ///< append target - position as well
-  bool target_heading = false;  ///< append sine and cosine of target heading - heading (0 and 1 without one)
-  bool memory = false;          ///< append last action and last displacement: remembers a stall
+  HeadingEncoding heading = HeadingEncoding::kAngle;
+  bool target = true;            ///< append the target: the random-target policy
+  bool relative_target = false;  ///< append target - position as well
+  bool target_heading = false;   ///< append sine and cosine of target heading - heading (0 and 1 without one)
+  bool memory = false;           ///< append last action and last displacement: remembers a stall
   double displacement_scale_m = 0.005;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("heading", heading, "", "how the heading is given", {"angle", "sine_cosine", "none"});
+    v.field("heading", heading, "", "how the heading is given");
     v.field("target", target, "", "append the target position");
     v.field("relative_target", relative_target, "", "append the vector from needle to target");
     v.field("target_heading", target_heading, "",
@@ -51,7 +56,7 @@ EncoderConfig encoder_from_json(common::Json json, const std::string& what);
 
 class ObservationEncoder {
  public:
-  explicit ObservationEncoder(const EncoderConfig& config);
+  explicit ObservationEncoder(const EncoderConfig& config) : config_(config) {}
 
   /// Numbers per observation: 2 + heading (0, 1, 2) + target 2 + relative target 2 + target heading 2 +
   /// memory 4.
@@ -68,11 +73,9 @@ class ObservationEncoder {
   void retarget(const geometry::Vector2& target_m, float* row) const;
 
  private:
-  enum class Heading { kNone = 0, kAngle = 1, kSineCosine = 2 };  // by how many numbers it takes
-  int heading_size() const { return static_cast<int>(heading_); }
+  int heading_size() const;
 
   EncoderConfig config_;
-  Heading heading_;
 };
 
 }  // namespace lodestone::task

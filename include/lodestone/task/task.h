@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lodestone/common/random.h"
 #include "lodestone/geometry/pose2.h"
@@ -10,12 +11,20 @@
 
 namespace lodestone::task {
 
+/// The dish centre, points drawn uniformly over a disc, or points with a heading.
+enum class GoalKind { kCentre, kPoint, kPose };
+inline std::vector<std::string> names_of(GoalKind) { return {"centre", "point", "pose"}; }
+
+/// Where starts and goals lie: all over their discs, or only where the data show them to be reachable.
+enum class Within { kDisc, kReachable };
+inline std::vector<std::string> names_of(Within) { return {"disc", "reachable"}; }
+
 /// Goal, reward (eq. 3) and the rules that end an episode. Computed outside the dynamics network.
 struct TaskConfig {
-  std::string goal = "point";  ///< "centre", "point" (drawn uniformly over a disc), or "pose": with a heading
+  GoalKind goal = GoalKind::kPoint;
   double goal_radius = 0.7;    ///< disc the point goals are drawn from, in dish radii
   double start_radius = 0.82;  ///< disc the starts are drawn from, in dish radii
-  std::string within = "disc";  ///< all of the discs, or only what the data show to be reachable
+  Within within = Within::kDisc;
   double alpha = -10.0;  ///< per dish radius of change of distance (paper-notes: the unit that fits -5..10)
   double beta = 10.0;    ///< bonus within the success radius
   double tau = -0.04;    ///< per step
@@ -37,17 +46,16 @@ struct TaskConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("goal", goal, "", "fixed centre, points drawn over a disc, or points with a heading",
-            {"centre", "point", "pose"});
+    v.field("goal", goal, "", "fixed centre, points drawn over a disc, or points with a heading");
     v.retired("goal_radius_m", "goal_radius, in dish radii");
     v.retired("start_radius_m", "start_radius, in dish radii");
     v.retired("dish_radius_m", "rig.dish.radius_m");
     v.field("goal_radius", goal_radius, "dish radii", "radius of the disc goals are drawn from", {0.0, 1.0});
     v.field("start_radius", start_radius, "dish radii", "radius of the disc starts are drawn from",
             {0.0, 1.0});
-    v.field("within", within, "",
-            "the whole discs, or only the part of them that the dynamics' training data show to be reachable",
-            {"disc", "reachable"});
+    v.field(
+        "within", within, "",
+        "the whole discs, or only the part of them that the dynamics' training data show to be reachable");
     v.field("alpha", alpha, "1/dish radius", "reward per change of distance to the goal (eq. 3)",
             {-1e4, 0.0});
     v.field("beta", beta, "", "bonus within the success radius (eq. 3)", {0.0, 1e4});

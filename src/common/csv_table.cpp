@@ -1,14 +1,12 @@
-#include "csv_table.h"
+#include "lodestone/common/csv_table.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <set>
 
-namespace lodestone::data {
+namespace lodestone::common {
 namespace {
-
-using common::DataError;
 
 std::string trimmed(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t");
@@ -103,4 +101,4 @@ void CsvTable::fail(std::size_t column, const std::string& expectation) const {
                  header_.at(column) + "): \"" + cells_.at(column) + "\" must be " + expectation);
 }
 
-}  // namespace lodestone::data
+}  // namespace lodestone::common

@@ -7,12 +7,12 @@
 
 #include "lodestone/common/error.h"
 
-namespace lodestone::data {
+namespace lodestone::common {
 
 /// A fault of one row; the message starts with file:line.
-class RowError : public common::DataError {
+class RowError : public DataError {
  public:
-  using common::DataError::DataError;
+  using DataError::DataError;
 };
 
 /// Reads a CSV file with a header row by row. Accepts a byte order mark, CRLF, quoted cells and blank lines.
@@ -47,4 +47,4 @@ class CsvTable {
   std::vector<std::string> cells_;
 };
 
-}  // namespace lodestone::data
+}  // namespace lodestone::common
