@@ -23,8 +23,8 @@ void evaluate_dynamics(const EvaluateOptions& options) {
   nets::use_one_blas_thread();
   const dynamics::Model model = dynamics::load_model(options.checkpoint);
   const data::Dataset dataset = data::read_any_dataset(options.data);
-  runs::DynamicsEvaluation evaluation =
-      dynamics::evaluate_dynamics(model, dynamics::select_split(model, dataset, options.split));
+  runs::DynamicsEvaluation evaluation = dynamics::evaluate_dynamics(
+      model, options.split == "test" ? dynamics::test_split(model, dataset) : dataset);
   evaluation.split = options.split;
   std::printf("%s\n", common::artefact_to_json(evaluation).dump(2).c_str());
 }
@@ -54,7 +54,7 @@ void evaluate_segmenter(const SegmenterOptions& options) {
   common::ThreadPool pool(static_cast<std::size_t>(options.threads));
   const vision::SegmenterEvaluation evaluation = vision::evaluate_segmenter(
       segmenter, scenes, localiser, options.frames, static_cast<std::uint64_t>(options.seed), pool);
-  common::Json json = vision::to_json(evaluation);
+  common::Json json = common::artefact_to_json(evaluation);
   json["ranges_widened_by"] = options.widen;
   std::printf("%s\n", json.dump(2).c_str());
   if (evaluation.clean.poses == 0)

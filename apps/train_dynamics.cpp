@@ -63,7 +63,7 @@ void train_dynamics(const CommonOptions& options) {
   if (config.transitions > 0) dataset = data::first_transitions(std::move(dataset), config.transitions);
   dynamics::TrainingResult result = dynamics::train_dynamics(dataset, config, run);
   runs::DynamicsEvaluation evaluation =
-      dynamics::evaluate_dynamics(result.model, dynamics::select_split(result.model, dataset, "test"));
+      dynamics::evaluate_dynamics(result.model, dynamics::test_split(result.model, dataset));
   evaluation.split = "test";
   evaluation.transitions = dataset.transitions();
   evaluation.training = result.facts;

@@ -223,9 +223,7 @@ DynamicsEvaluation evaluate_dynamics(const Model& model, const data::Dataset& da
   return evaluation;
 }
 
-data::Dataset select_split(const Model& model, const data::Dataset& dataset, const std::string& split) {
-  if (split == "all") return dataset;
-  LODESTONE_CHECK(split == "test", "split must be all or test, not " + split);
+data::Dataset test_split(const Model& model, const data::Dataset& dataset) {
   return data::split_by_episode(dataset, model.split.validation_fraction, model.split.test_fraction,
                                 model.split.seed)
       .test;

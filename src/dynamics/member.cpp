@@ -59,7 +59,7 @@ at::Tensor Member::epoch_order(std::int64_t epoch) const {
 }
 
 double Member::learning_rate() const {
-  if (config_.schedule == "constant") return config_.learning_rate;
+  if (config_.schedule == Schedule::kConstant) return config_.learning_rate;
   const auto total = static_cast<double>(steps_per_epoch_ * config_.epochs);
   return config_.learning_rate * 0.5 * (1.0 + std::cos(kPi * static_cast<double>(steps_) / total));
 }
@@ -91,10 +91,11 @@ void Member::run_epoch(std::int64_t epoch) {
 double Member::train_batch(const at::Tensor& input, const at::Tensor& target, double rate) {
   network_->tensors().gradient().zero_();
   const at::Tensor output = network_->layers(input);
-  const at::Tensor loss =
-      network_->mixture().components > 0 ? mixture_loss(output, target, network_->mixture())
-      : config_.loss == "huber" ? at::huber_loss(output, target, at::Reduction::Mean, config_.huber_delta)
-                                : at::mse_loss(output, target);
+  const at::Tensor loss = network_->mixture().components > 0
+                              ? mixture_loss(output, target, network_->mixture())
+                          : config_.loss == Loss::kHuber
+                              ? at::huber_loss(output, target, at::Reduction::Mean, config_.huber_delta)
+                              : at::mse_loss(output, target);
   loss.backward();
   optimiser_step(rate);
   const double value = loss.item<double>();
@@ -112,13 +113,13 @@ void Member::optimiser_step(double rate) {
   auto* values = parameters.data_ptr<float>();
   auto* gradient = network_->tensors().gradient().data_ptr<float>();
   if (config_.weight_decay > 0.0) {
-    if (config_.optimiser == "adamw") {
+    if (config_.optimiser == Optimiser::kAdamW) {
       parameters.mul_(1.0 - rate * config_.weight_decay);
     } else {
       nets::add_scaled(gradient, values, count, config_.weight_decay);
     }
   }
-  if (config_.optimiser == "sgd") {
+  if (config_.optimiser == Optimiser::kSgd) {
     nets::momentum_step(values, gradient, first_moment_.data_ptr<float>(), count, rate, config_.momentum);
   } else {
     nets::adam_step(values, gradient, first_moment_.data_ptr<float>(), second_moment_.data_ptr<float>(),

@@ -132,7 +132,7 @@ std::unique_ptr<Td3> make_td3(const Td3Config& config, std::int64_t observation_
                               std::int64_t action_size, std::uint64_t seed, std::int64_t threads,
                               at::ScalarType type) {
   const bool wide = type == at::kDouble;
-  if (config.backend == "autograd") {
+  if (config.backend == Td3Backend::kAutograd) {
     if (wide) return std::make_unique<AutogradTd3<double>>(config, observation_size, action_size, seed);
     return std::make_unique<AutogradTd3<float>>(config, observation_size, action_size, seed);
   }

@@ -18,7 +18,7 @@ Model constant_model(data::StateLayout layout, const std::vector<double>& change
                      const data::Dataset& training) {
   const at::NoGradGuard no_grad;
   Model model;
-  model.config.form = "delta";
+  model.config.form = inference::DynamicsForm::kDelta;
   model.config.hidden = {4};
   model.config.batch_norm = false;
   model.info.layout = layout;
@@ -148,10 +148,9 @@ TEST_CASE("the test split is the one of the training, and layouts must agree", "
   Model model = constant_model(data::StateLayout::kPosition, {0.0, 0.0}, dataset);
   model.split = {77, 0.2, 0.1};
   const data::Dataset expected = data::split_by_episode(dataset, 0.2, 0.1, 77).test;
-  const data::Dataset test = select_split(model, dataset, "test");
+  const data::Dataset test = test_split(model, dataset);
   REQUIRE(test.episodes.size() == expected.episodes.size());
   CHECK(test.episodes[0].observations == expected.episodes[0].observations);
-  CHECK(select_split(model, dataset, "all").episodes.size() == 50);
   CHECK_THROWS_AS(evaluate_dynamics(model, marching(data::StateLayout::kPose, 1, 2)), common::DataError);
 }
 

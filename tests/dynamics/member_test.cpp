@@ -8,11 +8,13 @@
 namespace lodestone::dynamics {
 namespace {
 
+using inference::DynamicsForm;
+
 /// A member that learns 300 rows, one in ten of them for validation.
 Member small_member(const TrainingConfig& config, std::int64_t index = 0) {
   const tests::Rows rows = tests::sample_rows(data::StateLayout::kPosition, 300, 1);
   const auto network =
-      make_members(tests::config_of("delta", false), data::StateLayout::kPosition, 1).front();
+      make_members(tests::config_of(DynamicsForm::kDelta, false), data::StateLayout::kPosition, 1).front();
   network->fit_normalisers(rows.state, rows.action, rows.next_state);
   const auto part = [&rows](std::int64_t first, std::int64_t count) {
     return RowTensors{rows.state.narrow(0, first, count), rows.action.narrow(0, first, count),
@@ -34,8 +36,8 @@ TEST_CASE("epochs lower both losses, and another member sees the rows in another
 }
 
 TEST_CASE("a member that is restored goes on bitwise", "[unit]") {
-  for (const char* optimiser : {"sgd", "adam", "adamw"}) {
-    CAPTURE(optimiser);
+  for (const auto optimiser : {Optimiser::kSgd, Optimiser::kAdam, Optimiser::kAdamW}) {
+    CAPTURE(common::name_of(optimiser));
     TrainingConfig config;
     config.optimiser = optimiser;
     config.weight_decay = 1e-3;

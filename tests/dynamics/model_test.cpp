@@ -10,9 +10,11 @@
 namespace lodestone::dynamics {
 namespace {
 
+using inference::DynamicsForm;
+
 Model sample_model(data::StateLayout layout) {
   Model model;
-  model.config = tests::config_of("delta", true);
+  model.config = tests::config_of(DynamicsForm::kDelta, true);
   model.config.members = 3;
   model.info.layout = layout;
   model.info.source = "test";

@@ -11,6 +11,8 @@
 namespace lodestone::dynamics {
 namespace {
 
+using inference::DynamicsForm;
+
 constexpr double kPi = 3.14159265358979323846;
 
 using tests::config_of;
@@ -45,7 +47,7 @@ TEST_CASE("the paper's network is 5-256-128-32-3", "[unit]") {
 TEST_CASE("the folded network agrees with the network", "[unit]") {
   const at::NoGradGuard no_grad;
   for (const auto layout : {data::StateLayout::kPose, data::StateLayout::kPosition}) {
-    for (const char* form : {"paper", "delta"}) {
+    for (const auto form : {DynamicsForm::kPaper, DynamicsForm::kDelta}) {
       for (const bool batch_norm : {true, false}) {
         const auto network = exercised(config_of(form, batch_norm), layout);
         const Rows rows = sample_rows(layout, 77, 3);
@@ -57,7 +59,7 @@ TEST_CASE("the folded network agrees with the network", "[unit]") {
                        next.data_ptr<double>(), workspace);
         at::Tensor error = next - expected;
         if (layout == data::StateLayout::kPose) error.select(1, 2).copy_(wrap_angles(error.select(1, 2)));
-        CAPTURE(form, batch_norm);
+        CAPTURE(common::name_of(form), batch_norm);
         CHECK(error.abs().max().item<double>() < 1e-5);
 
         // A smaller batch in the same workspace, in place.
@@ -72,7 +74,7 @@ TEST_CASE("the folded network agrees with the network", "[unit]") {
 
 TEST_CASE("normalisers are part of the network", "[unit]") {
   const Rows rows = sample_rows(data::StateLayout::kPose, 2000, 4);
-  for (const char* form : {"paper", "delta"}) {
+  for (const auto form : {DynamicsForm::kPaper, DynamicsForm::kDelta}) {
     const auto network = exercised(config_of(form, true), data::StateLayout::kPose);
     network->fit_normalisers(rows.state, rows.action, rows.next_state);
     for (const at::Tensor& normalised : {network->normalised_input(rows.state, rows.action),
@@ -92,7 +94,7 @@ TEST_CASE("normalisers are part of the network", "[unit]") {
 }
 
 TEST_CASE("the change form sees across the cut of the heading", "[unit]") {
-  const auto network = exercised(config_of("delta", false), data::StateLayout::kPose);
+  const auto network = exercised(config_of(DynamicsForm::kDelta, false), data::StateLayout::kPose);
   const at::Tensor action = at::zeros({2, 2}, at::kDouble);
   const at::Tensor state = nets::tensor_from({0.0, 0.0, kPi - 1e-7, 0.0, 0.0, -kPi + 1e-7}, {2, 3});
   const at::Tensor next = network->forward(state, action);
@@ -112,7 +114,7 @@ TEST_CASE("angles wrap to (-pi, pi]", "[unit]") {
 }
 
 TEST_CASE("the mean of headings is taken on the circle", "[unit]") {
-  DynamicsConfig config = config_of("delta", true);
+  DynamicsConfig config = config_of(DynamicsForm::kDelta, true);
   config.members = 2;
   const Members members = make_members(config, data::StateLayout::kPose, 8);
   const at::NoGradGuard no_grad;
@@ -126,7 +128,7 @@ TEST_CASE("the mean of headings is taken on the circle", "[unit]") {
 }
 
 TEST_CASE("initial weights follow the seed and PyTorch's default range", "[unit]") {
-  const DynamicsConfig config = config_of("paper", false);
+  const DynamicsConfig config = config_of(DynamicsForm::kPaper, false);
   auto first = make_members(config, data::StateLayout::kPose, 1).front();
   auto again = make_members(config, data::StateLayout::kPose, 1).front();
   auto other = make_members(config, data::StateLayout::kPose, 2).front();
@@ -140,8 +142,9 @@ TEST_CASE("initial weights follow the seed and PyTorch's default range", "[unit]
 }
 
 TEST_CASE("a mixture's mean survives folding and saving, and its draws scatter around it", "[unit]") {
-  for (const auto& [form, batch_norm] : {std::pair{"paper", true}, std::pair{"delta", false}}) {
-    CAPTURE(form);
+  for (const auto& [form, batch_norm] :
+       {std::pair{DynamicsForm::kPaper, true}, std::pair{DynamicsForm::kDelta, false}}) {
+    CAPTURE(common::name_of(form));
     DynamicsConfig config = config_of(form, batch_norm);
     config.components = 3;
     const auto network = exercised(config, data::StateLayout::kPose);

@@ -40,7 +40,7 @@ inline Rows sample_rows(data::StateLayout layout, std::int64_t count, std::uint6
   return rows;
 }
 
-inline inference::DynamicsConfig config_of(const std::string& form, bool batch_norm) {
+inline inference::DynamicsConfig config_of(inference::DynamicsForm form, bool batch_norm) {
   inference::DynamicsConfig config;
   config.form = form;
   config.batch_norm = batch_norm;

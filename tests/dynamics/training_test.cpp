@@ -17,23 +17,24 @@ namespace lodestone::dynamics {
 namespace {
 
 using Catch::Contains;
+using inference::DynamicsForm;
 using tests::known_dataset;
 
-TrainDynamicsConfig small_config(const std::string& form) {
+TrainDynamicsConfig small_config(inference::DynamicsForm form) {
   TrainDynamicsConfig config;
   config.seed = 3;
   config.threads = 1;
   config.model.form = form;
   config.model.hidden = {32, 16};
-  config.model.batch_norm = form == "paper";
+  config.model.batch_norm = form == DynamicsForm::kPaper;
   config.training.epochs = 4;
   config.training.batch_size = 64;
-  if (form == "delta") {
-    config.training.optimiser = "adamw";
+  if (form == DynamicsForm::kDelta) {
+    config.training.optimiser = Optimiser::kAdamW;
     config.training.learning_rate = 3e-3;
     config.training.weight_decay = 1e-3;
-    config.training.schedule = "cosine";
-    config.training.loss = "huber";
+    config.training.schedule = Schedule::kCosine;
+    config.training.loss = Loss::kHuber;
   }
   return config;
 }
@@ -64,18 +65,18 @@ TrainingResult train(const data::Dataset& dataset, const TrainDynamicsConfig& co
 }  // namespace
 
 TEST_CASE("both forms learn a known motion", "[unit]") {
-  for (const char* form : {"paper", "delta"}) {
+  for (const auto form : {DynamicsForm::kPaper, DynamicsForm::kDelta}) {
     for (const auto layout : {data::StateLayout::kPose, data::StateLayout::kPosition}) {
-      CAPTURE(form, data::state_size(layout));
+      CAPTURE(common::name_of(form), data::state_size(layout));
       TrainDynamicsConfig config = small_config(form);
       config.training.epochs = 20;
       const data::Dataset dataset = known_dataset(layout, 150, 20, 1);
       TrainingResult result = train(dataset, config);
       const DynamicsEvaluation evaluation =
-          evaluate_dynamics(result.model, select_split(result.model, dataset, "test"));
+          evaluate_dynamics(result.model, test_split(result.model, dataset));
       CHECK(evaluation.one_step.position_rms_mm < 0.8 * evaluation.baselines->no_motion.position_rms_mm);
       // The change form knows that it starts where it is, so it must be far better.
-      if (std::string(form) == "delta") {
+      if (form == DynamicsForm::kDelta) {
         CHECK(evaluation.one_step.position_rms_mm < 0.1 * evaluation.baselines->no_motion.position_rms_mm);
       }
       CHECK(result.facts.validation_loss < 0.2);
@@ -85,21 +86,21 @@ TEST_CASE("both forms learn a known motion", "[unit]") {
 
 TEST_CASE("every optimiser lowers the loss", "[unit]") {
   const data::Dataset dataset = known_dataset(data::StateLayout::kPosition, 60, 20, 1);
-  for (const char* optimiser : {"sgd", "adam", "adamw"}) {
-    TrainDynamicsConfig config = small_config("delta");
+  for (const auto optimiser : {Optimiser::kSgd, Optimiser::kAdam, Optimiser::kAdamW}) {
+    TrainDynamicsConfig config = small_config(DynamicsForm::kDelta);
     config.training.optimiser = optimiser;
-    config.training.loss = "l2";
+    config.training.loss = Loss::kL2;
     config.training.epochs = 1;
     const double early = train(dataset, config).facts.validation_loss;
     config.training.epochs = 10;
-    CAPTURE(optimiser);
+    CAPTURE(common::name_of(optimiser));
     CHECK(train(dataset, config).facts.validation_loss < 0.7 * early);
   }
 }
 
 TEST_CASE("training depends on the seed and not on threads", "[unit]") {
   const data::Dataset dataset = known_dataset(data::StateLayout::kPose, 40, 20, 1);
-  TrainDynamicsConfig config = small_config("paper");
+  TrainDynamicsConfig config = small_config(DynamicsForm::kPaper);
   config.model.members = 3;
   config.training.bootstrap = true;
   const TrainingResult one = train(dataset, config);
@@ -113,7 +114,7 @@ TEST_CASE("training depends on the seed and not on threads", "[unit]") {
 
 TEST_CASE("a stopped training goes on bitwise", "[unit]") {
   const data::Dataset dataset = known_dataset(data::StateLayout::kPose, 40, 20, 1);
-  for (const char* form : {"paper", "delta"}) {
+  for (const auto form : {DynamicsForm::kPaper, DynamicsForm::kDelta}) {
     const ::lodestone::tests::TemporaryFolder temporary;
     TrainDynamicsConfig config = small_config(form);
     config.model.members = 2;
@@ -141,7 +142,7 @@ TEST_CASE("a stopped training goes on bitwise", "[unit]") {
 TEST_CASE("resuming with other settings or other data is refused", "[unit]") {
   const ::lodestone::tests::TemporaryFolder temporary;
   const data::Dataset dataset = known_dataset(data::StateLayout::kPosition, 40, 10, 1);
-  TrainDynamicsConfig config = small_config("delta");
+  TrainDynamicsConfig config = small_config(DynamicsForm::kDelta);
   config.training.epochs = 1;
   train(dataset, config, temporary / "run", false);
   TrainDynamicsConfig other = config;
@@ -155,13 +156,13 @@ TEST_CASE("resuming with other settings or other data is refused", "[unit]") {
 TEST_CASE("NaN in the data is an error that says where", "[unit]") {
   data::Dataset dataset = known_dataset(data::StateLayout::kPose, 20, 10, 1);
   dataset.episodes[7].observations[4] = std::numeric_limits<double>::quiet_NaN();
-  CHECK_THROWS_AS(train(dataset, small_config("delta")), common::DataError);
+  CHECK_THROWS_AS(train(dataset, small_config(DynamicsForm::kDelta)), common::DataError);
 }
 
 TEST_CASE("a diverging training says what to do", "[unit]") {
-  TrainDynamicsConfig config = small_config("delta");
-  config.training.optimiser = "sgd";
-  config.training.loss = "l2";
+  TrainDynamicsConfig config = small_config(DynamicsForm::kDelta);
+  config.training.optimiser = Optimiser::kSgd;
+  config.training.loss = Loss::kL2;
   config.training.learning_rate = 10.0;
   config.training.epochs = 50;
   CHECK_THROWS_WITH(train(known_dataset(data::StateLayout::kPose, 60, 20, 1), config),
@@ -174,10 +175,10 @@ TEST_CASE("patience ends members that only learn noise, and the best weights are
   for (data::Episode& episode : dataset.episodes) {
     for (double& value : episode.observations) value = random.uniform(-0.03, 0.03);
   }
-  TrainDynamicsConfig config = small_config("delta");
+  TrainDynamicsConfig config = small_config(DynamicsForm::kDelta);
   config.training.epochs = 300;
   config.training.learning_rate = 1e-2;
-  config.training.schedule = "constant";
+  config.training.schedule = Schedule::kConstant;
   const double kept = train(dataset, config).facts.validation_loss;
   config.training.patience = 5;
   const TrainingResult patient = train(dataset, config);
@@ -206,7 +207,7 @@ TEST_CASE("a mixture learns that the robot stays or jumps, which a mean hides", 
     }
     dataset.episodes.push_back(episode);
   }
-  TrainDynamicsConfig config = small_config("delta");
+  TrainDynamicsConfig config = small_config(DynamicsForm::kDelta);
   config.model.components = 2;
   config.training.epochs = 60;
   const TrainingResult result = train(dataset, config);

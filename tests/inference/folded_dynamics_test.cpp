@@ -11,7 +11,7 @@ using inference::DynamicsModel;
 TEST_CASE("a folded network gives what its weights say, whatever normalises it", "[unit]") {
   // One hidden unit that passes the drive on: next x = x + 1e-3 * drive_x, by way of every normalisation.
   inference::DynamicsConfig config;
-  config.form = "delta";
+  config.form = inference::DynamicsForm::kDelta;
   config.hidden = {1};
   const auto numbers = [](std::vector<float> values) {
     const auto count = static_cast<std::int64_t>(values.size());

@@ -22,7 +22,7 @@ const std::string kModel = std::string(LODESTONE_SOURCE_DIR) + "/models/dynamics
 
 TEST_CASE("The plain simulator needs no dynamics and is of the rig", "[rl]") {
   rl::TrainPolicyConfig config = small_config();
-  config.simulator = "physics";
+  config.simulator = rl::Simulator::kPhysics;
   config.rig.dish.radius_m = 0.03;
   const rl::PolicyEnvironments made = rl::make_policy_environments(config);
   CHECK(made.training->spec().count == 3);
@@ -44,7 +44,7 @@ TEST_CASE("The learned simulator must be named, and its data say what they know"
 
 TEST_CASE("The reachable region is mapped from the dynamics' data", "[rl]") {
   rl::TrainPolicyConfig config = small_config();
-  config.simulator = "physics";
+  config.simulator = rl::Simulator::kPhysics;
   config.task.within = task::Within::kReachable;
   CHECK_THROWS_WITH(rl::make_policy_environments(config), Catch::Contains("needs data to map"));
   config.dynamics = kModel;
@@ -55,7 +55,7 @@ TEST_CASE("The reachable region is mapped from the dynamics' data", "[rl]") {
 
 TEST_CASE("Recorded steps that are wanted must be there", "[rl]") {
   rl::TrainPolicyConfig config = small_config();
-  config.simulator = "physics";
+  config.simulator = rl::Simulator::kPhysics;
   config.replay.environments = 2;
   config.recorded = "/nowhere.h5";
   CHECK_THROWS_AS(rl::make_policy_environments(config), common::Error);

@@ -11,6 +11,7 @@
 using lodestone::nets::Checkpoint;
 using lodestone::rl::LearningConfig;
 using lodestone::rl::NoiseConfig;
+using lodestone::rl::NoiseKind;
 using lodestone::rl::PolicyEvaluation;
 using lodestone::rl::PolicyLearner;
 using lodestone::rl::PolicyScore;
@@ -39,7 +40,7 @@ LearningConfig short_learning(std::int64_t env_steps, double updates_per_step) {
 
 NoiseConfig gaussian(double sigma) {
   NoiseConfig config;
-  config.kind = "gaussian";
+  config.kind = NoiseKind::kGaussian;
   config.sigma = sigma;
   return config;
 }

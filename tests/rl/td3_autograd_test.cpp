@@ -31,7 +31,7 @@ double gradient_difference(at::ScalarType type) {
   config.batch_size = 100;
   config.policy_frequency = 1;
   std::vector<nets::NamedTensors> moments;
-  for (const char* backend : {"fused", "autograd"}) {
+  for (const auto backend : {Td3Backend::kFused, Td3Backend::kAutograd}) {
     config.backend = backend;
     const auto td3 = make_td3(config, 6, 2, 4, 2, type);
     td3->update(wave_batch(100, 1, type), (0.3 * wave(5, {100, 2})).to(type));
@@ -60,7 +60,7 @@ TEST_CASE("Backends stay together over many updates and take up each other's che
   config.batch_size = 64;
   config.hidden = {32, 24};
   const auto fused = make_td3(config, 6, 2, 9, 2, at::kDouble);
-  config.backend = "autograd";
+  config.backend = Td3Backend::kAutograd;
   const auto autograd = make_td3(config, 6, 2, 9, 1, at::kDouble);
   CHECK(identical(fused->networks(), autograd->networks()));
   const auto update_both = [&](int update) {

@@ -14,6 +14,7 @@ using lodestone::nets::NamedTensors;
 using lodestone::rl::Batch;
 using lodestone::rl::make_td3;
 using lodestone::rl::ReplayBuffer;
+using lodestone::rl::Td3Backend;
 using lodestone::rl::Td3Config;
 using lodestone::rl::UpdateResult;
 using lodestone::rl::tests::identical;
@@ -70,8 +71,8 @@ TEST_CASE("Two updates agree with the reference implementation to 1e-9", "[rl]")
       lodestone::common::read_json_file(LODESTONE_SOURCE_DIR "/tests/rl/td3_reference_update.json");
   Td3Config config;
   config.batch_size = 16;
-  for (const char* backend : {"fused", "autograd"}) {
-    INFO(backend);
+  for (const auto backend : {Td3Backend::kFused, Td3Backend::kAutograd}) {
+    INFO(lodestone::common::name_of(backend));
     config.backend = backend;
     const auto td3 = make_td3(config, 5, 2, 1, 2, at::kDouble);
     set_reference_parameters(td3->networks());

@@ -18,7 +18,7 @@ TEST_CASE("where no pose was found there is no error, and the words say so") {
   REQUIRE(evaluation.clean.poses == 0);  // nothing was learned
   CHECK_FALSE(evaluation.clean.position_rms_mm);
   CHECK_FALSE(evaluation.repeatability_mm);
-  const common::Json json = vision::to_json(evaluation);
+  const common::Json json = common::artefact_to_json(evaluation);
   CHECK_FALSE(json.at("clean").contains("position_rms_mm"));
   CHECK_FALSE(json.at("clean").contains("ms_per_frame"));
   CHECK_FALSE(json.contains("repeatability_mm"));

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-
 #include "lodestone/data/dataset.h"
 #include "lodestone/dynamics/model.h"
 #include "lodestone/runs/training_results.h"
@@ -18,7 +16,7 @@ using runs::StateError;
 /// layout or no row.
 DynamicsEvaluation evaluate_dynamics(const Model& model, const data::Dataset& dataset);
 
-/// The episodes set aside when the model was trained ("test"), or all ("all").
-data::Dataset select_split(const Model& model, const data::Dataset& dataset, const std::string& split);
+/// The episodes that were set aside when the model was trained on this data.
+data::Dataset test_split(const Model& model, const data::Dataset& dataset);
 
 }  // namespace lodestone::dynamics

@@ -11,17 +11,24 @@
 
 namespace lodestone::dynamics {
 
+enum class Optimiser { kSgd, kAdam, kAdamW };
+inline std::vector<std::string> names_of(Optimiser) { return {"sgd", "adam", "adamw"}; }
+enum class Schedule { kConstant, kCosine };
+inline std::vector<std::string> names_of(Schedule) { return {"constant", "cosine"}; }
+enum class Loss { kL2, kHuber };
+inline std::vector<std::string> names_of(Loss) { return {"l2", "huber"}; }
+
 /// How the dynamics networks learn. The defaults are the paper's (section IV-B1) where it says, plain
 /// otherwise.
 struct TrainingConfig {
   std::int64_t epochs = 100;
   std::int64_t batch_size = 64;
-  std::string optimiser = "sgd";
+  Optimiser optimiser = Optimiser::kSgd;
   double learning_rate = 0.01;
   double momentum = 0.9;      ///< of sgd
   double weight_decay = 0.0;  ///< L2 for sgd and adam, decoupled for adamw
-  std::string schedule = "constant";
-  std::string loss = "l2";
+  Schedule schedule = Schedule::kConstant;
+  Loss loss = Loss::kL2;
   double huber_delta = 1.0;  ///< in standard deviations of the output
   double validation_fraction = 0.1;
   double test_fraction = 0.1;
@@ -35,15 +42,13 @@ struct TrainingConfig {
   void visit(Visitor& v) {
     v.field("epochs", epochs, "", "passes over the training rows", {1, 100000});
     v.field("batch_size", batch_size, "rows", "rows per step", {2, 65536});
-    v.field("optimiser", optimiser, "", "optimiser", {"sgd", "adam", "adamw"});
+    v.field("optimiser", optimiser, "", "optimiser");
     v.field("learning_rate", learning_rate, "", "step size, at its start", {1e-8, 10.0});
     v.field("momentum", momentum, "", "momentum of sgd", {0.0, 0.9999});
     v.field("weight_decay", weight_decay, "", "L2 penalty (sgd, adam) or decoupled decay (adamw)",
             {0.0, 1.0});
-    v.field("schedule", schedule, "", "how the step size goes on: constant, or half a cosine down to 0",
-            {"constant", "cosine"});
-    v.field("loss", loss, "", "training loss on normalised output; mixtures have their likelihood instead",
-            {"l2", "huber"});
+    v.field("schedule", schedule, "", "how the step size goes on: constant, or half a cosine down to 0");
+    v.field("loss", loss, "", "training loss on normalised output; mixtures have their likelihood instead");
     v.field("huber_delta", huber_delta, "", "normalised error above which huber is linear", {1e-3, 100.0});
     v.field("validation_fraction", validation_fraction, "", "fraction of the episodes to choose weights by",
             {0.01, 0.9});
