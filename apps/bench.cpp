@@ -79,7 +79,7 @@ void bench_speed(const CommonOptions& options, const std::string& command) {
   rl::Td3Config td3;
   td3.batch_size = config.td3_batch;
   rl::Td3Config reference = td3;
-  reference.backend = "autograd";
+  reference.backend = rl::Td3Backend::kAutograd;
   enum : std::size_t {
     kSgemmOne,
     kSgemmAll,

@@ -3,11 +3,10 @@
 
 #include "lodestone/common/artefact.h"
 #include "lodestone/data/dataset_file.h"
+#include "lodestone/dynamics/evaluation.h"
 #include "lodestone/nets/blas.h"
-#include "lodestone/nets/dynamics.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/rig_config.h"
-#include "lodestone/rl/dynamics_evaluation.h"
 #include "lodestone/vision/segmenter_evaluation.h"
 #include "verb.h"
 
@@ -22,10 +21,10 @@ struct EvaluateOptions {
 
 void evaluate_dynamics(const EvaluateOptions& options) {
   nets::use_one_blas_thread();
-  nets::DynamicsModel model = nets::load_dynamics(options.checkpoint);
+  const dynamics::Model model = dynamics::load_model(options.checkpoint);
   const data::Dataset dataset = data::read_any_dataset(options.data);
-  rl::DynamicsEvaluation evaluation =
-      rl::evaluate_dynamics(model, rl::select_split(model, dataset, options.split));
+  runs::DynamicsEvaluation evaluation = dynamics::evaluate_dynamics(
+      model, options.split == "test" ? dynamics::test_split(model, dataset) : dataset);
   evaluation.split = options.split;
   std::printf("%s\n", common::artefact_to_json(evaluation).dump(2).c_str());
 }
@@ -55,7 +54,7 @@ void evaluate_segmenter(const SegmenterOptions& options) {
   common::ThreadPool pool(static_cast<std::size_t>(options.threads));
   const vision::SegmenterEvaluation evaluation = vision::evaluate_segmenter(
       segmenter, scenes, localiser, options.frames, static_cast<std::uint64_t>(options.seed), pool);
-  common::Json json = vision::to_json(evaluation);
+  common::Json json = common::artefact_to_json(evaluation);
   json["ranges_widened_by"] = options.widen;
   std::printf("%s\n", json.dump(2).c_str());
   if (evaluation.clean.poses == 0)

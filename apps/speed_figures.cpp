@@ -4,17 +4,21 @@
 #include <opencv2/core/mat.hpp>
 #include <utility>
 
-#include <torch/torch.h>
+#include <ATen/Context.h>
+#include <ATen/TensorOperators.h>
+#include <ATen/core/grad_mode.h>
+#include <ATen/ops/empty.h>
+#include <ATen/ops/mm.h>
+#include <ATen/ops/randn.h>
 
 #include "lodestone/common/clock.h"
 #include "lodestone/common/memory.h"
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/control/policy_controller.h"
+#include "lodestone/dynamics/network.h"
 #include "lodestone/env/mbs_env.h"
 #include "lodestone/imaging/scene_renderer.h"
-#include "lodestone/nets/actor_critic.h"
-#include "lodestone/nets/checkpoint.h"
-#include "lodestone/nets/dynamics_network.h"
+#include "lodestone/nets/tensors.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/virtual_rig.h"
 #include "lodestone/rl/policy_learner.h"
@@ -61,7 +65,7 @@ inference::DynamicsModel drawn_model(const SpeedConfig& config) {
   const auto seed = static_cast<std::uint64_t>(config.seed);
   inference::DynamicsModel model;
   model.members.push_back(
-      nets::fold(*nets::make_dynamics_members(model.config, model.info.layout, seed).front()));
+      dynamics::fold(*dynamics::make_members(model.config, model.info.layout, seed).front()));
   common::RandomStream random(seed, "bench starts");
   model.start_states.resize(3 * 1000);
   for (double& number : model.start_states) number = random.uniform(-0.01, 0.01);
@@ -86,9 +90,9 @@ namespace {
 constexpr std::int64_t kSize = 256;
 
 struct Operands {
-  torch::Tensor a = torch::randn({kSize, kSize});
-  torch::Tensor b = torch::randn({kSize, kSize});
-  torch::Tensor c = torch::empty({kSize, kSize});
+  at::Tensor a = at::randn({kSize, kSize});
+  at::Tensor b = at::randn({kSize, kSize});
+  at::Tensor c = at::empty({kSize, kSize});
   inference::CacheAligned<float> scratch;
 };
 
@@ -101,7 +105,7 @@ RateFigure product_rate(const SpeedConfig& config, std::int64_t threads, const P
   const double flop = 2.0 * kSize * kSize * kSize * kProducts * static_cast<double>(pool->size());
   return rate_of(config, flop, [pool, operands, product] {
     pool->for_each(pool->size(), [&](std::size_t shard) {
-      const torch::NoGradGuard no_grad;
+      const at::NoGradGuard no_grad;
       for (int i = 0; i < kProducts; ++i) product((*operands)[shard]);
     });
   });
@@ -110,7 +114,7 @@ RateFigure product_rate(const SpeedConfig& config, std::int64_t threads, const P
 }  // namespace
 
 RateFigure sgemm_rate(const SpeedConfig& config, std::int64_t threads) {
-  return product_rate(config, threads, [](Operands& my) { torch::mm_out(my.c, my.a, my.b); });
+  return product_rate(config, threads, [](Operands& my) { at::mm_out(my.c, my.a, my.b); });
 }
 
 RateFigure gemm_rate(const SpeedConfig& config, std::int64_t threads) {
@@ -140,12 +144,12 @@ RateFigure td3_rate(const SpeedConfig& config, const rl::Td3Config& td3, std::in
   std::shared_ptr<rl::Td3> learner =
       rl::make_td3(td3, kObservationSize, kActionSize, static_cast<std::uint64_t>(config.seed), threads);
   rl::Batch batch(td3.batch_size, kObservationSize, kActionSize);
-  torch::manual_seed(config.seed);
-  for (torch::Tensor* tensor : {&batch.observation, &batch.action, &batch.reward, &batch.next_observation}) {
+  at::manual_seed(config.seed);
+  for (at::Tensor* tensor : {&batch.observation, &batch.action, &batch.reward, &batch.next_observation}) {
     tensor->uniform_(-1.0, 1.0);
   }
   batch.not_done.fill_(1.0);
-  const torch::Tensor noise = 0.2 * torch::randn({td3.batch_size, kActionSize});
+  const at::Tensor noise = 0.2 * at::randn({td3.batch_size, kActionSize});
   return rate_of(config, kUpdates, [learner, batch, noise] {
     for (int i = 0; i < kUpdates; ++i) learner->update(batch, noise);
   });
@@ -218,8 +222,11 @@ struct ImageLatency::Bench {
         random(static_cast<std::uint64_t>(config.seed), "bench images") {
     policy.encoder.length_scale_m = config.rig.dish.radius_m;
     policy.action.scale = config.rig.coils.max_current_A;
-    const nets::Actor actor(task::ObservationEncoder(policy.encoder).size(), policy.hidden);
-    policy.weights = nets::to_arrays(nets::module_tensors(*actor));
+    rl::Td3Config td3;
+    td3.hidden = policy.hidden;
+    const std::int64_t inputs = task::ObservationEncoder(policy.encoder).size();
+    policy.weights = nets::to_arrays(
+        rl::make_td3(td3, inputs, kActionSize, static_cast<std::uint64_t>(config.seed))->actor_weights());
     controller = std::make_unique<control::PolicyController>(policy);
   }
   static imaging::SceneConfig scenes_of(const SpeedConfig& config) {
@@ -243,7 +250,7 @@ ImageLatency::~ImageLatency() = default;
 void ImageLatency::measure() {
   constexpr double kPathRadius_m = 0.015;
   constexpr double kStep_rad = 0.13;  // 2 mm from image to image
-  const torch::NoGradGuard no_grad;
+  const at::NoGradGuard no_grad;
   const common::SteadyClock clock;
   for (std::int64_t i = 0; i < config_.images; ++i, ++bench_->image) {
     const double angle = kStep_rad * static_cast<double>(bench_->image);

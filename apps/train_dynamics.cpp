@@ -4,17 +4,16 @@
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/log.h"
 #include "lodestone/data/dataset_file.h"
+#include "lodestone/dynamics/evaluation.h"
+#include "lodestone/dynamics/training.h"
 #include "lodestone/nets/blas.h"
-#include "lodestone/nets/dynamics.h"
 #include "lodestone/rig/rig_config.h"
-#include "lodestone/rl/dynamics_evaluation.h"
-#include "lodestone/rl/dynamics_training.h"
 #include "verb.h"
 
 namespace lodestone::apps {
 namespace {
 
-using rl::TrainDynamicsConfig;
+using dynamics::TrainDynamicsConfig;
 
 /// What is trained, and the rig that the recordings should be of.
 struct DynamicsRunConfig {
@@ -36,7 +35,7 @@ void check_rig(const CommonOptions& options, const rig::RigConfig& rig, const da
                             ": leave --rig out, or record that rig");
 }
 
-void print_result(const rl::DynamicsEvaluation& evaluation) {
+void print_result(const runs::DynamicsEvaluation& evaluation) {
   char line[256];
   std::snprintf(line, sizeof line,
                 "test split (%lld rows): position %.3f mm RMS; no motion %.3f, ten nearest neighbours %.3f",
@@ -53,23 +52,23 @@ void train_dynamics(const CommonOptions& options) {
         "train-dynamics needs transitions: --set data=FILE.h5 (from collect or import)");
   }
   nets::use_one_blas_thread();
-  runs::RunFolder run(rl::run_request(config, options.out, options.resume));
-  const std::string file = run.file(rl::DynamicsEvaluation::kFile);
+  runs::RunFolder run(dynamics::run_request(config, options.out, options.resume));
+  const std::string file = run.file(runs::DynamicsEvaluation::kFile);
   if (run.finished()) {
     common::log_info("train-dynamics: " + run.path() + " is finished already");
-    return print_result(common::read_artefact<rl::DynamicsEvaluation>(file));
+    return print_result(common::read_artefact<runs::DynamicsEvaluation>(file));
   }
   data::Dataset dataset = data::read_recordings(config.data);
   check_rig(options, rig, dataset.info);
   if (config.transitions > 0) dataset = data::first_transitions(std::move(dataset), config.transitions);
-  rl::DynamicsTrainingResult result = rl::train_dynamics(dataset, config, run);
-  rl::DynamicsEvaluation evaluation =
-      rl::evaluate_dynamics(result.model, rl::select_split(result.model, dataset, "test"));
+  dynamics::TrainingResult result = dynamics::train_dynamics(dataset, config, run);
+  runs::DynamicsEvaluation evaluation =
+      dynamics::evaluate_dynamics(result.model, dynamics::test_split(result.model, dataset));
   evaluation.split = "test";
   evaluation.transitions = dataset.transitions();
   evaluation.training = result.facts;
-  nets::save_dynamics(run.file("checkpoint"), result.model, common::config_to_json(config),
-                      common::artefact_to_json(evaluation));
+  dynamics::save_model(run.file("checkpoint"), result.model, common::config_to_json(config),
+                       common::artefact_to_json(evaluation));
   common::write_artefact(file, evaluation);
   run.finish();
   print_result(evaluation);

@@ -19,7 +19,7 @@ using rl::TrainPolicyConfig;
 /// What the policy is learned from.
 runs::Provenance provenance(const TrainPolicyConfig& config) {
   runs::Provenance made;
-  if (config.simulator != "mbs") return made;
+  if (config.simulator != rl::Simulator::kMbs) return made;
   const common::Json metrics =
       inference::load_checkpoint(config.dynamics, "dynamics").facts.value("metrics", common::Json());
   if (metrics.empty()) return made;

@@ -51,7 +51,7 @@ void train_segmenter(const CommonOptions& options) {
   const vision::SegmenterEvaluation evaluation = vision::evaluate_segmenter(
       segmenter, config.scenes, localiser, kEvaluationFrames,
       common::derive_seed(static_cast<std::uint64_t>(config.seed), "evaluation"), pool);
-  common::Json metrics = vision::to_json(evaluation);
+  common::Json metrics = common::artefact_to_json(evaluation);
   metrics["validation_dice"] = result.validation_dice;
   metrics.update(common::artefact_to_json(result.facts));
   vision::save_segmenter(run.file("checkpoint"), config.segmenter, result.network,

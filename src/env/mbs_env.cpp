@@ -34,11 +34,8 @@ std::vector<geometry::Pose2> starts_within(const inference::DynamicsModel& model
 MbsEnv::MbsEnv(const inference::DynamicsModel& model, const EpisodeSettings& settings,
                const MbsConfig& config, std::int64_t threads)
     : config_(config),
-      ensemble_(config.ensemble == "per_episode" ? Ensemble::kPerEpisode
-                : config.ensemble == "per_step"  ? Ensemble::kPerStep
-                : model.members.size() > 1       ? Ensemble::kMean
-                                                 : Ensemble::kOne),
-      sample_(config.outcome == "sample"),
+      mean_of_all_(config.ensemble == EnsembleUse::kMean && model.members.size() > 1),
+      sample_(config.outcome == Outcome::kSample),
       disagreement_(config.disagreement_penalty > 0.0 || config.disagreement_stop_m > 0.0),
       members_(model.members),
       state_size_(static_cast<std::size_t>(data::state_size(model.info.layout))),
@@ -56,7 +53,7 @@ MbsEnv::MbsEnv(const inference::DynamicsModel& model, const EpisodeSettings& set
     throw common::ConfigError(
         "mbs.outcome = \"sample\", but the dynamics predict single values; train them with "
         "model.components of 1 or more");
-  if (sample_ && ensemble_ == Ensemble::kMean)
+  if (sample_ && mean_of_all_)
     throw common::ConfigError(
         "mbs.outcome = \"sample\" needs one member at a time: set mbs.ensemble to per_episode or "
         "per_step");
@@ -72,7 +69,7 @@ std::size_t MbsEnv::shards() const { return (member_.size() + kShardRows - 1) / 
 void MbsEnv::begin(std::size_t i) {
   episodes_.begin(i, [this](common::RandomStream& random) { return starts_[random.below(starts_.size())]; });
   common::RandomStream& random = episodes_.random(i);
-  if (ensemble_ == Ensemble::kPerEpisode)
+  if (config_.ensemble == EnsembleUse::kPerEpisode)
     member_[i] = static_cast<std::int64_t>(random.below(members_.size()));
   if (config_.breakaway_scatter > 0.0)
     drive_factor_[i] = std::exp(config_.breakaway_scatter * random.normal());
@@ -99,7 +96,7 @@ void MbsEnv::step_shard(std::size_t shard, const float* actions) {
   std::unique_ptr<Scratch> scratch = borrow_scratch();
   choose_drives(first, last, actions, *scratch);
   gather(first, last, *scratch);
-  if (ensemble_ == Ensemble::kMean) {
+  if (mean_of_all_) {
     predict_mean(*scratch);
   } else {
     predict(*scratch);
@@ -133,7 +130,7 @@ void MbsEnv::choose_drives(std::size_t first, std::size_t last, const float* act
       drive = geometry::saturated(drive * drive_factor_[i], limit);  // the data know no more than the limit
     common::RandomStream& random = episodes_.random(i);
     if (config_.stall_probability > 0.0 && random.uniform() < config_.stall_probability) drive.setZero();
-    if (ensemble_ == Ensemble::kPerStep)
+    if (config_.ensemble == EnsembleUse::kPerStep)
       member_[i] = static_cast<std::int64_t>(random.below(members_.size()));
     scratch.drive[2 * (i - first)] = drive.x();
     scratch.drive[2 * (i - first) + 1] = drive.y();
@@ -143,7 +140,7 @@ void MbsEnv::choose_drives(std::size_t first, std::size_t last, const float* act
 /// Orders the shard's rows: those at rest, then those of member 0, 1, ... (a counting sort), and copies state
 /// and drive of the moving ones together. first_of_member[m] is where member m begins in `row`.
 void MbsEnv::gather(std::size_t first, std::size_t last, Scratch& scratch) const {
-  const bool mean = ensemble_ == Ensemble::kMean;
+  const bool mean = mean_of_all_;
   const std::size_t groups = mean ? 1 : members_.size();
   const bool rest_rule =
       episodes_.settings().task.zero_current_moves_nothing || config_.stall_probability > 0.0;

@@ -3,36 +3,29 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fold.h"
-
 namespace lodestone::inference {
 namespace {
 
-std::vector<std::int64_t> widths_of(std::int64_t in, const std::vector<std::int64_t>& hidden,
-                                    std::int64_t out) {
-  std::vector<std::int64_t> widths{in};
-  widths.insert(widths.end(), hidden.begin(), hidden.end());
-  widths.push_back(out);
-  return widths;
-}
-
-}  // namespace
-
-std::vector<LinearLayer> layers_from(const Arrays& weights, const std::vector<std::int64_t>& widths,
-                                     int first, const std::string& what) {
+/// Layers l<first>, l<first + 1>, ... of the widths from input to output.
+std::vector<LinearLayer> layers_from(const Arrays& weights, std::int64_t inputs,
+                                     std::vector<std::int64_t> widths, std::int64_t outputs, int first,
+                                     const std::string& what) {
+  widths.push_back(outputs);
   std::vector<LinearLayer> layers;
-  for (std::size_t i = 0; i + 1 < widths.size(); ++i) {
-    const std::string name = "l" + std::to_string(first + static_cast<int>(i));
-    layers.push_back(
-        {weight_at(weights, name + ".weight", {widths[i + 1], widths[i]}, what).to_vector<float>(),
-         weight_at(weights, name + ".bias", {widths[i + 1]}, what).to_vector<float>()});
+  for (const std::int64_t width : widths) {
+    const std::string name = "l" + std::to_string(first++);
+    layers.push_back({weight_at(weights, name + ".weight", {width, inputs}, what).to_vector<float>(),
+                      weight_at(weights, name + ".bias", {width}, what).to_vector<float>()});
+    inputs = width;
   }
   return layers;
 }
 
+}  // namespace
+
 Actor::Actor(const Arrays& weights, std::int64_t observation_size, const std::vector<std::int64_t>& hidden,
              std::int64_t action_size, const std::string& what)
-    : network_(layers_from(weights, widths_of(observation_size, hidden, action_size), 1, what)) {}
+    : network_(layers_from(weights, observation_size, hidden, action_size, 1, what)) {}
 
 void Actor::act(const float* observation, std::int64_t rows, float* action, Workspace& workspace) const {
   std::copy_n(observation, rows * observation_size(), network_.input(rows, workspace));
@@ -45,8 +38,8 @@ TwinCritic::TwinCritic(const Arrays& weights, std::int64_t observation_size,
                        const std::string& what)
     : observation_size_(observation_size),
       action_size_(action_size),
-      first_(layers_from(weights, widths_of(observation_size + action_size, hidden, 1), 1, what)),
-      second_(layers_from(weights, widths_of(observation_size + action_size, hidden, 1),
+      first_(layers_from(weights, observation_size + action_size, hidden, 1, 1, what)),
+      second_(layers_from(weights, observation_size + action_size, hidden, 1,
                           static_cast<int>(hidden.size()) + 2, what)) {}
 
 void TwinCritic::evaluate(const float* observation, const float* action, std::int64_t rows, float* first,

@@ -4,6 +4,17 @@
 
 namespace lodestone::inference {
 
+const Array& weight_at(const Arrays& weights, const std::string& name, const std::vector<std::int64_t>& shape,
+                       const std::string& what) {
+  const auto found = weights.find(name);
+  if (found == weights.end()) throw common::CheckpointError(what + ": array \"" + name + "\" is missing");
+  if (found->second.shape() != shape || found->second.type() != ElementType::kFloat32) {
+    throw common::CheckpointError(what + ": array \"" + name + "\" is " + found->second.text() +
+                                  ", expected " + Array(ElementType::kFloat32, shape, nullptr).text());
+  }
+  return found->second;
+}
+
 DenseNetwork::DenseNetwork(const std::vector<LinearLayer>& layers) {
   LODESTONE_CHECK(!layers.empty(), "a network with a layer");
   for (const LinearLayer& layer : layers) {

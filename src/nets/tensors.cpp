@@ -1,47 +1,69 @@
 #include "lodestone/nets/tensors.h"
 
-#include <sstream>
+#include <algorithm>
+#include <memory>
+#include <utility>
 
-#include <torch/types.h>
+#include <ATen/ops/empty.h>
+#include <ATen/ops/from_blob.h>
 
 #include "lodestone/common/error.h"
 
 namespace lodestone::nets {
+namespace {
 
-void check_tensor(const torch::Tensor& tensor, const std::string& name,
-                  const std::vector<std::int64_t>& shape, torch::ScalarType type) {
-  LODESTONE_CHECK(tensor.defined(), name + " is an undefined tensor");
-  bool fits = tensor.scalar_type() == type && tensor.device().is_cpu() && tensor.is_contiguous() &&
-              tensor.dim() == static_cast<std::int64_t>(shape.size());
-  for (std::size_t d = 0; fits && d < shape.size(); ++d) {
-    fits = shape[d] == -1 || shape[d] == tensor.size(static_cast<std::int64_t>(d));
+using inference::ElementType;
+
+constexpr std::pair<ElementType, at::ScalarType> kTypes[] = {{ElementType::kFloat32, at::kFloat},
+                                                             {ElementType::kFloat64, at::kDouble},
+                                                             {ElementType::kInt64, at::kLong},
+                                                             {ElementType::kUint8, at::kByte}};
+
+}  // namespace
+
+inference::Array to_array(const at::Tensor& tensor) {
+  for (const auto& [element, type] : kTypes) {
+    if (type != tensor.scalar_type()) continue;
+    auto plain = std::make_shared<const at::Tensor>(tensor.detach().cpu().contiguous());
+    return {element, plain->sizes().vec(), std::shared_ptr<const void>(plain, plain->data_ptr())};
   }
-  if (fits) return;
-  std::ostringstream message;
-  message << name << " must be a contiguous CPU tensor [";
-  for (std::size_t d = 0; d < shape.size(); ++d) message << (d ? ", " : "") << shape[d];
-  message << "] " << torch::toString(type) << ", not " << tensor.sizes() << " "
-          << torch::toString(tensor.scalar_type());
-  LODESTONE_CHECK(fits, message.str());
+  throw common::LogicFault(std::string("checkpoints hold float32, float64, int64 and uint8, not ") +
+                           at::toString(tensor.scalar_type()));
 }
 
-torch::Tensor tensor_from(const std::vector<double>& values, const std::vector<std::int64_t>& shape,
-                          torch::ScalarType type) {
-  torch::Tensor tensor = torch::empty(shape, torch::kFloat64);
+at::Tensor to_tensor(const inference::Array& array) {
+  for (const auto& [element, type] : kTypes) {
+    if (element != array.type()) continue;
+    if (array.size() == 0) return at::empty(array.shape(), type);
+    return at::from_blob(
+        const_cast<void*>(array.owner().get()), array.shape(), [owner = array.owner()](void*) {}, type);
+  }
+  throw common::LogicFault("an array of a known type");
+}
+
+inference::Arrays to_arrays(const NamedTensors& tensors) {
+  inference::Arrays arrays;
+  for (const auto& [name, tensor] : tensors) arrays[name] = to_array(tensor);
+  return arrays;
+}
+
+NamedTensors to_tensors(const inference::Arrays& arrays) {
+  NamedTensors tensors;
+  for (const auto& [name, array] : arrays) tensors[name] = to_tensor(array);
+  return tensors;
+}
+
+at::Tensor tensor_from(const std::vector<double>& values, const std::vector<std::int64_t>& shape,
+                       at::ScalarType type) {
+  const at::Tensor tensor = at::empty(shape, at::kDouble);
   LODESTONE_CHECK(tensor.numel() == static_cast<std::int64_t>(values.size()),
                   "shape does not hold " + std::to_string(values.size()) + " numbers");
   std::copy(values.begin(), values.end(), tensor.data_ptr<double>());
   return tensor.to(type);
 }
 
-torch::Tensor tensor_from(const std::vector<std::int64_t>& values) {
-  torch::Tensor tensor = torch::empty({static_cast<std::int64_t>(values.size())}, torch::kInt64);
-  std::copy(values.begin(), values.end(), tensor.data_ptr<std::int64_t>());
-  return tensor;
-}
-
-std::vector<double> to_vector(const torch::Tensor& tensor) {
-  const torch::Tensor flat = tensor.detach().to(torch::kFloat64).contiguous();
+std::vector<double> to_vector(const at::Tensor& tensor) {
+  const at::Tensor flat = tensor.detach().to(at::kDouble).contiguous();
   const double* data = flat.data_ptr<double>();
   return {data, data + flat.numel()};
 }

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <torch/types.h>
+#include <ATen/ops/zeros.h>
+#include <ATen/ops/zeros_like.h>
 
 #include "lodestone/common/error.h"
 
@@ -15,10 +16,10 @@ constexpr std::int64_t kAlignment = 16;  // numbers: each matrix starts on a cac
 std::int64_t padded(std::int64_t count) { return (count + kAlignment - 1) / kAlignment * kAlignment; }
 
 template <class Real>
-constexpr torch::ScalarType kType = torch::CppTypeToScalarType<Real>::value;
+constexpr at::ScalarType kType = c10::CppTypeToScalarType<Real>::value;
 
 template <class Real>
-Real* data(const torch::Tensor& tensor) {
+Real* data(const at::Tensor& tensor) {
   return tensor.data_ptr<Real>();
 }
 
@@ -33,7 +34,7 @@ FlatNetwork<Real>::FlatNetwork(std::vector<std::int64_t> widths) : widths_(std::
     layers_.push_back({widths_[i], widths_[i + 1], total, bias});
     total = bias + padded(widths_[i + 1]);
   }
-  parameters_ = torch::zeros({total}, kType<Real>);
+  parameters_ = at::zeros({total}, kType<Real>);
 }
 
 template <class Real>
@@ -61,12 +62,12 @@ typename FlatNetwork<Real>::Workspace FlatNetwork<Real>::workspace(std::int64_t 
   Workspace result;
   result.rows = rows;
   for (std::size_t i = 1; i + 1 < widths_.size(); ++i) {
-    result.hidden.push_back(torch::zeros({rows, widths_[i]}, kType<Real>));
-    result.delta.push_back(torch::zeros({rows, widths_[i]}, kType<Real>));
+    result.hidden.push_back(at::zeros({rows, widths_[i]}, kType<Real>));
+    result.delta.push_back(at::zeros({rows, widths_[i]}, kType<Real>));
   }
-  result.output = torch::zeros({rows, widths_.back()}, kType<Real>);
-  result.input_gradient = torch::zeros({rows, widths_.front()}, kType<Real>);
-  result.gradient = torch::zeros_like(parameters_);
+  result.output = at::zeros({rows, widths_.back()}, kType<Real>);
+  result.input_gradient = at::zeros({rows, widths_.front()}, kType<Real>);
+  result.gradient = at::zeros_like(parameters_);
   result.scratch = std::make_shared<Scratch>();
   return result;
 }
@@ -121,7 +122,7 @@ void FlatNetwork<Real>::backward(const Real* input, const Real* output_gradient,
 }
 
 template <class Real>
-nets::NamedTensors FlatNetwork<Real>::named(const torch::Tensor& flat, const std::string& prefix,
+nets::NamedTensors FlatNetwork<Real>::named(const at::Tensor& flat, const std::string& prefix,
                                             int first) const {
   nets::NamedTensors result;
   for (std::size_t i = 0; i < layers_.size(); ++i) {

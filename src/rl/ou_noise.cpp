@@ -9,8 +9,8 @@ namespace lodestone::rl {
 
 ExplorationNoise::ExplorationNoise(const NoiseConfig& config, std::int64_t environments,
                                    std::int64_t action_size, std::uint64_t seed)
-    : keep_(config.kind == "ou" ? 1.0 - config.theta * config.dt : 0.0),
-      step_(config.kind == "ou" ? config.sigma * std::sqrt(config.dt) : config.sigma),
+    : keep_(config.kind == NoiseKind::kGaussian ? 0.0 : 1.0 - config.theta * config.dt),
+      step_(config.kind == NoiseKind::kGaussian ? config.sigma : config.sigma * std::sqrt(config.dt)),
       reset_with_episode_(config.reset_with_episode),
       action_size_(static_cast<std::size_t>(action_size)),
       state_(static_cast<std::size_t>(environments * action_size), 0.0) {

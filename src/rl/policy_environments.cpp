@@ -32,7 +32,7 @@ PolicyEnvironments make_policy_environments(TrainPolicyConfig& config) {
   if (!config.dynamics.empty()) {
     model = inference::load_dynamics(config.dynamics);
     config = adopt_data(std::move(config), model->info);
-  } else if (config.simulator == "mbs") {
+  } else if (config.simulator == Simulator::kMbs) {
     throw common::ConfigError(
         "train-policy needs the learned simulator: --set dynamics=DIR (checkpoint of train-dynamics)");
   }
@@ -50,7 +50,7 @@ PolicyEnvironments make_policy_environments(TrainPolicyConfig& config) {
   };
   const auto simulate = [&](const env::EpisodeSettings& settings,
                             std::int64_t threads) -> std::unique_ptr<env::VecEnv> {
-    if (config.simulator == "mbs")
+    if (config.simulator == Simulator::kMbs)
       return std::make_unique<env::MbsEnv>(*model, settings, config.mbs, threads);
     return std::make_unique<env::PhysicsEnv>(settings, config.rig, config.physics, threads);
   };

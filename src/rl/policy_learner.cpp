@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include <torch/types.h>
-#include <torch/utils.h>
+#include <ATen/core/grad_mode.h>
+#include <ATen/ops/tensor.h>
 
 #include "lodestone/common/error.h"
 #include "lodestone/runs/curves.h"
@@ -20,13 +20,13 @@ std::int64_t buffer_capacity(const LearningConfig& learning, std::int64_t enviro
   return std::min(learning.buffer_size, learning.env_steps + environments);
 }
 
-torch::Tensor rows_of(const std::vector<float>& numbers, std::int64_t columns) {
-  return torch::tensor(numbers).view({-1, columns});
+at::Tensor rows_of(const std::vector<float>& numbers, std::int64_t columns) {
+  return at::tensor(numbers).view({-1, columns});
 }
 
 void load_same_size(std::vector<float>& target, const nets::NamedTensors& stored, const char* name) {
   const auto found = stored.find(name);
-  if (found == stored.end() || found->second.scalar_type() != torch::kFloat32 ||
+  if (found == stored.end() || found->second.scalar_type() != at::kFloat ||
       static_cast<std::size_t>(found->second.numel()) != target.size()) {
     throw common::CheckpointError(std::string("training checkpoint: tensor \"") + name +
                                   "\" is missing or does not hold " + std::to_string(target.size()) +
@@ -70,13 +70,13 @@ std::vector<float> PolicyLearner::choose_actions() {
 }
 
 void PolicyLearner::step() {
-  const torch::NoGradGuard no_grad;
+  const at::NoGradGuard no_grad;
   const bool warming_up = env_steps_ < learning_.warm_up_steps;
   const std::vector<float> action = choose_actions();
   const env::StepResult* stepped = nullptr;
   if (learning_.overlap) {
     overlap_.for_each(2, [&](std::size_t part) {
-      const torch::NoGradGuard guard;  // thread-local
+      const at::NoGradGuard guard;  // thread-local
       if (part == 0) {
         make_due_updates();
       } else {
@@ -148,8 +148,8 @@ void PolicyLearner::save(nets::Checkpoint& checkpoint) {
   if (!snapshot.arrays.empty()) checkpoint.parts["environments"] = nets::to_tensors(snapshot.arrays);
   checkpoint.parts["running"] = {
       {"observation", rows_of(observation_, environments_.spec().observation_size)},
-      {"returns", torch::tensor(returns_)},
-      {"lengths", torch::tensor(lengths_)}};
+      {"returns", at::tensor(returns_)},
+      {"lengths", at::tensor(lengths_)}};
   checkpoint.facts["noise"] = noise_.save();
   if (hindsight_) checkpoint.facts["hindsight"] = hindsight_->save();
   checkpoint.facts["env_steps"] = env_steps_;

@@ -3,15 +3,18 @@
 #include <algorithm>
 #include <string>
 
-#include <torch/types.h>
+#include <ATen/TensorOperators.h>
+#include <ATen/ops/empty.h>
+#include <ATen/ops/full.h>
+#include <ATen/ops/zeros.h>
+#include <c10/util/StringUtil.h>
 
 #include "lodestone/common/error.h"
 
 namespace lodestone::rl {
 namespace {
 
-void check_rows(const torch::Tensor& tensor, torch::IntArrayRef shape, torch::ScalarType type,
-                const char* name) {
+void check_rows(const at::Tensor& tensor, at::IntArrayRef shape, at::ScalarType type, const char* name) {
   LODESTONE_CHECK(tensor.sizes() == shape && tensor.scalar_type() == type,
                   std::string("replay buffer: ") + name + " is " +
                       c10::str(tensor.sizes(), " ", tensor.dtype()) + ", expected " +
@@ -20,19 +23,18 @@ void check_rows(const torch::Tensor& tensor, torch::IntArrayRef shape, torch::Sc
 
 }  // namespace
 
-Batch::Batch(std::int64_t size, std::int64_t observation_size, std::int64_t action_size,
-             torch::ScalarType type)
-    : observation(torch::zeros({size, observation_size}, type)),
-      action(torch::zeros({size, action_size}, type)),
-      reward(torch::zeros({size}, type)),
-      next_observation(torch::zeros({size, observation_size}, type)),
-      not_done(torch::zeros({size}, type)) {}
+Batch::Batch(std::int64_t size, std::int64_t observation_size, std::int64_t action_size, at::ScalarType type)
+    : observation(at::zeros({size, observation_size}, type)),
+      action(at::zeros({size, action_size}, type)),
+      reward(at::zeros({size}, type)),
+      next_observation(at::zeros({size, observation_size}, type)),
+      not_done(at::zeros({size}, type)) {}
 
 ReplayBuffer::ReplayBuffer(std::int64_t capacity, std::int64_t observation_size, std::int64_t action_size)
     : capacity_(capacity), observation_size_(observation_size), action_size_(action_size) {
   LODESTONE_CHECK(capacity > 0 && observation_size > 0 && action_size > 0,
                   "replay buffer sizes must be positive, capacity is " + std::to_string(capacity));
-  rows_ = torch::zeros({capacity, row_size()}, torch::kFloat32);
+  rows_ = at::zeros({capacity, row_size()}, at::kFloat);
 }
 
 void ReplayBuffer::add(const std::vector<float>& observation, const std::vector<float>& action,
@@ -70,8 +72,8 @@ void ReplayBuffer::add(const std::vector<float>& observation, const std::vector<
 void ReplayBuffer::sample(common::RandomStream& random, Batch& batch) const {
   LODESTONE_CHECK(size_ > 0, "replay buffer is empty: collect before sampling");
   const std::int64_t count = batch.reward.size(0);
-  check_rows(batch.observation, {count, observation_size_}, torch::kFloat32, "batch observation");
-  check_rows(batch.action, {count, action_size_}, torch::kFloat32, "batch action");
+  check_rows(batch.observation, {count, observation_size_}, at::kFloat, "batch observation");
+  check_rows(batch.action, {count, action_size_}, at::kFloat, "batch action");
   float* observation = batch.observation.data_ptr<float>();
   float* action = batch.action.data_ptr<float>();
   float* next = batch.next_observation.data_ptr<float>();
@@ -92,7 +94,7 @@ void ReplayBuffer::sample(common::RandomStream& random, Batch& batch) const {
 }
 
 nets::NamedTensors ReplayBuffer::save() const {
-  return {{"rows", rows_.narrow(0, 0, size_).clone()}, {"next", torch::tensor({next_}, torch::kInt64)}};
+  return {{"rows", rows_.narrow(0, 0, size_).clone()}, {"next", at::tensor({next_}, at::kLong)}};
 }
 
 void ReplayBuffer::load(const nets::NamedTensors& tensors) {
@@ -102,9 +104,9 @@ void ReplayBuffer::load(const nets::NamedTensors& tensors) {
     throw common::CheckpointError(
         "replay buffer: tensor \"rows\" or \"next\" is missing from the checkpoint");
   }
-  const torch::Tensor& stored = rows->second;
+  const at::Tensor& stored = rows->second;
   if (stored.dim() != 2 || stored.size(1) != row_size() || stored.size(0) > capacity_ ||
-      stored.scalar_type() != torch::kFloat32 || next->second.numel() != 1) {
+      stored.scalar_type() != at::kFloat || next->second.numel() != 1) {
     throw common::CheckpointError("replay buffer: checkpoint rows are " + c10::str(stored.sizes()) +
                                   ", expected at most " + std::to_string(capacity_) + " rows of " +
                                   std::to_string(row_size()) +

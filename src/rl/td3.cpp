@@ -2,8 +2,10 @@
 
 #include <string>
 
-#include <torch/types.h>
-#include <torch/utils.h>
+#include <ATen/core/grad_mode.h>
+#include <ATen/ops/from_blob.h>
+#include <ATen/ops/zeros.h>
+#include <c10/util/StringUtil.h>
 
 #include "lodestone/common/error.h"
 #include "td3_autograd.h"
@@ -15,7 +17,7 @@ namespace {
 constexpr const char* kActorPrefix = "actor.";
 
 void copy_named(const nets::NamedTensors& views, const nets::NamedTensors& stored, const char* part) {
-  const torch::NoGradGuard no_grad;
+  const at::NoGradGuard no_grad;
   for (const auto& [name, view] : views) {
     const auto found = stored.find(name);
     if (found == stored.end() || found->second.sizes() != view.sizes() ||
@@ -24,7 +26,7 @@ void copy_named(const nets::NamedTensors& views, const nets::NamedTensors& store
                                     " is missing or of another shape than " + c10::str(view.sizes()) +
                                     ": resume with the configuration it was made with");
     }
-    torch::Tensor target = view;
+    at::Tensor target = view;
     target.copy_(found->second);
   }
 }
@@ -32,7 +34,7 @@ void copy_named(const nets::NamedTensors& views, const nets::NamedTensors& store
 }  // namespace
 
 Td3::Td3(const Td3Config& config, std::int64_t observation_size, std::int64_t action_size, std::uint64_t seed,
-         torch::ScalarType type)
+         at::ScalarType type)
     : config_(config),
       observation_size_(observation_size),
       action_size_(action_size),
@@ -40,19 +42,19 @@ Td3::Td3(const Td3Config& config, std::int64_t observation_size, std::int64_t ac
       learning_rate_(config.learning_rate),
       random_(seed, "td3"),
       batch_(config.batch_size, observation_size, action_size, type),
-      noise_(torch::zeros({config.batch_size, action_size}, type)) {
+      noise_(at::zeros({config.batch_size, action_size}, type)) {
   LODESTONE_CHECK(config.batch_size >= 2, "TD3 needs a batch of at least 2");
 }
 
 std::vector<float> Td3::act(const std::vector<float>& observation) {
-  const torch::NoGradGuard no_grad;
+  const at::NoGradGuard no_grad;
   const auto rows = static_cast<std::int64_t>(observation.size()) / observation_size_;
   LODESTONE_CHECK(static_cast<std::int64_t>(observation.size()) == rows * observation_size_,
                   "TD3 policy: " + std::to_string(observation.size()) + " numbers are no rows of " +
                       std::to_string(observation_size_));
-  const torch::Tensor input =
-      torch::from_blob(const_cast<float*>(observation.data()), {rows, observation_size_}, torch::kFloat32);
-  const torch::Tensor action = policy(input.to(type_)).to(torch::kFloat32).contiguous();
+  const at::Tensor input =
+      at::from_blob(const_cast<float*>(observation.data()), {rows, observation_size_}, at::kFloat);
+  const at::Tensor action = policy(input.to(type_)).to(at::kFloat).contiguous();
   return {action.data_ptr<float>(), action.data_ptr<float>() + action.numel()};
 }
 
@@ -69,15 +71,15 @@ UpdateResult Td3::update(const ReplayBuffer& buffer) {
   return update(batch_, noise_);
 }
 
-UpdateResult Td3::update(const Batch& batch, const torch::Tensor& smoothing_noise) {
+UpdateResult Td3::update(const Batch& batch, const at::Tensor& smoothing_noise) {
   check_batch(batch, smoothing_noise);
   ++updates_;
   return learn(batch, smoothing_noise, updates_ % config_.policy_frequency == 0);
 }
 
-void Td3::check_batch(const Batch& batch, const torch::Tensor& noise) const {
+void Td3::check_batch(const Batch& batch, const at::Tensor& noise) const {
   const std::int64_t rows = config_.batch_size;
-  const auto check = [&](const torch::Tensor& tensor, torch::IntArrayRef shape, const char* name) {
+  const auto check = [&](const at::Tensor& tensor, at::IntArrayRef shape, const char* name) {
     LODESTONE_CHECK(tensor.sizes() == shape && tensor.scalar_type() == type_ && tensor.is_contiguous(),
                     std::string("TD3 update: ") + name + " is " +
                         c10::str(tensor.sizes(), " ", tensor.dtype()) + ", expected contiguous " +
@@ -101,7 +103,7 @@ nets::NamedTensors Td3::actor_weights() const {
 }
 
 void Td3::save(nets::Checkpoint& checkpoint) const {
-  const torch::NoGradGuard no_grad;
+  const at::NoGradGuard no_grad;
   for (const auto& [name, tensor] : networks()) checkpoint.parts["networks"][name] = tensor.clone();
   for (const auto& [name, tensor] : optimiser()) checkpoint.parts["optimiser"][name] = tensor.clone();
   checkpoint.facts["td3"] = {{"updates", updates_}, {"random", random_.save()}};
@@ -124,18 +126,17 @@ void Td3::load(const nets::Checkpoint& checkpoint) {
     throw common::CheckpointError(std::string("training checkpoint: td3 counters are malformed: ") +
                                   error.what());
   }
-  counters_loaded();
 }
 
 std::unique_ptr<Td3> make_td3(const Td3Config& config, std::int64_t observation_size,
                               std::int64_t action_size, std::uint64_t seed, std::int64_t threads,
-                              torch::ScalarType type) {
-  if (config.backend == "autograd") {
-    return std::make_unique<AutogradTd3>(config, observation_size, action_size, seed, type);
+                              at::ScalarType type) {
+  const bool wide = type == at::kDouble;
+  if (config.backend == Td3Backend::kAutograd) {
+    if (wide) return std::make_unique<AutogradTd3<double>>(config, observation_size, action_size, seed);
+    return std::make_unique<AutogradTd3<float>>(config, observation_size, action_size, seed);
   }
-  if (type == torch::kFloat64) {
-    return std::make_unique<FusedTd3<double>>(config, observation_size, action_size, seed, threads);
-  }
+  if (wide) return std::make_unique<FusedTd3<double>>(config, observation_size, action_size, seed, threads);
   return std::make_unique<FusedTd3<float>>(config, observation_size, action_size, seed, threads);
 }
 

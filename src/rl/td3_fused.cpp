@@ -5,18 +5,17 @@
 #include <numeric>
 #include <string>
 
-#include "lodestone/rl/adam.h"
-#include "td3_networks.h"
+#include <ATen/ops/empty_like.h>
+#include <ATen/ops/full.h>
+#include <ATen/ops/zeros.h>
 
 namespace lodestone::rl {
 namespace {
 
 constexpr std::size_t kShards = 2;
 
-void insert(nets::NamedTensors& all, const nets::NamedTensors& part) { all.insert(part.begin(), part.end()); }
-
 template <class Real>
-Real* data(const torch::Tensor& tensor) {
+Real* data(const at::Tensor& tensor) {
   return tensor.data_ptr<Real>();
 }
 
@@ -33,55 +32,33 @@ void join(const Real* left, std::int64_t left_columns, const Real* right, std::i
 }  // namespace
 
 template <class Real>
-FusedTd3<Real>::Learner::Learner(FlatNetwork<Real> drawn)
-    : network(std::move(drawn)),
-      target(network.clone()),
-      first_moment(torch::zeros_like(network.parameters())),
-      second_moment(torch::zeros_like(network.parameters())) {}
-
-template <class Real>
-void FusedTd3<Real>::Learner::adam(const torch::Tensor& gradient, double learning_rate, std::int64_t step,
-                                   std::int64_t begin, std::int64_t end) {
-  adam_step(data<Real>(network.parameters()) + begin, data<Real>(gradient) + begin,
-            data<Real>(first_moment) + begin, data<Real>(second_moment) + begin,
-            static_cast<std::size_t>(end - begin), learning_rate, step);
-}
-
-template <class Real>
-void FusedTd3<Real>::Learner::polyak(double tau, std::int64_t begin, std::int64_t end) {
-  polyak_step(data<Real>(target.parameters()) + begin, data<Real>(network.parameters()) + begin,
-              static_cast<std::size_t>(end - begin), tau);
-}
-
-template <class Real>
 FusedTd3<Real>::FusedTd3(const Td3Config& config, std::int64_t observation_size, std::int64_t action_size,
                          std::uint64_t seed, std::int64_t threads)
-    : Td3(config, observation_size, action_size, seed, torch::CppTypeToScalarType<Real>::value),
+    : Td3(config, observation_size, action_size, seed, c10::CppTypeToScalarType<Real>::value),
       observation_size_(observation_size),
       action_size_(action_size),
       threads_(static_cast<std::size_t>(std::clamp<std::int64_t>(threads, 1, kShards))),
-      actor_(Td3Networks<Real>(config, observation_size, action_size, seed).actor),
-      critics_{Learner(Td3Networks<Real>(config, observation_size, action_size, seed).critics[0]),
-               Learner(Td3Networks<Real>(config, observation_size, action_size, seed).critics[1])} {
-  const auto type = torch::CppTypeToScalarType<Real>::value;
+      networks_(config, observation_size, action_size, seed) {
+  const auto type = c10::CppTypeToScalarType<Real>::value;
   const std::int64_t rows = config.batch_size;
   const std::int64_t columns = observation_size + action_size;
-  critic_input_ = torch::zeros({rows, columns}, type);
-  next_input_ = torch::zeros({rows, columns}, type);
-  target_q_ = torch::zeros({rows}, type);
+  critic_input_ = at::zeros({rows, columns}, type);
+  next_input_ = at::zeros({rows, columns}, type);
+  target_q_ = at::zeros({rows}, type);
   const std::int64_t middle = rows / 2;
   for (std::size_t k = 0; k < kShards; ++k) {
     critic_work_[k] =
-        critics_[k].network.workspace(rows + rows % 2);  // room for two halves, see share_buffers()
+        networks_.critics[k].network.workspace(rows + rows % 2);  // room for two halves, see share_buffers()
     critic_work_[k].rows = rows;
-    target_work_[k] = critics_[k].target.workspace(rows);
-    q_gradient_[k] = torch::zeros({rows}, type);
+    target_work_[k] = networks_.critics[k].target.workspace(rows);
+    q_gradient_[k] = at::zeros({rows}, type);
     const std::int64_t start = k == 0 ? 0 : middle;
     const std::int64_t count = k == 0 ? middle : rows - middle;
-    halves_.push_back({start, count, actor_.network.workspace(count), critics_[0].network.workspace(count),
-                       torch::zeros({count, action_size}, type), torch::zeros({count, columns}, type),
-                       torch::full({count}, -1.0 / static_cast<double>(rows), type),
-                       torch::zeros({count, action_size}, type)});
+    halves_.push_back({start, count, networks_.actor.network.workspace(count),
+                       networks_.critics[0].network.workspace(count), at::zeros({count, action_size}, type),
+                       at::zeros({count, columns}, type),
+                       at::full({count}, -1.0 / static_cast<double>(rows), type),
+                       at::zeros({count, action_size}, type)});
     share_buffers(critic_work_[k], target_work_[k], halves_[k]);
   }
 }
@@ -103,10 +80,11 @@ void FusedTd3<Real>::share_buffers(const Workspace& critic, Workspace& target, H
 }
 
 template <class Real>
-torch::Tensor FusedTd3<Real>::policy(const torch::Tensor& observation) {
-  if (act_work_.rows != observation.size(0)) act_work_ = actor_.network.workspace(observation.size(0));
-  actor_.network.forward(data<Real>(observation), act_work_);
-  torch::Tensor action = torch::empty_like(act_work_.output);
+at::Tensor FusedTd3<Real>::policy(const at::Tensor& observation) {
+  if (act_work_.rows != observation.size(0))
+    act_work_ = networks_.actor.network.workspace(observation.size(0));
+  networks_.actor.network.forward(data<Real>(observation), act_work_);
+  at::Tensor action = at::empty_like(act_work_.output);
   const Real* output = data<Real>(act_work_.output);
   // As inference::Actor, and not by LibTorch's own tanh, whose last bit depends on the processor.
   std::transform(output, output + action.numel(), data<Real>(action), [](Real x) { return std::tanh(x); });
@@ -115,10 +93,10 @@ torch::Tensor FusedTd3<Real>::policy(const torch::Tensor& observation) {
 
 /// The critics' inputs of one half: (s, a), and (s', a') with the target policy's smoothed action.
 template <class Real>
-void FusedTd3<Real>::prepare_inputs(const Batch& batch, const torch::Tensor& noise, Half& half) {
+void FusedTd3<Real>::prepare_inputs(const Batch& batch, const at::Tensor& noise, Half& half) {
   const std::int64_t columns = observation_size_ + action_size_;
   const Real* next = data<Real>(batch.next_observation) + half.start * observation_size_;
-  actor_.target.forward(next, half.actor);
+  networks_.actor.target.forward(next, half.actor);
   const auto clip = static_cast<Real>(config().noise_clip);
   const Real* output = data<Real>(half.actor.output);
   const Real* disturbed = data<Real>(noise) + half.start * action_size_;
@@ -149,7 +127,7 @@ void FusedTd3<Real>::differences_from_target(const Batch& batch, UpdateResult& r
     target[i] = reward[i] + discount * not_done[i] * std::min(next_first[i], next_second[i]);
   }
   std::array<double, 2> squares{};
-  for (std::size_t k = 0; k < critics_.size(); ++k) {
+  for (std::size_t k = 0; k < networks_.critics.size(); ++k) {
     const Real* q = data<Real>(critic_work_[k].output);
     Real* gradient = data<Real>(q_gradient_[k]);
     for (std::int64_t i = 0; i < target_q_.numel(); ++i) {
@@ -166,19 +144,18 @@ void FusedTd3<Real>::differences_from_target(const Batch& batch, UpdateResult& r
 }
 
 template <class Real>
-UpdateResult FusedTd3<Real>::learn(const Batch& batch, const torch::Tensor& smoothing_noise,
-                                   bool policy_too) {
+UpdateResult FusedTd3<Real>::learn(const Batch& batch, const at::Tensor& smoothing_noise, bool policy_too) {
   UpdateResult result;
   result.policy_updated = policy_too;
   threads_.for_each(kShards,
                     [&](std::size_t shard) { prepare_inputs(batch, smoothing_noise, halves_[shard]); });
   threads_.for_each(kShards, [&](std::size_t k) {
-    critics_[k].target.forward(data<Real>(next_input_), target_work_[k]);
-    critics_[k].network.forward(data<Real>(critic_input_), critic_work_[k]);
+    networks_.critics[k].target.forward(data<Real>(next_input_), target_work_[k]);
+    networks_.critics[k].network.forward(data<Real>(critic_input_), critic_work_[k]);
   });
   differences_from_target(batch, result);
   threads_.for_each(kShards, [&](std::size_t k) {
-    Learner& critic = critics_[k];
+    Learner<Real>& critic = networks_.critics[k];
     critic.network.backward(data<Real>(critic_input_), data<Real>(q_gradient_[k]), critic_work_[k],
                             FlatNetwork<Real>::Wanted::kParameters);
     critic.adam(critic_work_[k].gradient, learning_rate(), critic_steps(), 0, critic.size());
@@ -192,13 +169,13 @@ UpdateResult FusedTd3<Real>::learn(const Batch& batch, const torch::Tensor& smoo
 template <class Real>
 void FusedTd3<Real>::policy_gradient(const Batch& batch, Half& half) {
   const Real* observation = data<Real>(batch.observation) + half.start * observation_size_;
-  actor_.network.forward(observation, half.actor);
+  networks_.actor.network.forward(observation, half.actor);
   const Real* output = data<Real>(half.actor.output);
   Real* action = data<Real>(half.policy);
   for (std::int64_t i = 0; i < half.rows * action_size_; ++i) action[i] = std::tanh(output[i]);
   Real* input = data<Real>(half.critic_input);
   join(observation, observation_size_, action, action_size_, half.rows, input);
-  const FlatNetwork<Real>& critic = critics_[0].network;
+  const FlatNetwork<Real>& critic = networks_.critics[0].network;
   critic.forward(input, half.critic);
   critic.backward(input, data<Real>(half.q_gradient), half.critic, FlatNetwork<Real>::Wanted::kInput);
   const Real* passed_on = data<Real>(half.critic.input_gradient);
@@ -210,7 +187,7 @@ void FusedTd3<Real>::policy_gradient(const Batch& batch, Half& half) {
           passed_on[row * (observation_size_ + action_size_) + observation_size_ + j] * (Real(1) - a * a);
     }
   }
-  actor_.network.backward(observation, gradient, half.actor, FlatNetwork<Real>::Wanted::kParameters);
+  networks_.actor.network.backward(observation, gradient, half.actor, FlatNetwork<Real>::Wanted::kParameters);
 }
 
 template <class Real>
@@ -221,45 +198,17 @@ double FusedTd3<Real>::update_policy(const Batch& batch) {
     const Real* q = data<Real>(half.critic.output);
     q_sum = std::accumulate(q, q + half.rows, q_sum);
   }
-  const std::int64_t middle = actor_.size() / 2;
+  const std::int64_t middle = networks_.actor.size() / 2;
   threads_.for_each(kShards, [&](std::size_t shard) {
     const std::int64_t begin = shard == 0 ? 0 : middle;
-    const std::int64_t end = shard == 0 ? middle : actor_.size();
+    const std::int64_t end = shard == 0 ? middle : networks_.actor.size();
     Real* __restrict gradient = data<Real>(halves_[0].actor.gradient);
     const Real* __restrict other = data<Real>(halves_[1].actor.gradient);
     for (std::int64_t i = begin; i < end; ++i) gradient[i] += other[i];
-    actor_.adam(halves_[0].actor.gradient, learning_rate(), actor_steps(), begin, end);
-    actor_.polyak(config().polyak_tau, begin, end);
+    networks_.actor.adam(halves_[0].actor.gradient, learning_rate(), actor_steps(), begin, end);
+    networks_.actor.polyak(config().polyak_tau, begin, end);
   });
   return -q_sum / static_cast<double>(target_q_.numel());
-}
-
-template <class Real>
-nets::NamedTensors FusedTd3<Real>::networks() const {
-  nets::NamedTensors all;
-  insert(all, actor_.network.named(actor_.network.parameters(), "actor."));
-  insert(all, actor_.target.named(actor_.target.parameters(), "actor_target."));
-  const int layers = static_cast<int>(config().hidden.size()) + 1;
-  for (std::size_t k = 0; k < critics_.size(); ++k) {
-    const int first = 1 + static_cast<int>(k) * layers;
-    insert(all, critics_[k].network.named(critics_[k].network.parameters(), "critic.", first));
-    insert(all, critics_[k].target.named(critics_[k].target.parameters(), "critic_target.", first));
-  }
-  return all;
-}
-
-template <class Real>
-nets::NamedTensors FusedTd3<Real>::optimiser() const {
-  nets::NamedTensors all;
-  insert(all, actor_.network.named(actor_.first_moment, "actor.first_moment."));
-  insert(all, actor_.network.named(actor_.second_moment, "actor.second_moment."));
-  const int layers = static_cast<int>(config().hidden.size()) + 1;
-  for (std::size_t k = 0; k < critics_.size(); ++k) {
-    const int first = 1 + static_cast<int>(k) * layers;
-    insert(all, critics_[k].network.named(critics_[k].first_moment, "critic.first_moment.", first));
-    insert(all, critics_[k].network.named(critics_[k].second_moment, "critic.second_moment.", first));
-  }
-  return all;
 }
 
 template class FusedTd3<float>;

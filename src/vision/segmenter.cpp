@@ -1,5 +1,9 @@
 #include "lodestone/vision/segmenter.h"
 
+#include <ATen/TensorOperators.h>
+#include <ATen/core/grad_mode.h>
+#include <ATen/ops/empty.h>
+
 #include "lodestone/common/error.h"
 #include "lodestone/nets/checkpoint.h"
 #include "lodestone/nets/unet.h"
@@ -11,8 +15,8 @@ namespace {
 constexpr const char* kKind = "segmenter";
 constexpr const char* kPart = "network";
 
-cv::Mat to_mat(const torch::Tensor& map) {
-  const torch::Tensor values = map.contiguous();
+cv::Mat to_mat(const at::Tensor& map) {
+  const at::Tensor values = map.contiguous();
   return cv::Mat(static_cast<int>(map.size(0)), static_cast<int>(map.size(1)), CV_32F,
                  values.data_ptr<float>())
       .clone();
@@ -20,15 +24,13 @@ cv::Mat to_mat(const torch::Tensor& map) {
 
 }  // namespace
 
-Segmenter::Segmenter(const SegmenterConfig& config, const std::shared_ptr<nets::UNetImpl>& network)
-    : config_(config) {
-  nets::UNet whole(network);
-  network_ = nets::folded(whole).ptr();
+Segmenter::Segmenter(const SegmenterConfig& config, const nets::UNet& network)
+    : config_(config), network_(network.folded()) {
   for (std::size_t c = 0; c < 3; ++c) {
     const auto index = static_cast<std::int64_t>(c);
-    const float spread = network_->colour_std[0][index][0][0].item<float>();
+    const float spread = network_->colour_std().view(3)[index].item<float>();
     gain_[c] = 1.0F / spread;
-    offset_[c] = -network_->colour_mean[0][index][0][0].item<float>() / spread;
+    offset_[c] = -network_->colour_mean().view(3)[index].item<float>() / spread;
   }
 }
 
@@ -38,8 +40,8 @@ std::shared_ptr<const Segmenter> Segmenter::load(const std::string& folder) {
   try {
     const auto config =
         common::config_from_json<SegmenterConfig>(checkpoint.facts.at("segmenter"), what + ", segmenter");
-    const auto network = std::make_shared<nets::UNetImpl>(config.network);
-    nets::load_module_tensors(*network, checkpoint.parts.at(kPart), what);
+    nets::UNet network(config.network);
+    network.tensors().load(checkpoint.parts.at(kPart), what);
     return std::make_shared<const Segmenter>(config, network);
   } catch (const common::Json::exception& error) {
     throw common::CheckpointError(what + ": facts are malformed: " + error.what());
@@ -58,11 +60,11 @@ void Segmenter::normalise(const cv::Mat& view, float* out) const {
 
 Evidence Segmenter::segment(const cv::Mat& view) const {
   LODESTONE_CHECK(view.type() == CV_8UC3 && view.isContinuous(), "a view of 8-bit BGR");
-  const torch::NoGradGuard no_grad;
+  const at::NoGradGuard no_grad;
   // Rows of BGR pixels are what LibTorch calls channels last.
-  const torch::Tensor pixels = torch::empty({1, view.rows, view.cols, 3}, torch::kFloat32);
+  const at::Tensor pixels = at::empty({1, view.rows, view.cols, 3}, at::kFloat);
   normalise(view, pixels.data_ptr<float>());
-  const torch::Tensor logits = network_->forward_normalised(pixels.permute({0, 3, 1, 2}));
+  const at::Tensor logits = network_->forward_normalised(pixels.permute({0, 3, 1, 2}));
   return {to_mat(logits[0][0]), to_mat(logits[0][1])};
 }
 
@@ -78,15 +80,14 @@ MaskGrid Segmenter::grid_of(const imaging::DishView& view, const cv::Rect& area)
   return {view.to_dish(area.x + offset, area.y + offset), covers * view.pixel_m()};
 }
 
-void save_segmenter(const std::string& folder, const SegmenterConfig& config,
-                    const std::shared_ptr<nets::UNetImpl>& network, const common::Json& training,
-                    const common::Json& metrics) {
+void save_segmenter(const std::string& folder, const SegmenterConfig& config, const nets::UNet& network,
+                    const common::Json& training, const common::Json& metrics) {
   nets::Checkpoint checkpoint;
   checkpoint.kind = kKind;
   checkpoint.config = training;
   checkpoint.facts["segmenter"] = common::config_to_json(config);
   checkpoint.facts["metrics"] = metrics;
-  checkpoint.parts[kPart] = nets::module_tensors(*network);
+  checkpoint.parts[kPart] = network.tensors().named();
   nets::save_checkpoint(folder, checkpoint);
 }
 

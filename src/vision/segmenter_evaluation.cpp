@@ -95,8 +95,6 @@ SceneResult run_scene(const std::shared_ptr<const Segmenter>& segmenter, const i
   return result;
 }
 
-using common::percentile;
-
 LocalisationScore score(const std::vector<Attempt>& attempts) {
   LocalisationScore out;
   std::vector<double> errors_mm;
@@ -128,33 +126,26 @@ LocalisationScore score(const std::vector<Attempt>& attempts) {
   }
   if (out.poses == 0) return out;
   out.position_rms_mm = std::sqrt(square_mm2 / static_cast<double>(out.poses));
-  out.ms_per_frame = percentile(ms, 0.5);
-  out.position_p95_mm = percentile(errors_mm, 0.95);
-  out.position_max_mm = percentile(errors_mm, 1.0);
+  out.ms_per_frame = common::median(ms);
+  out.position_p95_mm = common::percentile(errors_mm, 0.95);
+  out.position_max_mm = common::percentile(errors_mm, 1.0);
   if (upright == 0) return out;
   out.heading_rms_deg = 180.0 / kPi * std::sqrt(heading_rad2 / static_cast<double>(upright));
   out.normalised_error = normalised / static_cast<double>(upright);
   return out;
 }
 
-void put(common::Json& json, const char* key, const std::optional<double>& value) {
-  if (value) json[key] = *value;
-}
-
-common::Json score_to_json(const LocalisationScore& score) {
-  common::Json json;
-  put(json, "position_rms_mm", score.position_rms_mm);
-  put(json, "position_p95_mm", score.position_p95_mm);
-  put(json, "position_max_mm", score.position_max_mm);
-  put(json, "heading_rms_deg", score.heading_rms_deg);
-  json["flips"] = score.flips;
-  json["poses"] = score.poses;
-  json["n"] = score.n;
-  put(json, "ms_per_frame", score.ms_per_frame);
-  put(json, "normalised_error", score.normalised_error);
-  json["refusals"] = common::Json::object();
-  for (const auto& [reason, count] : score.refusals) json["refusals"][reason] = count;
-  return json;
+std::string in_words(const LocalisationScore& score) {
+  if (score.position_rms_mm) {
+    char text[120];
+    std::snprintf(text, sizeof text, "%.3f mm and %.2f degrees RMS", *score.position_rms_mm,
+                  score.heading_rms_deg.value_or(180.0));
+    return text;
+  }
+  std::string text = "no pose found";
+  for (const auto& [reason, count] : score.refusals)
+    text += "; " + std::to_string(count) + " times " + reason;
+  return text;
 }
 
 }  // namespace
@@ -199,8 +190,8 @@ SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const Segmenter> segmente
   evaluation.clean = score(clean);
   evaluation.occluded = score(occluded);
   evaluation.tracked = score(tracked);
-  evaluation.ms_per_rendered_frame = percentile(render_ms, 0.5);
-  evaluation.ms_per_scene = percentile(scene_ms, 0.5);
+  evaluation.ms_per_rendered_frame = common::median(render_ms);
+  evaluation.ms_per_scene = common::median(scene_ms);
   return evaluation;
 }
 
@@ -210,39 +201,6 @@ imaging::SceneConfig training_scenes(const std::string& checkpoint_folder) {
   scenes.erase("bench");  // checkpoints of earlier versions hold sizes that are the rig's now
   return common::config_from_json<imaging::SceneConfig>(scenes, checkpoint_folder);
 }
-
-common::Json to_json(const SegmenterEvaluation& evaluation) {
-  common::Json json;
-  json["clean"] = score_to_json(evaluation.clean);
-  json["occluded"] = score_to_json(evaluation.occluded);
-  json["tracked"] = score_to_json(evaluation.tracked);
-  json["poses_of_none"] = evaluation.poses_of_none;
-  json["poses_of_two"] = evaluation.poses_of_two;
-  put(json, "repeatability_mm", evaluation.repeatability_mm);
-  put(json, "repeatability_deg", evaluation.repeatability_deg);
-  put(json, "ms_per_frame", evaluation.clean.ms_per_frame);
-  put(json, "ms_per_tracked_frame", evaluation.tracked.ms_per_frame);
-  json["ms_per_rendered_frame"] = evaluation.ms_per_rendered_frame;
-  json["ms_per_scene"] = evaluation.ms_per_scene;
-  return json;
-}
-
-namespace {
-
-std::string in_words(const LocalisationScore& score) {
-  if (score.position_rms_mm) {
-    char text[120];
-    std::snprintf(text, sizeof text, "%.3f mm and %.2f degrees RMS", *score.position_rms_mm,
-                  score.heading_rms_deg.value_or(180.0));
-    return text;
-  }
-  std::string text = "no pose found";
-  for (const auto& [reason, count] : score.refusals)
-    text += "; " + std::to_string(count) + " times " + reason;
-  return text;
-}
-
-}  // namespace
 
 std::string in_words(const SegmenterEvaluation& evaluation) {
   return std::to_string(evaluation.clean.n) + " rendered frames: clean " + in_words(evaluation.clean) +

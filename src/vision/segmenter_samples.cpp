@@ -5,7 +5,9 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include <torch/types.h>
+#include <ATen/TensorOperators.h>
+#include <ATen/ops/empty.h>
+#include <ATen/ops/from_blob.h>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/interrupt.h"
@@ -61,8 +63,8 @@ class SampleMaker {
   }
 
   void store(const cv::Mat& image, std::int64_t row) const {
-    const torch::Tensor pixels =
-        torch::from_blob(image.data, {image.rows, image.cols, 3}, torch::kUInt8).permute({2, 0, 1});
+    const at::Tensor pixels =
+        at::from_blob(image.data, {image.rows, image.cols, 3}, at::kByte).permute({2, 0, 1});
     out_.images[row].copy_(pixels);
   }
 
@@ -70,7 +72,7 @@ class SampleMaker {
     const auto side = static_cast<int>(out_.masks.size(2));
     cv::Mat small;
     cv::resize(mask, small, {side, side}, 0.0, 0.0, cv::INTER_AREA);
-    out_.masks[row][channel].copy_(torch::from_blob(small.data, {side, side}, torch::kUInt8));
+    out_.masks[row][channel].copy_(at::from_blob(small.data, {side, side}, at::kByte));
   }
 
   const SampleConfig& config_;
@@ -100,8 +102,8 @@ SegmenterSamples render_samples(const imaging::SceneConfig& scenes, const Sample
   LODESTONE_CHECK(config.crop_px % network.multiple() == 0, "crops the network can take");
   const std::int64_t mask_px = config.crop_px * network.upscale / network.stem;
   SegmenterSamples samples;
-  samples.images = torch::empty({count, 3, config.crop_px, config.crop_px}, torch::kUInt8);
-  samples.masks = torch::empty({count, 2, mask_px, mask_px}, torch::kUInt8);
+  samples.images = at::empty({count, 3, config.crop_px, config.crop_px}, at::kByte);
+  samples.masks = at::empty({count, 2, mask_px, mask_px}, at::kByte);
   const std::int64_t scene_count = (count + config.frames_per_scene - 1) / config.frames_per_scene;
   const SampleMaker maker(config, segmenter, samples);
   pool.for_each(static_cast<std::size_t>(scene_count), [&](std::size_t index) {

@@ -5,14 +5,21 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include <torch/torch.h>
+#include <ATen/TensorOperators.h>
+#include <ATen/core/grad_mode.h>
+#include <ATen/ops/binary_cross_entropy_with_logits.h>
+#include <ATen/ops/sigmoid.h>
+#include <ATen/ops/stack.h>
+#include <ATen/ops/tensor.h>
+#include <ATen/ops/zeros.h>
+#include <ATen/ops/zeros_like.h>
 
 #include "lodestone/common/clock.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
 #include "lodestone/nets/checkpoint.h"
-#include "lodestone/nets/flat_parameters.h"
+#include "lodestone/nets/optimiser.h"
 #include "lodestone/nets/unet.h"
 #include "lodestone/runs/curves.h"
 #include "lodestone/runs/resumable_run.h"
@@ -36,14 +43,11 @@ void TrainSegmenterConfig::validate() const {
 
 namespace {
 
+using at::Tensor;
 using common::Json;
-using torch::Tensor;
 
 constexpr const char* kKind = "segmenter_training";
 constexpr std::size_t kShards = 4;  ///< fixed, so that results do not depend on threads
-constexpr double kBeta1 = 0.9;
-constexpr double kBeta2 = 0.999;
-constexpr double kEpsilon = 1e-8;
 
 /// Of probabilities and targets [N, C, H, W]: 1 is perfect overlap; per class, over the batch.
 Tensor dice(const Tensor& probability, const Tensor& target) {
@@ -53,9 +57,9 @@ Tensor dice(const Tensor& probability, const Tensor& target) {
 }
 
 Tensor loss_of(const SegmenterTrainingConfig& config, const Tensor& logits, const Tensor& target) {
-  const Tensor cross_entropy = torch::binary_cross_entropy_with_logits(logits, target);
+  const Tensor cross_entropy = at::binary_cross_entropy_with_logits(logits, target);
   return config.cross_entropy * cross_entropy +
-         config.dice * (1.0 - dice(torch::sigmoid(logits), target).mean());
+         config.dice * (1.0 - dice(at::sigmoid(logits), target).mean());
 }
 
 /// One of the eight ways to lay a square on itself.
@@ -79,15 +83,15 @@ class Training : public runs::ResumableWork {
     validation_ = render(config.training.validation_samples, "validation");
     common::log_info("rendered " + std::to_string(train_.size() + validation_.size()) + " images");
     for (std::size_t shard = 0; shard < kShards; ++shard) {
-      networks_.emplace_back(config.segmenter.network);
-      parameters_.push_back(std::make_unique<nets::FlatParameters>(*networks_.back()));
+      networks_.push_back(std::make_shared<nets::UNet>(config.segmenter.network));
+      networks_.back()->tensors().flatten();
     }
     common::RandomStream random(seed_, "segmenter weights");
     networks_[0]->initialise(random);
     networks_[0]->fit_normaliser(train_.images.slice(0, 0, std::min<std::int64_t>(train_.size(), 256)));
     share();
-    first_moment_ = torch::zeros_like(parameters_[0]->values());
-    second_moment_ = torch::zeros_like(parameters_[0]->values());
+    first_moment_ = at::zeros_like(networks_[0]->tensors().values());
+    second_moment_ = at::zeros_like(networks_[0]->tensors().values());
     best_ = state();
   }
 
@@ -96,7 +100,7 @@ class Training : public runs::ResumableWork {
     const nets::Checkpoint checkpoint = nets::load_checkpoint(where, kKind);
     const std::string what = "checkpoint " + where;
     try {
-      nets::load_module_tensors(*networks_[0], checkpoint.parts.at("network"), what);
+      networks_[0]->tensors().load(checkpoint.parts.at("network"), what);
       best_ = checkpoint.parts.at("best");
       first_moment_.copy_(checkpoint.parts.at("moments").at("first"));
       second_moment_.copy_(checkpoint.parts.at("moments").at("second"));
@@ -121,7 +125,7 @@ class Training : public runs::ResumableWork {
     checkpoint.facts["stale_epochs"] = stale_epochs_;
     checkpoint.facts["best_loss"] = best_loss_;
     checkpoint.facts["best_dice"] = best_dice_;
-    checkpoint.parts["network"] = nets::module_tensors(*networks_[0]);
+    checkpoint.parts["network"] = networks_[0]->tensors().named();
     checkpoint.parts["best"] = best_;
     checkpoint.parts["moments"] = {{"first", first_moment_}, {"second", second_moment_}};
     nets::save_checkpoint(folder + "/training", checkpoint);
@@ -148,8 +152,8 @@ class Training : public runs::ResumableWork {
 
   SegmenterTrainingResult finish(double seconds) {
     SegmenterTrainingResult result;
-    nets::load_module_tensors(*networks_[0], best_, "best weights");
-    result.network = networks_[0].ptr();
+    networks_[0]->tensors().load(best_, "best weights");
+    result.network = networks_[0];
     result.facts = {best_loss_, train_loss_, epoch_, seconds};
     result.validation_dice = best_dice_;
     return result;
@@ -165,16 +169,15 @@ class Training : public runs::ResumableWork {
 
   nets::NamedTensors state() const {
     nets::NamedTensors copy;
-    for (const auto& [name, tensor] : nets::module_tensors(*networks_[0]))
-      copy[name] = tensor.detach().clone();
+    for (const auto& [name, tensor] : networks_[0]->tensors().named()) copy[name] = tensor.clone();
     return copy;
   }
 
   /// Gives every shard the parameters of the first, and the mean of all running statistics.
   void share() {
-    const torch::NoGradGuard no_grad;
+    const at::NoGradGuard no_grad;
     std::vector<std::vector<Tensor>> buffers;
-    for (nets::UNet& network : networks_) buffers.push_back(network->buffers());
+    for (const auto& network : networks_) buffers.push_back(network->tensors().buffers());
     for (std::size_t i = 0; i < buffers[0].size(); ++i) {
       if (!buffers[0][i].is_floating_point()) continue;
       if (shared_) {
@@ -185,7 +188,7 @@ class Training : public runs::ResumableWork {
       for (std::size_t shard = 1; shard < kShards; ++shard) buffers[shard][i].copy_(buffers[0][i]);
     }
     for (std::size_t shard = 1; shard < kShards; ++shard)
-      parameters_[shard]->values().copy_(parameters_[0]->values());
+      networks_[shard]->tensors().values().copy_(networks_[0]->tensors().values());
     shared_ = true;
   }
 
@@ -204,7 +207,7 @@ class Training : public runs::ResumableWork {
     for (std::int64_t batch = 0; batch < batches(); ++batch) {
       if (common::interrupted()) throw common::Interrupted("an epoch was left half-done");
       sum += run_batch(order.data() + static_cast<std::size_t>(batch) * size, size / kShards);
-      adam_step(epoch_ * batches() + batch);
+      optimiser_step(epoch_ * batches() + batch);
       share();
       train_loss_ = sum / static_cast<double>(batch + 1);
     }
@@ -216,11 +219,11 @@ class Training : public runs::ResumableWork {
       std::vector<Tensor> images;
       std::vector<Tensor> targets;
       for (std::size_t i = 0; i < per_shard; ++i) augment(rows[shard * per_shard + i], images, targets);
-      parameters_[shard]->zero_gradient();
-      networks_[shard]->train();
+      networks_[shard]->tensors().gradient().zero_();
+      networks_[shard]->train(true);
       const Tensor logits =
-          networks_[shard]->forward(torch::stack(images).contiguous(torch::MemoryFormat::ChannelsLast));
-      Tensor loss = loss_of(config_.training, logits, torch::stack(targets));
+          networks_[shard]->forward(at::stack(images).contiguous(at::MemoryFormat::ChannelsLast));
+      Tensor loss = loss_of(config_.training, logits, at::stack(targets));
       loss.backward();
       losses[shard] = loss.item<double>();
     });
@@ -236,29 +239,26 @@ class Training : public runs::ResumableWork {
     std::vector<float> gains;
     for (int i = 0; i < 3; ++i)
       gains.push_back(static_cast<float>(all * random.uniform(1.0 - 0.5 * jitter, 1.0 + 0.5 * jitter)));
-    const Tensor gain = torch::tensor(gains).view({3, 1, 1});
-    images.push_back((turned(train_.images[row], way).to(torch::kFloat32) * gain).clamp_max(255.0));
-    targets.push_back(turned(train_.masks[row], way).to(torch::kFloat32) / 255.0);
+    const Tensor gain = at::tensor(gains).view({3, 1, 1});
+    images.push_back((turned(train_.images[row], way).to(at::kFloat) * gain).clamp_max(255.0));
+    targets.push_back(turned(train_.masks[row], way).to(at::kFloat) / 255.0);
   }
 
   /// AdamW on the mean of the shards' gradients (Loshchilov and Hutter, 2019), linear warm-up, half a cosine.
-  void adam_step(std::int64_t step) {
-    const torch::NoGradGuard no_grad;
-    Tensor gradient = parameters_[0]->gradient().clone();
-    for (std::size_t shard = 1; shard < kShards; ++shard) gradient += parameters_[shard]->gradient();
+  void optimiser_step(std::int64_t step) {
+    const at::NoGradGuard no_grad;
+    Tensor& gradient = networks_[0]->tensors().gradient();
+    for (std::size_t shard = 1; shard < kShards; ++shard) gradient += networks_[shard]->tensors().gradient();
     gradient /= static_cast<double>(kShards);
-    first_moment_.mul_(kBeta1).add_(gradient, 1.0 - kBeta1);
-    second_moment_.mul_(kBeta2).addcmul_(gradient, gradient, 1.0 - kBeta2);
     const double total = static_cast<double>(config_.training.epochs * batches());
     const double warm_up = std::min(1.0, static_cast<double>(step + 1) / 100.0);
     const double rate = config_.training.learning_rate * warm_up * 0.5 *
                         (1.0 + std::cos(3.14159265358979323846 * static_cast<double>(step) / total));
-    const double t = static_cast<double>(step + 1);
-    const double correct1 = 1.0 - std::pow(kBeta1, t);
-    const double correct2 = 1.0 - std::pow(kBeta2, t);
-    Tensor& values = parameters_[0]->values();
+    Tensor& values = networks_[0]->tensors().values();
     values.mul_(1.0 - rate * config_.training.weight_decay);
-    values.addcdiv_(first_moment_, (second_moment_ / correct2).sqrt_().add_(kEpsilon), -rate / correct1);
+    nets::adam_step(values.data_ptr<float>(), gradient.data_ptr<float>(), first_moment_.data_ptr<float>(),
+                    second_moment_.data_ptr<float>(), static_cast<std::size_t>(values.numel()), rate,
+                    step + 1);
   }
 
   void validate() {
@@ -266,21 +266,20 @@ class Training : public runs::ResumableWork {
     const std::int64_t count = (validation_.size() + kBatch - 1) / kBatch;
     std::vector<double> losses(static_cast<std::size_t>(count));
     std::vector<Tensor> overlaps(static_cast<std::size_t>(count));
-    networks_[0]->eval();
+    networks_[0]->train(false);
     pool_.for_each(static_cast<std::size_t>(count), [&](std::size_t batch) {
-      const torch::NoGradGuard no_grad;
+      const at::NoGradGuard no_grad;
       const std::int64_t first = static_cast<std::int64_t>(batch) * kBatch;
       const std::int64_t last = std::min(first + kBatch, validation_.size());
-      const Tensor target = validation_.masks.slice(0, first, last).to(torch::kFloat32) / 255.0;
-      const Tensor logits =
-          networks_[0]->forward(validation_.images.slice(0, first, last).to(torch::kFloat32));
+      const Tensor target = validation_.masks.slice(0, first, last).to(at::kFloat) / 255.0;
+      const Tensor logits = networks_[0]->forward(validation_.images.slice(0, first, last).to(at::kFloat));
       losses[batch] =
           loss_of(config_.training, logits, target).item<double>() * static_cast<double>(last - first);
-      overlaps[batch] = dice(torch::sigmoid(logits), target) * static_cast<double>(last - first);
+      overlaps[batch] = dice(at::sigmoid(logits), target) * static_cast<double>(last - first);
     });
     const double size = static_cast<double>(validation_.size());
     validation_loss_ = std::accumulate(losses.begin(), losses.end(), 0.0) / size;
-    Tensor overlap = torch::zeros({2});
+    Tensor overlap = at::zeros({2});
     for (const Tensor& part : overlaps) overlap += part;
     validation_dice_ = overlap[0].item<double>() / size;
     validation_dice_tape_ = overlap[1].item<double>() / size;
@@ -295,9 +294,9 @@ class Training : public runs::ResumableWork {
 
   /// Some validation images with the true and the predicted masks, for TensorBoard and as a file.
   void show(common::MetricsLog& metrics) {
-    const torch::NoGradGuard no_grad;
+    const at::NoGradGuard no_grad;
     const Tensor images = validation_.images.slice(0, 0, std::min<std::int64_t>(validation_.size(), 4));
-    const Tensor probability = torch::sigmoid(networks_[0]->forward(images.to(torch::kFloat32)));
+    const Tensor probability = at::sigmoid(networks_[0]->forward(images.to(at::kFloat)));
     const cv::Mat sheet = prediction_image(images, validation_.masks, probability);
     std::vector<unsigned char> png;
     cv::imencode(".png", sheet, png);
@@ -320,8 +319,7 @@ class Training : public runs::ResumableWork {
   double start_s_ = 0.0;
   SegmenterSamples train_;
   SegmenterSamples validation_;
-  std::vector<nets::UNet> networks_;  ///< one per shard, with the same parameters
-  std::vector<std::unique_ptr<nets::FlatParameters>> parameters_;
+  std::vector<std::shared_ptr<nets::UNet>> networks_;  ///< one per shard, with the same parameters
   Tensor first_moment_;
   Tensor second_moment_;
   nets::NamedTensors best_;

@@ -11,7 +11,7 @@ import sys
 import tempfile
 
 # Modules whose files may include LibTorch's headers, and of those a public header that describes networks.
-SEES_TORCH = {"nets", "rl", "vision"}
+SEES_TORCH = {"nets", "vision", "dynamics", "rl"}
 # Modules that a program can be linked from without LibTorch.
 LINKS_WITHOUT_TORCH = {"common", "geometry", "physics", "data", "task", "imaging", "runs", "inference", "rig", "env", "emulation", "control",
                        "safety", "report"}

@@ -38,7 +38,7 @@ inline inference::Arrays without_normalisation(std::int64_t inputs, std::int64_t
 inline inference::DynamicsModel linear_model(data::StateLayout layout, const std::vector<double>& gain_m,
                                              const std::vector<double>& turn_rad) {
   inference::DynamicsModel model;
-  model.config.form = "delta";
+  model.config.form = inference::DynamicsForm::kDelta;
   model.config.hidden = {4};  // x and y drives as differences of two ReLUs each
   model.config.batch_norm = false;
   model.config.members = static_cast<std::int64_t>(gain_m.size());

@@ -6,10 +6,10 @@
 #include <set>
 
 #include "env/linear_model.h"
+#include "env/sample_settings.h"
 #include "env/vec_env_conformance.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/statistics.h"
-#include "paper_rig.h"
 
 namespace lodestone::env {
 namespace {
@@ -19,14 +19,8 @@ using tests::linear_model;
 constexpr double kGain_m = 1e-3;
 
 EpisodeSettings settings_for(std::int64_t count) {
-  EpisodeSettings settings;
-  settings.task = lodestone::tests::paper_task();
-  settings.encoder = lodestone::tests::paper_encoder();
-  settings.action = lodestone::tests::paper_action();
-  settings.count = count;
-  settings.encoder.heading = task::HeadingEncoding::kNone;
+  EpisodeSettings settings = tests::plain_settings(count);
   settings.action.scale = 10.0;
-  settings.seed = 4;
   return settings;
 }
 
@@ -45,9 +39,9 @@ std::vector<double> change(const std::vector<float>& after, const std::vector<fl
 }
 
 TEST_CASE("the learned simulator keeps the promises of a VecEnv", "[unit]") {
-  for (const char* ensemble : {"mean", "per_episode", "per_step"}) {
+  for (const auto ensemble : {EnsembleUse::kMean, EnsembleUse::kPerEpisode, EnsembleUse::kPerStep}) {
     for (const auto layout : {data::StateLayout::kPosition, data::StateLayout::kPose}) {
-      CAPTURE(ensemble);
+      CAPTURE(common::name_of(ensemble));
       MbsConfig config;
       config.ensemble = ensemble;
       config.breakaway_scatter = 0.2;
@@ -65,7 +59,7 @@ TEST_CASE("the learned simulator keeps the promises of a VecEnv", "[unit]") {
 
 TEST_CASE("results do not depend on threads when there are many shards", "[unit]") {
   MbsConfig config;
-  config.ensemble = "per_episode";
+  config.ensemble = EnsembleUse::kPerEpisode;
   config.pose_noise_m = 1e-4;
   const inference::DynamicsModel model =
       linear_model(data::StateLayout::kPose, {kGain_m, 0.7 * kGain_m, 0.4 * kGain_m}, {0.1, 0.0, -0.1});
@@ -85,7 +79,7 @@ TEST_CASE("each way of using the ensemble moves as its members say", "[unit]") {
   settings.task.end_on_success = false;
   settings.task.end_on_dish_exit = false;
   const std::vector<float> actions(128, 0.2F);  // 2 units of drive
-  const auto steps_mm = [&](const std::string& ensemble) {
+  const auto steps_mm = [&](EnsembleUse ensemble) {
     MbsConfig config;
     config.ensemble = ensemble;
     MbsEnv environments(model, settings, config, 1);
@@ -101,15 +95,15 @@ TEST_CASE("each way of using the ensemble moves as its members say", "[unit]") {
     }
     return moves;
   };
-  for (const auto& moves : steps_mm("mean")) CHECK(moves == std::vector<double>(6, 1.5));
+  for (const auto& moves : steps_mm(EnsembleUse::kMean)) CHECK(moves == std::vector<double>(6, 1.5));
   std::set<double> drawn;
-  for (const auto& moves : steps_mm("per_episode")) {
+  for (const auto& moves : steps_mm(EnsembleUse::kPerEpisode)) {
     CHECK(moves == std::vector<double>(6, moves.front()));
     drawn.insert(moves.front());
   }
   CHECK(drawn == std::set<double>{1.0, 2.0});
   std::int64_t changing = 0;
-  for (const auto& moves : steps_mm("per_step")) {
+  for (const auto& moves : steps_mm(EnsembleUse::kPerStep)) {
     changing += std::set<double>(moves.begin(), moves.end()) == std::set<double>{1.0, 2.0} ? 1 : 0;
   }
   CHECK(changing > 50);
@@ -245,8 +239,8 @@ TEST_CASE("a predicted distribution is sampled, another draw in every environmen
   EpisodeSettings settings = settings_for(600);
   settings.task.end_on_success = false;
   MbsConfig config;
-  config.ensemble = "per_step";
-  config.outcome = "sample";
+  config.ensemble = EnsembleUse::kPerStep;
+  config.outcome = Outcome::kSample;
   MbsEnv environments(model, settings, config, 2);
   const std::vector<float> before = environments.reset();
   std::int64_t far = 0;
@@ -257,13 +251,13 @@ TEST_CASE("a predicted distribution is sampled, another draw in every environmen
   }
   CHECK(static_cast<double>(far) / 600.0 == Approx(0.5).margin(0.07));
 
-  config.outcome = "mean";
+  config.outcome = Outcome::kMean;
   MbsEnv mean(model, settings, config, 2);
   const std::vector<float> start = mean.reset();
   for (const double moved : change(push(mean).final_observation, start, 4, 0))
     CHECK(42.5 * moved == Approx(2.0).margin(1e-3));
 
-  config.outcome = "sample";
+  config.outcome = Outcome::kSample;
   const inference::DynamicsModel single = linear_model(data::StateLayout::kPosition, {kGain_m}, {0});
   CHECK_THROWS_AS(MbsEnv(single, settings, config, 1), common::ConfigError);
 }

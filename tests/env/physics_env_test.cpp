@@ -2,23 +2,17 @@
 
 #include <catch2/catch.hpp>
 
+#include "env/sample_settings.h"
 #include "env/vec_env_conformance.h"
-#include "paper_rig.h"
 
 namespace lodestone::env {
 namespace {
 
 EpisodeSettings short_episodes(std::int64_t count) {
-  EpisodeSettings settings;
-  settings.task = lodestone::tests::paper_task();
-  settings.encoder = lodestone::tests::paper_encoder();
-  settings.action = lodestone::tests::paper_action();
-  settings.count = count;
-  settings.encoder.heading = task::HeadingEncoding::kNone;
+  EpisodeSettings settings = tests::plain_settings(count);
   settings.action.scale = 6.0;
   settings.task.max_steps = 6;
   settings.task.success_radius_m = 0.009;
-  settings.seed = 4;
   return settings;
 }
 

@@ -3,63 +3,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "env/linear_model.h"
 #include "lodestone/common/error.h"
 
 using namespace lodestone;
 using inference::DynamicsModel;
-
-TEST_CASE("a folded network gives what its weights say, whatever normalises it", "[unit]") {
-  // One hidden unit that passes the drive on: next x = x + 1e-3 * drive_x, by way of every normalisation.
-  inference::DynamicsConfig config;
-  config.form = "delta";
-  config.hidden = {1};
-  const auto numbers = [](std::vector<float> values) {
-    const auto count = static_cast<std::int64_t>(values.size());
-    return inference::Array(std::move(values), {count});
-  };
-  inference::Arrays weights = {{"input_mean", numbers({0, 0, 2, 0})},
-                               {"input_std", numbers({1, 1, 4, 1})},
-                               {"layers.0.weight", numbers({1, 1, 8, 1})},
-                               {"layers.0.bias", numbers({0, 0, 3, 0})},
-                               {"layers.0.running_mean", numbers({0, 0, 1, 0})},
-                               {"layers.0.running_var", numbers({1, 1, 4, 1})},
-                               {"layers.1.bias", numbers({1})},
-                               {"layers.2.weight", numbers({2})},
-                               {"layers.2.bias", numbers({5})},
-                               {"layers.2.running_mean", numbers({0.5F})},
-                               {"layers.2.running_var", numbers({0.25F})},
-                               {"layers.4.bias", numbers({0, 1})},
-                               {"output_mean", numbers({0.001F, 0})},
-                               {"output_std", numbers({0.01F, 0.02F})}};
-  weights["layers.1.weight"] = {std::vector<float>{0, 0, 1, 0}, {1, 4}};
-  weights["layers.4.weight"] = {std::vector<float>{2, 0}, {2, 1}};
-  const inference::FoldedDynamics folded(weights, config, data::StateLayout::kPosition, "test");
-  inference::FoldedDynamics::Workspace workspace;
-  for (const double drive : {-6.0, 0.0, 3.0, 12.0}) {
-    const double state[2] = {0.01, 0.02};
-    const double drives[2] = {drive, 7.0};
-    double next[2];
-    folded.predict(state, drives, 1, next, workspace);
-    const double x = ((drive - 2.0) / 4.0 - 1.0) / std::sqrt(4.0 + 1e-5) * 8.0 + 3.0;  // of the drive
-    const double hidden = std::max(0.0, (x + 1.0 - 0.5) / std::sqrt(0.25 + 1e-5) * 2.0 + 5.0);
-    CHECK(next[0] == Approx(0.01 + 0.001 + 0.01 * 2.0 * hidden).margin(1e-6));
-    CHECK(next[1] == Approx(0.02 + 0.02).margin(1e-8));
-  }
-  weights.erase("layers.2.running_var");
-  CHECK_THROWS_WITH(inference::FoldedDynamics(weights, config, data::StateLayout::kPosition, "test"),
-                    Catch::Contains("test: array \"layers.2.running_var\" is missing"));
-}
-
-TEST_CASE("a linear model moves as it was made to, and wraps headings", "[unit]") {
-  const DynamicsModel model = env::tests::linear_model(data::StateLayout::kPose, {1e-3}, {0.5});
-  inference::FoldedDynamics::Workspace workspace;
-  std::vector<double> state = {0.0, 0.01, 3.0, 0.02, 0.0, -1.0};
-  const std::vector<double> drive = {5.0, -2.0, 0.0, 1.0};
-  model.members.front().predict(state.data(), drive.data(), 2, state.data(), workspace);  // in place
-  const std::vector<double> expected = {0.005, 0.008, 3.5 - 2.0 * M_PI, 0.02, 0.001, -0.5};
-  for (std::size_t i = 0; i < state.size(); ++i) CHECK(state[i] == Approx(expected[i]).margin(1e-6));
-}
 
 TEST_CASE("the released simulators load", "[unit]") {
   for (const char* name : {"dynamics_best", "dynamics_paper"}) {

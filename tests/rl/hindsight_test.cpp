@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include <torch/types.h>
+#include <ATen/ATen.h>
 
 #include "lodestone/common/error.h"
 #include "paper_rig.h"
@@ -13,7 +13,7 @@ namespace {
 
 task::EncoderConfig encoder() {
   task::EncoderConfig config = tests::paper_encoder();
-  config.heading = "none";
+  config.heading = task::HeadingEncoding::kNone;
   config.relative_target = true;
   return config;
 }
@@ -50,7 +50,7 @@ TEST_CASE("Steps are told again with a target that was reached later, and judged
   rl::ReplayBuffer buffer(100, 6, 2);
   play(hindsight, buffer, false);
   REQUIRE(buffer.size() == 4);
-  const torch::Tensor rows = buffer.save().at("rows");
+  const at::Tensor rows = buffer.save().at("rows");
   const task::ObservationEncoder read(encoder());
   bool some_reached = false;
   for (std::int64_t i = 0; i < 4; ++i) {
@@ -90,10 +90,10 @@ TEST_CASE("Half an episode survives saving, and no fraction means no rows", "[rl
     play(one, for_one, false);
     play(two, for_two, false);
   }
-  CHECK(torch::equal(for_one.save().at("rows"), for_two.save().at("rows")));
+  CHECK(at::equal(for_one.save().at("rows"), for_two.save().at("rows")));
   CHECK(for_one.size() < 24);
   CHECK_THROWS_AS(two.load(common::Json::object()), common::CheckpointError);
   task::TaskConfig centre = tests::paper_task();
-  centre.goal = "centre";
+  centre.goal = task::GoalKind::kCentre;
   CHECK_THROWS_AS(rl::Hindsight(0.5, centre, encoder(), 1, 7), common::ConfigError);
 }

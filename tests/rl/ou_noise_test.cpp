@@ -45,7 +45,7 @@ TEST_CASE("OU noise has the stationary spread and correlation of its process", "
 
 TEST_CASE("Gaussian noise is independent from step to step", "[rl]") {
   NoiseConfig config;
-  config.kind = "gaussian";
+  config.kind = NoiseKind::kGaussian;
   config.sigma = 0.3;
   ExplorationNoise noise(config, 500, 2, 7);
   const std::vector<float> first = noise.next();

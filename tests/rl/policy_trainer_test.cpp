@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include <torch/types.h>
+#include <ATen/ATen.h>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
@@ -30,9 +30,9 @@ std::string fresh_folder(const std::string& name) {
 TrainPolicyConfig point_config(std::int64_t env_steps) {
   TrainPolicyConfig config;
   config.threads = 1;
-  config.encoder.heading = "none";
+  config.encoder.heading = lodestone::task::HeadingEncoding::kNone;
   config.encoder.target = false;
-  config.task.goal = "centre";
+  config.task.goal = lodestone::task::GoalKind::kCentre;
   config.td3.hidden = {16, 16};
   config.td3.batch_size = 32;
   config.training.learning.env_steps = env_steps;
@@ -109,7 +109,7 @@ TEST_CASE("An interrupted run goes on to the same weights", "[rl]") {
   for (const char* part_name : {"networks", "optimiser", "buffer", "environments", "running"}) {
     for (const auto& [name, tensor] : one.parts.at(part_name)) {
       INFO(part_name << " " << name);
-      CHECK(torch::equal(tensor, two.parts.at(part_name).at(name)));
+      CHECK(at::equal(tensor, two.parts.at(part_name).at(name)));
     }
   }
 }
@@ -147,7 +147,7 @@ TEST_CASE("What the data say goes into the policy's configuration", "[rl]") {
   CHECK(config.action.one_axis_at_a_time);
   CHECK(config.task.dish_radius_m == 0.014);
   CHECK(config.encoder.length_scale_m == 0.014);
-  CHECK(config.encoder.heading == "none");
+  CHECK(config.encoder.heading == lodestone::task::HeadingEncoding::kNone);
 }
 
 TEST_CASE("A run without room to learn is refused", "[rl]") {

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <set>
 
-#include <torch/types.h>
+#include <ATen/ATen.h>
 
 #include "lodestone/common/error.h"
 
@@ -75,8 +75,8 @@ TEST_CASE("A loaded buffer goes on bitwise", "[rl]") {
   RandomStream random_two(4, "test");
   buffer.sample(random_one, one);
   loaded.sample(random_two, two);
-  CHECK(torch::equal(one.observation, two.observation));
-  CHECK(torch::equal(one.not_done, two.not_done));
+  CHECK(at::equal(one.observation, two.observation));
+  CHECK(at::equal(one.not_done, two.not_done));
 
   ReplayBuffer smaller(7, 3, 2);
   CHECK_THROWS_AS(smaller.load(buffer.save()), lodestone::common::CheckpointError);

@@ -13,11 +13,18 @@
 
 namespace lodestone::env {
 
+/// Who predicts: the mean of all members, or one of them drawn for each episode or each step.
+enum class EnsembleUse { kMean, kPerEpisode, kPerStep };
+inline std::vector<std::string> names_of(EnsembleUse) { return {"mean", "per_episode", "per_step"}; }
+/// What of a predicted distribution happens.
+enum class Outcome { kMean, kSample };
+inline std::vector<std::string> names_of(Outcome) { return {"mean", "sample"}; }
+
 /// How the learned simulator is used, and what it adds to a clean prediction. Zeros add nothing, as in the
 /// paper.
 struct MbsConfig {
-  std::string ensemble = "mean";
-  std::string outcome = "mean";
+  EnsembleUse ensemble = EnsembleUse::kMean;
+  Outcome outcome = Outcome::kMean;
   double disagreement_penalty = 0.0;
   double disagreement_stop_m = 0.0;
   double pose_noise_m = 0.0;
@@ -28,13 +35,11 @@ struct MbsConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("ensemble", ensemble, "",
-            "who predicts: the mean of all members, or one member drawn for each episode or each step",
-            {"mean", "per_episode", "per_step"});
+            "who predicts: the mean of all members, or one member drawn for each episode or each step");
     v.field("outcome", outcome, "",
             "what of a predicted distribution happens: its mean, or a sample of it (with one member, not the "
             "mean of "
-            "all)",
-            {"mean", "sample"});
+            "all)");
     v.field("disagreement_penalty", disagreement_penalty, "1/dish radius",
             "taken from the reward, per RMS distance of the members' predicted positions from their mean",
             {0.0, 1e4});
@@ -93,8 +98,7 @@ class MbsEnv final : public VecEnv {
   void give_back(std::unique_ptr<Scratch> scratch);
 
   MbsConfig config_;
-  enum class Ensemble { kOne, kMean, kPerEpisode, kPerStep };
-  Ensemble ensemble_;
+  bool mean_of_all_;
   bool sample_;
   bool disagreement_;
   std::vector<inference::FoldedDynamics> members_;

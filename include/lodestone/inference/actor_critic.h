@@ -4,23 +4,17 @@
 #include <string>
 #include <vector>
 
-#include "lodestone/inference/array.h"
 #include "lodestone/inference/dense_network.h"
 
 namespace lodestone::inference {
-
-/// Layers "l<first>.weight" [outputs, inputs], "l<first>.bias" [outputs], ... as checkpoints hold them, for
-/// widths from input to output. Throws CheckpointError that begins with `what` when one is missing or of
-/// another shape.
-std::vector<LinearLayer> layers_from(const Arrays& weights, const std::vector<std::int64_t>& widths,
-                                     int first, const std::string& what);
 
 /// Actor of section IV-B2 for evaluation: D -> hidden (ReLU) -> A, tanh. Read only, so threads share it.
 class Actor {
  public:
   using Workspace = DenseNetwork::Workspace;
 
-  /// Layers l1, l2, ... Throws CheckpointError that begins with `what`.
+  /// Layers "l1.weight" [outputs, inputs], "l1.bias" [outputs], "l2.weight", ... as checkpoints hold them.
+  /// Throws CheckpointError that begins with `what`.
   Actor(const Arrays& weights, std::int64_t observation_size, const std::vector<std::int64_t>& hidden,
         std::int64_t action_size = 2, const std::string& what = "actor");
 

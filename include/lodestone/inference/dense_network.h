@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
+#include "lodestone/inference/array.h"
 #include "lodestone/inference/gemm.h"
 
 namespace lodestone::inference {
@@ -12,6 +14,10 @@ struct LinearLayer {
   std::vector<float> weight;  ///< [outputs, inputs], row-major
   std::vector<float> bias;    ///< [outputs]
 };
+
+/// Array `name` of `shape`, float32. Throws CheckpointError that begins with `what`.
+const Array& weight_at(const Arrays& weights, const std::string& name, const std::vector<std::int64_t>& shape,
+                       const std::string& what);
 
 /// Linear layers with ReLU in between, for evaluation only: the weights are packed once (gemm.h) and read
 /// from then on, so threads share a network, each with its own Workspace. A row's result does not depend on

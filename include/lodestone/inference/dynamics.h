@@ -21,7 +21,7 @@ struct DynamicsModel {
   std::vector<task::Move> recorded_moves;  ///< of the training rows
 };
 
-/// From a checkpoint of kind "dynamics", which nets::save_dynamics writes. Throws CheckpointError.
+/// From a checkpoint of kind "dynamics", which dynamics::save_model writes. Throws CheckpointError.
 DynamicsModel load_dynamics(const std::string& folder);
 
 /// Shape and dataset that a checkpoint's facts tell. Throws CheckpointError naming `what`.

@@ -9,9 +9,13 @@
 
 namespace lodestone::inference {
 
+/// The paper's: heading in, next state out. Delta: sine and cosine of the heading in, change of state out.
+enum class DynamicsForm { kPaper, kDelta };
+inline std::vector<std::string> names_of(DynamicsForm) { return {"paper", "delta"}; }
+
 /// Shape of the learned dynamics.
 struct DynamicsConfig {
-  std::string form = "paper";  ///< "paper": theta in, next state out; "delta": sine and cosine in, change out
+  DynamicsForm form = DynamicsForm::kPaper;
   std::vector<std::int64_t> hidden = {256, 128, 32};
   bool batch_norm = true;    ///< on the input and every hidden layer
   std::int64_t members = 1;  ///< ensemble size
@@ -20,7 +24,7 @@ struct DynamicsConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("form", form, "", "what goes in and out", {"paper", "delta"});
+    v.field("form", form, "", "what goes in and out");
     v.field("hidden", hidden, "", "width of each hidden layer", {1, 8192});
     v.field("batch_norm", batch_norm, "", "batch normalisation on input and hidden layers");
     v.field("members", members, "", "networks in the ensemble", {1, 64});
@@ -31,7 +35,7 @@ struct DynamicsConfig {
         {0, 16});
   }
 
-  bool predicts_change() const { return form == "delta"; }
+  bool predicts_change() const { return form == DynamicsForm::kDelta; }
   /// A heading goes in as sine and cosine.
   bool sine_cosine(data::StateLayout layout) const {
     return predicts_change() && layout == data::StateLayout::kPose;

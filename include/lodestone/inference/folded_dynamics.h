@@ -13,7 +13,7 @@ namespace lodestone::inference {
 
 /// A dynamics network for fast evaluation: normalisers and batch normalisation (evaluation mode) are folded
 /// into the linear layers, so that a step is a few float32 matrix products into buffers that are kept. Agrees
-/// with nets::DynamicsNetwork::forward to rounding. predict() is const: threads share the network, each with
+/// with dynamics::Network::forward to rounding. predict() is const: threads share the network, each with
 /// its own Workspace.
 class FoldedDynamics {
  public:

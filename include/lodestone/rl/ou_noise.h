@@ -9,18 +9,21 @@
 
 namespace lodestone::rl {
 
+/// Ornstein-Uhlenbeck (the paper's) is correlated in time; the Gaussian one is independent from step to step.
+enum class NoiseKind { kOrnsteinUhlenbeck, kGaussian };
+inline std::vector<std::string> names_of(NoiseKind) { return {"ou", "gaussian"}; }
+
 /// Exploration noise added to the policy's actions in training.
 struct NoiseConfig {
-  std::string kind = "ou";  ///< "ou" (paper) or "gaussian" (independent from step to step)
-  double theta = 0.15;      ///< pull towards zero
-  double sigma = 0.2;       ///< action units
-  double dt = 1.0;          ///< steps of the process per control step
+  NoiseKind kind = NoiseKind::kOrnsteinUhlenbeck;
+  double theta = 0.15;  ///< pull towards zero
+  double sigma = 0.2;   ///< action units
+  double dt = 1.0;      ///< steps of the process per control step
   bool reset_with_episode = true;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("kind", kind, "", "Ornstein-Uhlenbeck (correlated in time) or independent normal noise",
-            {"ou", "gaussian"});
+    v.field("kind", kind, "", "Ornstein-Uhlenbeck (correlated in time) or independent normal noise");
     v.field("theta", theta, "1/step", "pull of the Ornstein-Uhlenbeck process towards zero", {0.0, 10.0});
     v.field("sigma", sigma, "action units",
             "standard deviation of one step's increment, or of the normal noise", {0.0, 10.0});

@@ -22,6 +22,10 @@
 
 namespace lodestone::rl {
 
+/// What a policy is trained in: the learned simulator (MBS), or the plain one of section IV-C.
+enum class Simulator { kMbs, kPhysics };
+inline std::vector<std::string> names_of(Simulator) { return {"mbs", "physics"}; }
+
 /// The run around the learner.
 struct PolicyTrainingConfig {
   LearningConfig learning;
@@ -50,7 +54,7 @@ struct TrainPolicyConfig {
   std::int64_t seed = 1;
   std::int64_t threads = 0;
   std::string dynamics;
-  std::string simulator = "mbs";
+  Simulator simulator = Simulator::kMbs;
   std::string recorded;
   physics::RigDescription rig;
   task::TaskConfig task;
@@ -70,7 +74,7 @@ struct TrainPolicyConfig {
     v.field("threads", threads, "", "threads; 0 means one per processor", {0, 1024});
     v.field("dynamics", dynamics, "", "dynamics checkpoint: folder that train-dynamics wrote");
     v.field("simulator", simulator, "",
-            "what the policy is trained in: the learned MBS, or the simulator of IV-C", {"mbs", "physics"});
+            "what the policy is trained in: the learned MBS, or the simulator of IV-C");
     v.field("recorded", recorded, "",
             "transitions that replay.environments play back, as in train-dynamics' data");
     v.retired("adopt_data", "nothing: what the data say of the rig is always taken from them");

@@ -48,7 +48,7 @@ class Td3 {
   /// Views (not copies) by name: "actor.l1.weight", "critic.l1.." to "critic.l6..", "actor_target..",
   /// "critic_target..", in the reference implementation's names.
   virtual nets::NamedTensors networks() const = 0;
-  /// The actor alone, "l1.weight", ...: what nets::Actor takes.
+  /// The actor alone, "l1.weight", ...
   nets::NamedTensors actor_weights() const;
   /// The policy as it is now, for acting.
   inference::Actor actor() const;
@@ -68,8 +68,6 @@ class Td3 {
   virtual UpdateResult learn(const Batch& batch, const at::Tensor& smoothing_noise, bool policy_too) = 0;
   /// Views of Adam's moments: "actor.first_moment.l1.weight", ..., "critic.second_moment.l6.bias".
   virtual nets::NamedTensors optimiser() const = 0;
-  /// After load(): updates() has changed.
-  virtual void counters_loaded() {}
 
   const Td3Config& config() const { return config_; }
   double learning_rate() const { return learning_rate_; }

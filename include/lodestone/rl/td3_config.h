@@ -6,9 +6,13 @@
 
 namespace lodestone::rl {
 
+/// Passes written out on up to two threads, or plain LibTorch with autograd, the readable reference.
+enum class Td3Backend { kFused, kAutograd };
+inline std::vector<std::string> names_of(Td3Backend) { return {"fused", "autograd"}; }
+
 /// Hyperparameters of TD3; defaults are those of Fujimoto et al. (2018), learning rate as the paper (IV-B2).
 struct Td3Config {
-  std::string backend = "fused";
+  Td3Backend backend = Td3Backend::kFused;
   double discount = 0.99;
   double polyak_tau = 0.005;
   double learning_rate = 3e-4;
@@ -23,8 +27,7 @@ struct Td3Config {
     v.field("backend", backend, "",
             "who computes an update: written-out passes on up to two threads, or plain LibTorch with "
             "autograd, the "
-            "readable reference; both agree to rounding",
-            {"fused", "autograd"});
+            "readable reference; both agree to rounding");
     v.field("discount", discount, "", "discount per step", {0.0, 1.0});
     v.field("polyak_tau", polyak_tau, "",
             "fraction of the network that moves into its target per policy update", {0.0, 1.0});

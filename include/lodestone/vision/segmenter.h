@@ -11,7 +11,7 @@
 #include "lodestone/vision/rod_fit.h"
 
 namespace lodestone::nets {
-class UNetImpl;
+class UNet;
 }
 
 namespace lodestone::vision {
@@ -35,7 +35,7 @@ struct SegmenterConfig {
 class Segmenter {
  public:
   /// Takes a copy of the network as it is, folded.
-  Segmenter(const SegmenterConfig& config, const std::shared_ptr<nets::UNetImpl>& network);
+  Segmenter(const SegmenterConfig& config, const nets::UNet& network);
   /// Reads a checkpoint of kind "segmenter". Throws CheckpointError.
   static std::shared_ptr<const Segmenter> load(const std::string& folder);
 
@@ -54,12 +54,11 @@ class Segmenter {
   SegmenterConfig config_;
   std::array<float, 3> gain_{};  ///< of each colour
   std::array<float, 3> offset_{};
-  std::shared_ptr<nets::UNetImpl> network_;  // LibTorch's forward() is not const; here it changes nothing
+  std::shared_ptr<const nets::UNet> network_;
 };
 
 /// Writes a checkpoint: the network with its normaliser and batch normalisation, and what is known of it.
-void save_segmenter(const std::string& folder, const SegmenterConfig& config,
-                    const std::shared_ptr<nets::UNetImpl>& network, const common::Json& training,
-                    const common::Json& metrics);
+void save_segmenter(const std::string& folder, const SegmenterConfig& config, const nets::UNet& network,
+                    const common::Json& training, const common::Json& metrics);
 
 }  // namespace lodestone::vision

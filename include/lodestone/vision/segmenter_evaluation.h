@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "lodestone/common/config.h"
+#include "lodestone/common/artefact.h"
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/imaging/scene.h"
 #include "lodestone/vision/localiser.h"
@@ -28,6 +28,20 @@ struct LocalisationScore {
   std::optional<double> normalised_error;
   std::optional<double> ms_per_frame;  ///< processor time of one core, median over images with a pose
   std::map<std::string, std::int64_t> refusals;  ///< images without a pose, by reason
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("position_rms_mm", position_rms_mm);
+    v.field("position_p95_mm", position_p95_mm);
+    v.field("position_max_mm", position_max_mm);
+    v.field("heading_rms_deg", heading_rms_deg);
+    v.field("flips", flips);
+    v.field("poses", poses);
+    v.field("n", n);
+    v.field("ms_per_frame", ms_per_frame);
+    v.field("normalised_error", normalised_error);
+    v.field("refusals", refusals);
+  }
 };
 
 struct SegmenterEvaluation {
@@ -40,6 +54,21 @@ struct SegmenterEvaluation {
   std::optional<double> repeatability_deg;
   double ms_per_rendered_frame = 0.0;
   double ms_per_scene = 0.0;  ///< rendering of what stays from frame to frame
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("clean", clean);
+    v.field("occluded", occluded);
+    v.field("tracked", tracked);
+    v.field("poses_of_none", poses_of_none);
+    v.field("poses_of_two", poses_of_two);
+    v.field("repeatability_mm", repeatability_mm);
+    v.field("repeatability_deg", repeatability_deg);
+    v.field("ms_per_frame", clean.ms_per_frame);
+    v.field("ms_per_tracked_frame", tracked.ms_per_frame);
+    v.field("ms_per_rendered_frame", ms_per_rendered_frame);
+    v.field("ms_per_scene", ms_per_scene);
+  }
 };
 
 /// Localises needles in rendered images: `frames` scenes from `scenes`, each once clean and once partly
@@ -51,8 +80,6 @@ SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const Segmenter> segmente
 /// Scenes that a segmenter was trained on. Throws CheckpointError.
 imaging::SceneConfig training_scenes(const std::string& checkpoint_folder);
 
-/// What was not measured is absent.
-common::Json to_json(const SegmenterEvaluation& evaluation);
 /// One line: the errors, clean and partly covered, or that no pose was found and why not.
 std::string in_words(const SegmenterEvaluation& evaluation);
 

@@ -71,7 +71,7 @@ struct TrainSegmenterConfig {
 };
 
 struct SegmenterTrainingResult {
-  std::shared_ptr<nets::UNetImpl> network;
+  std::shared_ptr<nets::UNet> network;
   runs::TrainingFacts facts;     ///< validation_loss: of the weights that were kept; time with rendering
   double validation_dice = 0.0;  ///< overlap of predicted and true needle, 1 is perfect
 };

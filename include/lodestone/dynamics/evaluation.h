@@ -1,0 +1,22 @@
+#pragma once
+
+#include "lodestone/data/dataset.h"
+#include "lodestone/dynamics/model.h"
+#include "lodestone/runs/training_results.h"
+
+namespace lodestone::dynamics {
+
+using runs::DynamicsEvaluation;
+using runs::ErrorCell;
+using runs::StateError;
+
+/// How well an ensemble's mean predicts recorded transitions (section V-A, and more), the facts of training
+/// left out. Rows of `dataset` as evaluation uses them. Open-loop chains stay within episodes and leave
+/// zero-current pulses without motion, as the MBS does. Throws DataError when the dataset has another state
+/// layout or no row.
+DynamicsEvaluation evaluate_dynamics(const Model& model, const data::Dataset& dataset);
+
+/// The episodes that were set aside when the model was trained on this data.
+data::Dataset test_split(const Model& model, const data::Dataset& dataset);
+
+}  // namespace lodestone::dynamics

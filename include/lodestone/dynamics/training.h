@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "lodestone/common/config.h"
+#include "lodestone/data/dataset.h"
+#include "lodestone/dynamics/model.h"
+#include "lodestone/runs/run_folder.h"
+#include "lodestone/runs/training_results.h"
+
+namespace lodestone::dynamics {
+
+enum class Optimiser { kSgd, kAdam, kAdamW };
+inline std::vector<std::string> names_of(Optimiser) { return {"sgd", "adam", "adamw"}; }
+enum class Schedule { kConstant, kCosine };
+inline std::vector<std::string> names_of(Schedule) { return {"constant", "cosine"}; }
+enum class Loss { kL2, kHuber };
+inline std::vector<std::string> names_of(Loss) { return {"l2", "huber"}; }
+
+/// How the dynamics networks learn. The defaults are the paper's (section IV-B1) where it says, plain
+/// otherwise.
+struct TrainingConfig {
+  std::int64_t epochs = 100;
+  std::int64_t batch_size = 64;
+  Optimiser optimiser = Optimiser::kSgd;
+  double learning_rate = 0.01;
+  double momentum = 0.9;      ///< of sgd
+  double weight_decay = 0.0;  ///< L2 for sgd and adam, decoupled for adamw
+  Schedule schedule = Schedule::kConstant;
+  Loss loss = Loss::kL2;
+  double huber_delta = 1.0;  ///< in standard deviations of the output
+  double validation_fraction = 0.1;
+  double test_fraction = 0.1;
+  bool keep_best = true;      ///< end with the weights of the best validation loss
+  std::int64_t patience = 0;  ///< a member stops after so many epochs without improvement; 0: never
+  bool bootstrap = false;     ///< each member learns from its own draw of the rows, with replacement
+  double max_seconds = 0.0;   ///< stop after this wall time (then results depend on the machine); 0: never
+  double checkpoint_interval_s = 10.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("epochs", epochs, "", "passes over the training rows", {1, 100000});
+    v.field("batch_size", batch_size, "rows", "rows per step", {2, 65536});
+    v.field("optimiser", optimiser, "", "optimiser");
+    v.field("learning_rate", learning_rate, "", "step size, at its start", {1e-8, 10.0});
+    v.field("momentum", momentum, "", "momentum of sgd", {0.0, 0.9999});
+    v.field("weight_decay", weight_decay, "", "L2 penalty (sgd, adam) or decoupled decay (adamw)",
+            {0.0, 1.0});
+    v.field("schedule", schedule, "", "how the step size goes on: constant, or half a cosine down to 0");
+    v.field("loss", loss, "", "training loss on normalised output; mixtures have their likelihood instead");
+    v.field("huber_delta", huber_delta, "", "normalised error above which huber is linear", {1e-3, 100.0});
+    v.field("validation_fraction", validation_fraction, "", "fraction of the episodes to choose weights by",
+            {0.01, 0.9});
+    v.field("test_fraction", test_fraction, "", "fraction of the episodes set aside for the final figures",
+            {0.01, 0.9});
+    v.field("keep_best", keep_best, "", "keep the weights of the best validation loss");
+    v.field("patience", patience, "epochs", "stop a member after so long without improvement; 0: never",
+            {0, 100000});
+    v.field("bootstrap", bootstrap, "", "each member draws its own rows with replacement");
+    v.field("max_seconds", max_seconds, "s", "stop after this wall time; 0: no limit", {0.0, 1e7});
+    v.field("checkpoint_interval_s", checkpoint_interval_s, "s", "time between training checkpoints",
+            {0.0, 1e6});
+  }
+};
+
+/// Everything `lodestone train-dynamics` is told.
+struct TrainDynamicsConfig {
+  std::int64_t seed = 1;
+  std::int64_t threads = 0;
+  std::string data;
+  std::int64_t transitions = 0;
+  DynamicsConfig model;
+  TrainingConfig training;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("seed", seed, "", "seed of every random stream of the run", {0, 9e15});
+    v.field("threads", threads, "", "threads; 0 means one per processor", {0, 1024});
+    v.field("data", data, "",
+            "transitions: .h5, or .csv of recorded pulses; several of one rig with commas between them");
+    v.field("transitions", transitions, "", "use only the first so many; 0: all", {0, 1e9});
+    v.group("model", model, "the networks");
+    v.group("training", training, "how they learn");
+  }
+};
+
+struct TrainingResult {
+  Model model;
+  /// Losses are normalised: of training the mean of the members' last epoch; of validation squared error
+  /// (negative log-likelihood of mixtures), mean of the members' kept weights.
+  runs::TrainingFacts facts;
+};
+
+/// The run of a configuration, and which of its keys may change when it is gone on with.
+runs::RunRequest run_request(const TrainDynamicsConfig& config, const std::string& folder, bool resume);
+
+/// Trains the ensemble, one member per thread; results depend on the seed alone, not on threads. Writes
+/// metrics (train_loss, validation_loss per epoch) and, every so often, `training` into the run's folder,
+/// from which a resumption goes on bitwise. Throws DataError (NaN, empty split), CheckpointError, ConfigError
+/// (resuming with other data), and Interrupted after saving when the user asked to stop.
+TrainingResult train_dynamics(const data::Dataset& dataset, const TrainDynamicsConfig& config,
+                              runs::RunFolder& run);
+
+}  // namespace lodestone::dynamics

@@ -1,0 +1,232 @@
+#include "lodestone/dynamics/evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <ATen/TensorOperators.h>
+#include <ATen/core/grad_mode.h>
+
+#include "lodestone/common/error.h"
+#include "lodestone/data/knn.h"
+#include "lodestone/dynamics/network.h"
+#include "lodestone/geometry/pose2.h"
+#include "lodestone/nets/tensors.h"
+
+namespace lodestone::dynamics {
+namespace {
+
+constexpr double kDegreesPerRadian = 57.29577951308232;
+constexpr double kMillimetresPerMetre = 1e3;
+constexpr double kCell_m = 5e-3;
+constexpr std::int64_t kNeighbours = 10;
+constexpr std::int64_t kChunk = 8192;
+constexpr int kSteps[] = {1, 2, 5, 10};
+
+/// Ensemble mean for rows of any number: [N, S], [N, 2] -> [N, S], in pieces that stay in the cache.
+std::vector<double> predict(const Model& model, const std::vector<double>& state,
+                            const std::vector<double>& action) {
+  const std::int64_t size = data::state_size(model.info.layout);
+  const auto rows = static_cast<std::int64_t>(action.size()) / data::kActionSize;
+  const at::Tensor states = nets::tensor_from(state, {rows, size});
+  const at::Tensor actions = nets::tensor_from(action, {rows, data::kActionSize});
+  std::vector<double> next;
+  next.reserve(state.size());
+  for (std::int64_t first = 0; first < rows; first += kChunk) {
+    const std::int64_t count = std::min(kChunk, rows - first);
+    const auto part = nets::to_vector(
+        predict_mean(model.members, states.narrow(0, first, count), actions.narrow(0, first, count)));
+    next.insert(next.end(), part.begin(), part.end());
+  }
+  return next;
+}
+
+double squared_distance(const double* a, const double* b) {
+  return (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]);
+}
+
+StateError state_error(const std::vector<double>& predicted, const std::vector<double>& actual, int size) {
+  const std::size_t stride = static_cast<std::size_t>(size);
+  const auto rows = static_cast<double>(actual.size() / stride);
+  double position = 0.0;
+  double heading = 0.0;
+  for (std::size_t i = 0; i < actual.size(); i += stride) {
+    position += squared_distance(&predicted[i], &actual[i]);
+    if (size == 3) heading += std::pow(geometry::wrap_angle(predicted[i + 2] - actual[i + 2]), 2);
+  }
+  StateError error;
+  error.position_rms_mm = kMillimetresPerMetre * std::sqrt(position / rows);
+  if (size == 3) error.heading_rms_deg = kDegreesPerRadian * std::sqrt(heading / rows);
+  return error;
+}
+
+data::TransitionTable training_table(const Model& model) {
+  data::TransitionTable table;
+  table.state_size = data::state_size(model.info.layout);
+  table.state = model.training_rows.state.to_double();
+  table.action = model.training_rows.action.to_double();
+  table.next_state = model.training_rows.next_state.to_double();
+  table.episode.assign(table.action.size() / data::kActionSize, 0);
+  return table;
+}
+
+/// Mean squared error of the members' mean output, normalised as in training.
+double normalised_loss(const Model& model, const data::TransitionTable& table) {
+  const at::NoGradGuard no_grad;
+  const at::Tensor state = nets::tensor_from(table.state, {table.size(), table.state_size});
+  const at::Tensor action = nets::tensor_from(table.action, {table.size(), data::kActionSize});
+  const at::Tensor next = nets::tensor_from(table.next_state, {table.size(), table.state_size});
+  double sum = 0.0;
+  for (std::int64_t first = 0; first < table.size(); first += kChunk) {
+    const std::int64_t rows = std::min(kChunk, table.size() - first);
+    at::Tensor error;
+    for (const auto& member : model.members) {
+      const at::Tensor one =
+          member->normalised_output(state.narrow(0, first, rows), action.narrow(0, first, rows)) -
+          member->normalised_target(state.narrow(0, first, rows), next.narrow(0, first, rows));
+      error = error.defined() ? error + one : one;
+    }
+    sum += (error / static_cast<double>(model.members.size())).square().sum().item<double>();
+  }
+  return sum / static_cast<double>(table.size() * table.state_size);
+}
+
+double normalised_state_loss(const Model& model, const std::vector<double>& predicted,
+                             const data::TransitionTable& table) {
+  const std::vector<double> spread =
+      nets::to_vector(nets::to_tensor(model.training_rows.next_state).to(at::kDouble).std(0, false));
+  const auto size = static_cast<std::size_t>(table.state_size);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < predicted.size(); ++i) {
+    double error = predicted[i] - table.next_state[i];
+    if (i % size == 2 && size == 3) error = geometry::wrap_angle(error);
+    sum += std::pow(error / spread[i % size], 2);
+  }
+  return sum / static_cast<double>(predicted.size());
+}
+
+/// A place in a dataset from which the model runs on by itself.
+struct Chain {
+  const data::Episode* episode;
+  std::int64_t first;
+};
+
+/// Runs the model open loop from every row and gathers the squared position error after each number of steps.
+std::map<int, std::optional<double>> open_loop_errors(const Model& model, const data::Dataset& dataset) {
+  const auto size = static_cast<std::size_t>(data::state_size(model.info.layout));
+  std::vector<Chain> chains;
+  std::vector<double> state;
+  for (const data::Episode& episode : dataset.episodes) {
+    for (std::int64_t t = 0; t < episode.length(); ++t) {
+      chains.push_back({&episode, t});
+      const auto at = episode.observations.begin() + static_cast<std::ptrdiff_t>(size) * t;
+      state.insert(state.end(), at, at + static_cast<std::ptrdiff_t>(size));
+    }
+  }
+  std::map<int, std::optional<double>> errors;
+  for (int step = 1; step <= *std::rbegin(kSteps); ++step) {
+    std::vector<Chain> kept;
+    std::vector<double> kept_state;
+    std::vector<double> action;
+    for (std::size_t i = 0; i < chains.size(); ++i) {
+      if (chains[i].first + step > chains[i].episode->length()) continue;
+      kept.push_back(chains[i]);
+      const auto at = state.begin() + static_cast<std::ptrdiff_t>(i * size);
+      kept_state.insert(kept_state.end(), at, at + static_cast<std::ptrdiff_t>(size));
+      const auto row = static_cast<std::size_t>(chains[i].first + step - 1) * data::kActionSize;
+      action.push_back(chains[i].episode->actions[row]);
+      action.push_back(chains[i].episode->actions[row + 1]);
+    }
+    chains = std::move(kept);
+    state = chains.empty() ? std::vector<double>{} : predict(model, kept_state, action);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < chains.size(); ++i) {
+      const bool zero = action[2 * i] == 0.0 && action[2 * i + 1] == 0.0;
+      const auto at = static_cast<std::ptrdiff_t>(i * size);
+      if (zero) std::copy_n(kept_state.begin() + at, size, state.begin() + at);
+      const auto truth = static_cast<std::size_t>(chains[i].first + step) * size;
+      sum += squared_distance(&state[i * size], &chains[i].episode->observations[truth]);
+    }
+    if (std::find(std::begin(kSteps), std::end(kSteps), step) == std::end(kSteps)) continue;
+    errors[step] = std::nullopt;
+    if (!chains.empty()) {
+      errors[step] = kMillimetresPerMetre * std::sqrt(sum / static_cast<double>(chains.size()));
+    }
+  }
+  return errors;
+}
+
+std::vector<ErrorCell> error_map(const data::TransitionTable& table, const std::vector<double>& predicted) {
+  std::map<std::pair<std::int64_t, std::int64_t>, ErrorCell> cells;
+  const auto size = static_cast<std::size_t>(table.state_size);
+  for (std::size_t i = 0; i < predicted.size(); i += size) {
+    const auto column = static_cast<std::int64_t>(std::floor(table.state[i] / kCell_m));
+    const auto row = static_cast<std::int64_t>(std::floor(table.state[i + 1] / kCell_m));
+    ErrorCell& cell = cells[{row, column}];
+    cell.x_m = (static_cast<double>(column) + 0.5) * kCell_m;
+    cell.y_m = (static_cast<double>(row) + 0.5) * kCell_m;
+    cell.rms_mm += squared_distance(&predicted[i], &table.next_state[i]);  // a sum, until below
+    ++cell.n;
+  }
+  std::vector<ErrorCell> map;
+  for (auto& entry : cells) {
+    ErrorCell cell = entry.second;
+    cell.rms_mm = kMillimetresPerMetre * std::sqrt(cell.rms_mm / static_cast<double>(cell.n));
+    map.push_back(cell);
+  }
+  return map;
+}
+
+/// Rows evenly taken, so that a chart of them can be read.
+std::vector<runs::PredictedMotion> some_predictions(const data::TransitionTable& table,
+                                                    const std::vector<double>& predicted) {
+  constexpr std::int64_t kMost = 400;
+  const std::int64_t stride = (table.size() + kMost - 1) / kMost;
+  std::vector<runs::PredictedMotion> some;
+  for (std::int64_t row = 0; row < table.size(); row += stride) {
+    runs::PredictedMotion& motion = some.emplace_back();
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const std::size_t i = static_cast<std::size_t>(row * table.state_size) + axis;
+      motion.moved_mm[axis] = kMillimetresPerMetre * (table.next_state[i] - table.state[i]);
+      motion.predicted_mm[axis] = kMillimetresPerMetre * (predicted[i] - table.state[i]);
+    }
+  }
+  return some;
+}
+
+}  // namespace
+
+DynamicsEvaluation evaluate_dynamics(const Model& model, const data::Dataset& dataset) {
+  if (dataset.info.layout != model.info.layout) {
+    throw common::DataError("the data and the model describe different states: the model predicts " +
+                            std::to_string(data::state_size(model.info.layout)) + " numbers, the data hold " +
+                            std::to_string(data::state_size(dataset.info.layout)));
+  }
+  const data::TransitionTable table = data::flatten(dataset);
+  if (table.size() == 0) throw common::DataError("there is no transition with current to evaluate on");
+  for (const auto& member : model.members) member->train(false);
+
+  const std::vector<double> predicted = predict(model, table.state, table.action);
+  const data::NearestNeighbours neighbours(training_table(model), kNeighbours);
+  DynamicsEvaluation evaluation;
+  evaluation.n = table.size();
+  evaluation.one_step = state_error(predicted, table.next_state, table.state_size);
+  evaluation.normalised_l2 = normalised_loss(model, table);
+  evaluation.normalised_state_l2 = normalised_state_loss(model, predicted, table);
+  evaluation.k_step_mm = open_loop_errors(model, dataset);
+  runs::DynamicsBaselines& baselines = evaluation.baselines.emplace();
+  baselines.no_motion = state_error(table.state, table.next_state, table.state_size);
+  baselines.nearest_neighbours =
+      state_error(neighbours.predict(table.state, table.action), table.next_state, table.state_size);
+  evaluation.error_map = error_map(table, predicted);
+  evaluation.predictions = some_predictions(table, predicted);
+  return evaluation;
+}
+
+data::Dataset test_split(const Model& model, const data::Dataset& dataset) {
+  return data::split_by_episode(dataset, model.split.validation_fraction, model.split.test_fraction,
+                                model.split.seed)
+      .test;
+}
+
+}  // namespace lodestone::dynamics

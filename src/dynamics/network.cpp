@@ -1,0 +1,146 @@
+#include "lodestone/dynamics/network.h"
+
+#include <ATen/TensorOperators.h>
+#include <ATen/core/grad_mode.h>
+#include <ATen/ops/atan2.h>
+#include <ATen/ops/cat.h>
+#include <ATen/ops/ones.h>
+#include <ATen/ops/ones_like.h>
+#include <ATen/ops/stack.h>
+#include <ATen/ops/where.h>
+#include <ATen/ops/zeros.h>
+
+#include "lodestone/common/error.h"
+#include "lodestone/dynamics/mixture.h"
+
+namespace lodestone::dynamics {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kHeading = 2;               ///< column of the heading in a pose state
+constexpr double kSmallestSpread = 1e-9;  ///< a column that never varies keeps its unit
+
+void fit(at::Tensor& mean, at::Tensor& spread, const at::Tensor& rows) {
+  const at::Tensor wide = rows.to(at::kDouble);
+  const at::Tensor std = wide.std(0, /*unbiased=*/false);
+  mean.copy_(wide.mean(0));
+  spread.copy_(at::where(std < kSmallestSpread, at::ones_like(std), std));
+}
+
+}  // namespace
+
+at::Tensor wrap_angles(const at::Tensor& angle_rad) {
+  return angle_rad - 2.0 * kPi * ((angle_rad - kPi) / (2.0 * kPi)).ceil();
+}
+
+Network::Network(const DynamicsConfig& config, data::StateLayout layout) : config_(config), layout_(layout) {
+  std::int64_t width = config.inputs(layout);
+  const std::int64_t outputs = data::state_size(layout);
+  input_mean = tensors_.add_buffer("input_mean", at::zeros({width}));
+  input_std = tensors_.add_buffer("input_std", at::ones({width}));
+  output_mean = tensors_.add_buffer("output_mean", at::zeros({outputs}));
+  output_std = tensors_.add_buffer("output_std", at::ones({outputs}));
+  int place = 0;
+  const auto name = [&place] { return "layers." + std::to_string(place++); };
+  if (config.batch_norm) norm_.emplace_back(tensors_, name(), width);
+  for (const std::int64_t hidden : config.hidden) {
+    linear_.emplace_back(tensors_, name(), width, hidden);
+    if (config.batch_norm) norm_.emplace_back(tensors_, name(), hidden);
+    ++place;  // ReLU has a place among the names, too
+    width = hidden;
+  }
+  linear_.emplace_back(tensors_, name(), width, config.components > 0 ? mixture().outputs() : outputs);
+}
+
+void Network::initialise(common::RandomStream& random) {
+  for (nets::Linear& linear : linear_) linear.initialise(random);
+}
+
+at::Tensor Network::layers(const at::Tensor& input) const {
+  at::Tensor x = norm_.empty() ? input : norm_.front()(input, training_);
+  for (std::size_t i = 0; i + 1 < linear_.size(); ++i) {
+    x = linear_[i](x);
+    if (!norm_.empty()) x = norm_[i + 1](x, training_);
+    x = x.relu();
+  }
+  return linear_.back()(x);
+}
+
+at::Tensor Network::features(const at::Tensor& state, const at::Tensor& action) const {
+  if (!config_.sine_cosine(layout_)) return at::cat({state, action}, 1);
+  const at::Tensor heading = state.narrow(1, kHeading, 1);
+  return at::cat({state.narrow(1, 0, kHeading), heading.sin(), heading.cos(), action}, 1);
+}
+
+at::Tensor Network::normalised_input(const at::Tensor& state, const at::Tensor& action) const {
+  return ((features(state, action) - input_mean) / input_std).to(at::kFloat);
+}
+
+at::Tensor Network::normalised_output(const at::Tensor& state, const at::Tensor& action) const {
+  const at::Tensor raw = layers(normalised_input(state, action));
+  return config_.components > 0 ? mixture_mean(raw, mixture()) : raw;
+}
+
+at::Tensor Network::normalised_target(const at::Tensor& state, const at::Tensor& next_state) const {
+  at::Tensor target = next_state;
+  if (config_.predicts_change()) {
+    target = next_state - state;
+    if (layout_ == data::StateLayout::kPose)
+      target = at::cat({target.narrow(1, 0, kHeading), wrap_angles(target.narrow(1, kHeading, 1))}, 1);
+  }
+  return ((target - output_mean) / output_std).to(at::kFloat);
+}
+
+at::Tensor Network::forward(const at::Tensor& state, const at::Tensor& action) const {
+  at::Tensor next = normalised_output(state, action) * output_std + output_mean;
+  if (config_.predicts_change()) next = state + next;
+  if (layout_ == data::StateLayout::kPosition) return next;
+  return at::cat({next.narrow(1, 0, kHeading), wrap_angles(next.narrow(1, kHeading, 1))}, 1);
+}
+
+void Network::fit_normalisers(const at::Tensor& state, const at::Tensor& action,
+                              const at::Tensor& next_state) {
+  fit(input_mean, input_std, features(state, action));
+  output_mean.zero_();
+  output_std.fill_(1.0);
+  at::Tensor target = next_state.to(at::kDouble);
+  if (config_.predicts_change()) {
+    target = target - state.to(at::kDouble);
+    if (layout_ == data::StateLayout::kPose)
+      target.select(1, kHeading).copy_(wrap_angles(target.select(1, kHeading)));
+  }
+  fit(output_mean, output_std, target);
+}
+
+Members make_members(const DynamicsConfig& config, data::StateLayout layout, std::uint64_t seed) {
+  Members members;
+  for (std::int64_t k = 0; k < config.members; ++k) {
+    members.push_back(std::make_shared<Network>(config, layout));
+    common::RandomStream random(seed, "dynamics", static_cast<std::uint64_t>(k));
+    members.back()->initialise(random);
+  }
+  return members;
+}
+
+at::Tensor predict_mean(const Members& members, const at::Tensor& state, const at::Tensor& action) {
+  LODESTONE_CHECK(!members.empty(), "the ensemble has no member");
+  const at::NoGradGuard no_grad;
+  std::vector<at::Tensor> next;
+  for (const auto& member : members) {
+    member->train(false);
+    next.push_back(member->forward(state, action));
+  }
+  const at::Tensor all = at::stack(next);
+  at::Tensor mean = all.mean(0);
+  if (members.front()->layout() == data::StateLayout::kPose) {
+    const at::Tensor headings = all.select(2, kHeading);
+    mean.select(1, kHeading).copy_(at::atan2(headings.sin().mean(0), headings.cos().mean(0)));
+  }
+  return mean;
+}
+
+inference::FoldedDynamics fold(const Network& network) {
+  return {nets::to_arrays(network.tensors().named()), network.config(), network.layout(), "dynamics network"};
+}
+
+}  // namespace lodestone::dynamics

@@ -1,0 +1,189 @@
+#include "lodestone/dynamics/training.h"
+
+#include <memory>
+#include <sstream>
+
+#include "lodestone/common/clock.h"
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+#include "lodestone/common/random.h"
+#include "lodestone/common/thread_pool.h"
+#include "lodestone/inference/checkpoint.h"
+#include "lodestone/nets/checkpoint.h"
+#include "lodestone/nets/tensors.h"
+#include "lodestone/runs/curves.h"
+#include "lodestone/runs/resumable_run.h"
+#include "member.h"
+
+namespace lodestone::dynamics {
+namespace {
+
+using common::Json;
+
+constexpr const char* kKind = "dynamics_training";
+
+RowTensors row_tensors(const data::Dataset& dataset) {
+  const data::TransitionTable table = data::flatten(dataset);
+  const std::int64_t rows = table.size();
+  return {nets::tensor_from(table.state, {rows, table.state_size}),
+          nets::tensor_from(table.action, {rows, data::kActionSize}),
+          nets::tensor_from(table.next_state, {rows, table.state_size})};
+}
+
+/// SHA-256 of the training rows: a run resumes only on the data it began with.
+std::string fingerprint(const RowTensors& rows) {
+  return common::sha256(inference::encode_safetensors(
+      nets::to_arrays({{"s", rows.state}, {"a", rows.action}, {"n", rows.next_state}})));
+}
+
+/// The ensemble while it learns, with its files.
+class Training : public runs::ResumableWork {
+ public:
+  Training(const data::Dataset& dataset, const TrainDynamicsConfig& config)
+      : config_(config), pool_(static_cast<std::size_t>(config.threads)) {
+    const TrainingConfig& training = config.training;
+    const auto seed = static_cast<std::uint64_t>(config.seed);
+    model_.config = config.model;
+    model_.info = dataset.info;
+    model_.split = {common::derive_seed(seed, "dynamics split"), training.validation_fraction,
+                    training.test_fraction};
+    const data::Split split = data::split_by_episode(dataset, training.validation_fraction,
+                                                     training.test_fraction, model_.split.seed);
+    const RowTensors train = row_tensors(split.train);
+    const RowTensors validation = row_tensors(split.validation);
+    if (train.size() < 2 || validation.size() < 1) {
+      throw common::DataError(
+          "training needs rows with current in every part of the split: " + std::to_string(train.size()) +
+          " to train, " + std::to_string(validation.size()) +
+          " to validate; collect more or change the fractions");
+    }
+    data_sha256_ = fingerprint(train);
+    model_.start_states = nets::to_array(train.state);
+    model_.training_rows = {nets::to_array(train.state.to(at::kFloat)),
+                            nets::to_array(train.action.to(at::kFloat)),
+                            nets::to_array(train.next_state.to(at::kFloat))};
+    model_.members = make_members(config.model, dataset.info.layout, seed);
+    std::int64_t index = 0;
+    for (const auto& network : model_.members) {
+      network->fit_normalisers(train.state, train.action, train.next_state);
+      members_.push_back(std::make_unique<Member>(network, train, validation, training, seed, index++));
+    }
+  }
+
+  runs::Progress progress() const override {
+    const TrainingConfig& training = config_.training;
+    const bool out_of_time = training.max_seconds > 0.0 && seconds_ >= training.max_seconds;
+    return {epoch_, training.epochs, epoch_ >= training.epochs || all_stopped() || out_of_time, note()};
+  }
+
+  void step(common::MetricsLog& metrics) override {
+    const double start_s = clock_.now_s();
+    pool_.for_each(members_.size(), [this](std::size_t k) { members_[k]->run_epoch(epoch_); });
+    ++epoch_;
+    metrics.write(epoch_, {{runs::curves::kTrainLoss, mean(&Member::train_loss)},
+                           {runs::curves::kValidationLoss, mean(&Member::validation_loss)}});
+    seconds_ += clock_.now_s() - start_s;
+  }
+
+  void save(const std::string& folder) override {
+    nets::Checkpoint checkpoint;
+    checkpoint.kind = kKind;
+    checkpoint.config = common::config_to_json(config_);
+    checkpoint.facts["epoch"] = epoch_;
+    checkpoint.facts["data_sha256"] = data_sha256_;
+    for (std::size_t k = 0; k < members_.size(); ++k) {
+      const std::string part = "member_" + std::to_string(k);
+      checkpoint.parts[part] = members_[k]->tensors();
+      checkpoint.facts[part] = members_[k]->facts();
+    }
+    nets::save_checkpoint(folder + "/training", checkpoint);
+  }
+
+  void load(const std::string& folder) override {
+    const std::string where = folder + "/training";
+    const nets::Checkpoint checkpoint = nets::load_checkpoint(where, kKind);
+    const std::string what = "checkpoint " + where;
+    try {
+      if (checkpoint.facts.at("data_sha256") != data_sha256_) {
+        throw common::ConfigError(what + " was made from other transitions than " + config_.data);
+      }
+      epoch_ = checkpoint.facts.at("epoch").get<std::int64_t>();
+      for (std::size_t k = 0; k < members_.size(); ++k) {
+        const std::string part = "member_" + std::to_string(k);
+        members_[k]->restore(checkpoint.parts.at(part), checkpoint.facts.at(part), what + ", " + part);
+      }
+    } catch (const Json::exception& error) {
+      throw common::CheckpointError(what + ": facts are malformed: " + error.what());
+    } catch (const std::out_of_range&) {
+      throw common::CheckpointError(what + ": a member of the ensemble is missing");
+    }
+  }
+
+  TrainingResult finish(double seconds) {
+    TrainingResult result;
+    result.facts.epochs = epoch_;
+    result.facts.train_loss = mean(&Member::train_loss);
+    result.facts.validation_loss =
+        mean(config_.training.keep_best ? &Member::best_validation_loss : &Member::validation_loss);
+    result.facts.train_seconds = seconds;
+    for (const auto& member : members_) member->finish();
+    result.model = std::move(model_);
+    return result;
+  }
+
+ private:
+  bool all_stopped() const {
+    for (const auto& member : members_) {
+      if (!member->stopped()) return false;
+    }
+    return true;
+  }
+
+  double mean(double (Member::*value)() const) const {
+    double sum = 0.0;
+    for (const auto& member : members_) sum += ((*member).*value)();
+    return sum / static_cast<double>(members_.size());
+  }
+
+  std::string note() const {
+    std::ostringstream text;
+    text.precision(4);
+    text << "loss " << mean(&Member::train_loss) << ", validation " << mean(&Member::validation_loss);
+    return text.str();
+  }
+
+  TrainDynamicsConfig config_;
+  common::ThreadPool pool_;
+  common::SteadyClock clock_;
+  Model model_;
+  std::vector<std::unique_ptr<Member>> members_;
+  std::string data_sha256_;
+  std::int64_t epoch_ = 0;
+  double seconds_ = 0.0;  // of this process
+};
+
+}  // namespace
+
+runs::RunRequest run_request(const TrainDynamicsConfig& config, const std::string& folder, bool resume) {
+  runs::RunRequest request;
+  request.folder = folder;
+  request.verb = "train-dynamics";
+  request.config = common::config_to_json(config);
+  request.seed = config.seed;
+  request.resume = resume;
+  // Files may be moved; the checkpoint says when they hold other transitions.
+  request.free_keys = {"threads", "data", "training.checkpoint_interval_s"};
+  request.length_keys = {"training.max_seconds"};
+  return request;
+}
+
+TrainingResult train_dynamics(const data::Dataset& dataset, const TrainDynamicsConfig& config,
+                              runs::RunFolder& run) {
+  data::check_dataset(dataset, config.data.empty() ? dataset.info.source : config.data);
+  Training work(dataset, config);
+  const double seconds =
+      runs::run_resumably(run, work, {"train dynamics", "epochs", config.training.checkpoint_interval_s});
+  return work.finish(seconds);
+}
+
+}  // namespace lodestone::dynamics

@@ -1,0 +1,77 @@
+#include "lodestone/env/episode_batch.h"
+
+#include <catch2/catch.hpp>
+
+#include "env/sample_settings.h"
+
+namespace lodestone::env {
+namespace {
+
+/// Episodes begin at rest in the centre.
+void begin(EpisodeBatch& episodes, std::size_t i) {
+  episodes.begin(i, [](common::RandomStream&) { return geometry::Pose2{}; });
+}
+
+EpisodeBatch begun(const EpisodeSettings& settings, const SensorNoise& noise = {}) {
+  EpisodeBatch episodes(settings, noise, "test");
+  for (std::size_t i = 0; i < static_cast<std::size_t>(settings.count); ++i) begin(episodes, i);
+  return episodes;
+}
+
+TEST_CASE("an environment may end or cut an episode, and its penalty is taken from the reward", "[unit]") {
+  EpisodeSettings settings = tests::plain_settings(4);
+  settings.task.end_on_success = false;
+  EpisodeBatch episodes = begun(settings);
+  const geometry::Pose2 next{0.001, 0.0, 0.0};
+  CHECK_FALSE(episodes.finish(0, next));
+  StepEnd extra;
+  extra.terminated = true;
+  extra.truncated = true;  // an end goes before a cut
+  CHECK(episodes.finish(1, next, extra));
+  CHECK(episodes.result().terminated[1] == 1);
+  CHECK(episodes.result().truncated[1] == 0);
+  extra.terminated = false;
+  CHECK(episodes.finish(2, next, extra));
+  CHECK(episodes.result().truncated[2] == 1);
+  EpisodeBatch fined = begun(settings);
+  extra = {};
+  extra.penalty = 0.25;
+  fined.finish(0, next, extra);
+  CHECK(fined.result().reward[0] == Approx(episodes.result().reward[0] - 0.25));
+}
+
+TEST_CASE("the final observation stays when a new episode has begun", "[unit]") {
+  EpisodeSettings settings = tests::plain_settings(1);
+  settings.task.max_steps = 1;
+  EpisodeBatch episodes = begun(settings);
+  CHECK(episodes.finish(0, {0.01, 0.0, 0.0}));
+  begin(episodes, 0);
+  CHECK(episodes.result().final_observation[0] == Approx(0.01 / settings.encoder.length_scale_m));
+  CHECK(episodes.observation()[0] == 0.0F);
+}
+
+TEST_CASE("the sensor's noise is in what is seen, not in where the robot is", "[unit]") {
+  EpisodeBatch episodes = begun(tests::plain_settings(1), {1e-3, 0.0});
+  CHECK(episodes.observation()[0] != 0.0F);
+  CHECK(episodes.pose(0).x_m == 0.0);
+}
+
+TEST_CASE("drives are bounded actions in the unit of the scale", "[unit]") {
+  EpisodeSettings settings = tests::plain_settings(1);
+  settings.action.scale = 10.0;
+  EpisodeBatch episodes = begun(settings);
+  const float action[2] = {0.5F, -3.0F};
+  const geometry::Vector2 drive = episodes.drive(0, action);
+  CHECK(drive.x() == Approx(5.0));
+  CHECK(drive.y() == Approx(-10.0));
+  CHECK_THROWS_AS(episodes.check_actions({0.0F}), common::LogicFault);
+}
+
+TEST_CASE("episodes of another number are refused", "[unit]") {
+  CHECK_THROWS_AS(begun(tests::plain_settings(2)).load(begun(tests::plain_settings(3)).save()),
+                  common::CheckpointError);
+  CHECK_THROWS_AS(EpisodeBatch(tests::plain_settings(0), {}, "test"), common::ConfigError);
+}
+
+}  // namespace
+}  // namespace lodestone::env
