@@ -1,11 +1,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
-#include <filesystem>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
 
-#include "lodestone/common/files.h"
+#include "common_options.h"
 #include "lodestone/common/log.h"
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/imaging/calibration.h"
@@ -17,8 +16,7 @@
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/rig_config.h"
 #include "lodestone/runs/run_folder.h"
-#include "rig_check.h"
-#include "verb.h"
+#include "verbs.h"
 
 namespace lodestone::apps {
 namespace {
@@ -45,8 +43,7 @@ struct CalibrateConfig {
   }
 };
 
-struct CalibrateOptions {
-  CommonOptions common;
+struct CalibrateOptions : CommonOptions {
   bool rendered = false;
   std::int64_t trials = 0;
   std::string check;
@@ -169,7 +166,7 @@ imaging::DishFit fit(const CalibrateConfig& config, const CalibrateOptions& opti
 }
 
 void calibrate(const CalibrateOptions& options) {
-  auto config = resolve_config<CalibrateConfig>(options.common);
+  auto config = resolve_config<CalibrateConfig>(options);
   config.scene.bench = rig::bench_of(config.rig);
   if (!options.print_board.empty()) {
     imaging::write_charuco(options.print_board, config.board);
@@ -188,14 +185,14 @@ void calibrate(const CalibrateOptions& options) {
     images = grab(config);
   }
   if (!options.check.empty()) return check_moved(config, images.front(), options.check);
-  if (options.common.out.empty())
+  if (options.out.empty())
     throw common::ConfigError("calibrate: --out DIR is missing; name the folder to write into");
   const imaging::DishFit found = fit(config, options, images);
-  runs::RunFolder run({options.common.out, "calibrate", common::config_to_json(config), config.seed});
+  runs::RunFolder run({options.out, "calibrate", common::config_to_json(config), config.seed});
   run.begin();
   const imaging::Calibration& calibration = found.calibration;
-  imaging::write_calibration(options.common.out + "/calibration.json", calibration);
-  cv::imwrite(options.common.out + "/overlay.png",
+  imaging::write_calibration(options.out + "/calibration.json", calibration);
+  cv::imwrite(options.out + "/overlay.png",
               imaging::calibration_overlay(images.front(), calibration.camera, config.scene.bench));
   run.finish();
   for (const imaging::EdgeUse& edge : found.edges)
@@ -210,36 +207,32 @@ void calibrate(const CalibrateOptions& options) {
     std::printf("true error over the dish %.3f mm RMS, %.3f mm at worst\n", 1e3 * error.rms_m,
                 1e3 * error.max_m);
   }
-  std::printf("look at %s/overlay.png: the lines must lie on the edges\n", options.common.out.c_str());
+  std::printf("look at %s/overlay.png: the lines must lie on the edges\n", options.out.c_str());
 }
 
 }  // namespace
 
-void add_calibrate(CLI::App& program, ConfigCatalogue& catalogue) {
-  CLI::App* verb = program.add_subcommand(
+void add_calibrate(Verb& program) {
+  Verb& verb = program.add_verb(
       "calibrate", "find where the camera stands over the dish, from its image; or measure the coils");
-  auto options = std::make_shared<CalibrateOptions>();
-  catalogue["calibrate"] = [options] { return describe_resolved<CalibrateConfig>(options->common); };
-  add_common_options(*verb, options->common);
+  auto& options = configure<CalibrateConfig>(verb, calibrate);
+  add_common_options(verb, options);
   add_shorthand(
-      *verb, options->common, "--camera", "rig.camera.source", Shorthand::kText,
+      verb, options, "--camera", "rig.camera.source", Shorthand::kText,
       "image, folder, video; number of a USB camera; name of a GenICam camera (see rig.camera.kind)");
-  verb->add_flag("--rendered", options->rendered, "try it on a rendered bench, where the truth is known");
-  verb->add_option("--trials", options->trials,
-                   "calibrate so many rendered benches and print the errors as JSON")
-      ->check(CLI::Range(0, 1000000));
-  verb->add_option("--check", options->check, "calibration.json: has the camera moved since? (exit code 1)")
-      ->type_name("FILE");
-  verb->add_option(
-          "--board", options->board_files,
+  verb.add_option("--rendered", &options.rendered, "try it on a rendered bench, where the truth is known");
+  verb.add_option("--trials", &options.trials,
+                  "calibrate so many rendered benches and print the errors as JSON")
+      .within(0, 1000000);
+  verb.add_option("--check", &options.check, "calibration.json: has the camera moved since? (exit code 1)")
+      .named("FILE");
+  verb.add_option(
+          "--board", &options.board_files,
           "images of the printed ChArUco board, tilted this way and that: they give the lens, the dish "
           "gives the place")
-      ->type_name("FILE...");
-  verb->add_option("--print-board", options->print_board, "write the board to print")->type_name("PNG");
-  add_calibrate_coils(*verb, catalogue);
-  verb->callback([verb, options] {
-    if (verb->get_subcommands().empty()) calibrate(*options);
-  });
+      .named("FILE...");
+  verb.add_option("--print-board", &options.print_board, "write the board to print").named("PNG");
+  add_calibrate_coils(verb);
 }
 
 }  // namespace lodestone::apps

@@ -2,7 +2,7 @@
 #include <memory>
 #include <string>
 
-#include "bench_session.h"
+#include "common_options.h"
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/log.h"
 #include "lodestone/control/decorators.h"
@@ -14,7 +14,8 @@
 #include "lodestone/nets/blas.h"
 #include "models.h"
 #include "teleoperation_window.h"
-#include "verb.h"
+#include "terminal.h"
+#include "verbs.h"
 
 namespace lodestone::apps {
 
@@ -96,7 +97,8 @@ std::unique_ptr<experiments::Collection> make_live_session(const CollectConfig& 
     window = std::make_unique<TeleoperationWindow>(config.by, collection.rig.coils.max_current_A,
                                                    collection.rig.dish.radius_m);
   std::unique_ptr<session::RigSession> bench =
-      collection.rig.real() ? open_bench(collection.rig, collection.sensor, collection.safety, out)
+      collection.rig.real() ? session::make_serial_session(collection.rig, collection.sensor,
+                                                           collection.safety, terminal_operator(), out)
                             : experiments::make_exploration_session(collection, 0, true);
   std::optional<experiments::Teleoperator> teleoperator;
   if (window) teleoperator = window->teleoperator(*bench);
@@ -157,17 +159,15 @@ void collect(const CommonOptions& options) {
 
 }  // namespace
 
-void add_collect(CLI::App& program, ConfigCatalogue& catalogue) {
-  CLI::App* verb = program.add_subcommand("collect", "explore a rig and record its transitions (phase 1)");
-  auto options = std::make_shared<CommonOptions>();
-  catalogue["collect"] = [options] { return describe_resolved<CollectConfig>(*options); };
-  add_common_options(*verb, *options, true);
-  add_virtual_rig_options(*verb, *options);
-  add_shorthand(*verb, *options, "--sensor", "sensor.kind", Shorthand::kText, "camera or simulated");
-  add_shorthand(*verb, *options, "--by", "by", Shorthand::kText, "explorer, policy, keyboard or gamepad");
-  add_shorthand(*verb, *options, "--policy", "policy", Shorthand::kText,
+void add_collect(Verb& program) {
+  Verb& verb = program.add_verb("collect", "explore a rig and record its transitions (phase 1)");
+  auto& options = configure<CollectConfig>(verb, collect);
+  add_common_options(verb, options, /*with_resume=*/true);
+  add_virtual_rig_options(verb, options);
+  add_shorthand(verb, options, "--sensor", "sensor.kind", Shorthand::kText, "camera or simulated");
+  add_shorthand(verb, options, "--by", "by", Shorthand::kText, "explorer, policy, keyboard or gamepad");
+  add_shorthand(verb, options, "--policy", "policy", Shorthand::kText,
                 "folder of the policy checkpoint for --by policy");
-  verb->callback([options] { collect(*options); });
 }
 
 }  // namespace lodestone::apps

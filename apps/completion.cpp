@@ -1,4 +1,4 @@
-#include "completion.h"
+#include "verbs.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -52,38 +52,33 @@ std::string choices(const std::vector<common::ConfigRow>& rows, std::string opti
   return "";
 }
 
-using Rows = std::vector<common::ConfigRow>;
-
 /// `rows`: the configuration of the verb above, for those that have none of their own.
-void fill(const CLI::App& app, const std::string& path, Rows rows, const ConfigCatalogue& catalogue,
-          Tables& tables) {
-  const auto own = catalogue.find(path.substr(std::min(path.size(), path.find(' ') + 1)));
-  if (own != catalogue.end()) rows = own->second();
+void fill(const Verb& verb, const std::string& path, std::vector<common::ConfigRow> rows, Tables& tables) {
+  if (verb.configuration) rows = verb.configuration();
   std::string words;
-  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
-    add_word(words, verb->get_name());
-    fill(*verb, path + " " + verb->get_name(), rows, catalogue, tables);
+  for (const Verb& each : verb.verbs) {
+    add_word(words, each.name);
+    fill(each, path + " " + each.name, rows, tables);
   }
-  for (const CLI::Option* option : app.get_options())
-    for (const std::string& name : option->get_lnames()) {
-      add_word(words, "--" + name);
-      const std::string values = choices(rows, name);
-      if (!values.empty()) tables.values += entry(path + " --" + name, values);
-    }
+  add_word(words, "--help");
+  for (const Option& option : verb.options) {
+    if (option.name.rfind("--", 0) != 0) continue;
+    add_word(words, option.name);
+    const std::string values = choices(rows, option.name.substr(2));
+    if (!values.empty()) tables.values += entry(path + " " + option.name, values);
+  }
   tables.words += entry(path, words);
   std::string keys;
   for (const common::ConfigRow& row : rows) add_word(keys, row.key);
   if (!keys.empty()) tables.keys += entry(path, keys);
 }
 
-}  // namespace
-
-std::string bash_completion(const CLI::App& program, const ConfigCatalogue& catalogue) {
+std::string bash_completion(const Verb& program) {
   Tables tables;
-  fill(program, "lodestone", {}, catalogue, tables);
+  fill(program, "lodestone", {}, tables);
   std::string verbs;
-  for (const auto& each : catalogue)
-    add_word(verbs, each.first.find(' ') == std::string::npos ? each.first : "");
+  for (const std::string& path : configured_verbs(program))
+    if (path.find(' ') == std::string::npos) add_word(verbs, path);
   tables.values += entry("lodestone config --print", verbs);
   return "# Completion of lodestone for bash: source <(lodestone completion)\n"
          "declare -gA _lodestone_words=(\n" +
@@ -91,10 +86,11 @@ std::string bash_completion(const CLI::App& program, const ConfigCatalogue& cata
          ")\ndeclare -gA _lodestone_keys=(\n" + tables.keys + ")" + kFunction;
 }
 
-void add_completion(CLI::App& program, ConfigCatalogue& catalogue) {
-  CLI::App* verb =
-      program.add_subcommand("completion", "print completion for bash: source <(lodestone completion)");
-  verb->callback([&program, &catalogue] { std::printf("%s", bash_completion(program, catalogue).c_str()); });
+}  // namespace
+
+void add_completion(Verb& program) {
+  Verb& verb = program.add_verb("completion", "print completion for bash: source <(lodestone completion)");
+  verb.run = [&program] { std::printf("%s", bash_completion(program).c_str()); };
 }
 
 }  // namespace lodestone::apps

@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <cstdio>
+#include <memory>
 
-#include "verb.h"
+#include "lodestone/common/error.h"
+#include "parser.h"
+#include "verbs.h"
 
 namespace lodestone::apps {
 namespace {
@@ -27,55 +30,44 @@ void print_rows(const std::vector<common::ConfigRow>& rows) {
          row.unit.c_str(), row.bounds.c_str(), row.meaning.c_str());
 }
 
-/// Parses a verb's arguments as the verb would, without running it.
-void parse_only(CLI::App& program, const std::vector<std::string>& words, std::size_t words_of_verb) {
-  CLI::App* verb = &program;
-  for (std::size_t i = 0; i < words_of_verb; ++i) {
-    verb = verb->get_subcommand(words[i]);
-    verb->callback([] {});
-    verb->require_subcommand(0);
-    for (CLI::Option* option : verb->get_options()) option->required(false);
-  }
-  program.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // it takes them from the back
-}
-
 void print_config(const std::vector<std::string>& words) {
-  CLI::App program;
-  program.fallthrough();
-  program.add_flag("--no-reexec");  // the program's own, which may stand behind the verb
-  ConfigCatalogue catalogue;
-  add_verbs(program, catalogue);
-  // The verb may be of two words.
-  std::size_t used = std::min<std::size_t>(2, words.size());
-  std::string name;
-  for (; used > 0; --used) {
-    name = words[0] + (used > 1 ? " " + words[1] : "");
-    if (catalogue.count(name) != 0) break;
+  Verb program{"lodestone", ""};
+  add_verbs(program);
+  bool ignored = false;
+  program.add_option("--no-reexec", &ignored, "");  // the program's own, which may stand behind the verb
+  const Verb* verb = &program;
+  std::string path;
+  for (const std::string& word : words) {
+    const auto found = std::find_if(verb->verbs.begin(), verb->verbs.end(),
+                                    [&word](const Verb& each) { return each.name == word; });
+    if (found == verb->verbs.end()) break;
+    verb = &*found;
+    path += (path.empty() ? "" : " ") + word;
   }
-  if (used == 0) {
+  if (!verb->configuration) {
     std::string known;
-    for (const auto& entry : catalogue) known += (known.empty() ? "" : ", ") + entry.first;
+    for (const std::string& each : configured_verbs(program)) known += (known.empty() ? "" : ", ") + each;
     throw common::ConfigError("config --print " + (words.empty() ? "" : words[0]) +
                               ": verbs with a configuration are " + known);
   }
-  try {
-    parse_only(program, words, used);
-  } catch (const CLI::ParseError& error) {
-    throw common::ConfigError("config --print " + name + ": " + error.what());
-  }
-  print_rows(catalogue.at(name)());
+  parse_only(program, words, "config --print " + path + ": ");
+  print_rows(verb->configuration());
 }
 
 }  // namespace
 
-void add_config(CLI::App& program, ConfigCatalogue&) {
-  CLI::App* verb = program.add_subcommand(
+void add_config(Verb& program) {
+  Verb& verb = program.add_verb(
       "config",
       "show every configuration key of a verb: its value, where that comes from, its bounds and meaning");
-  verb->add_flag("--print", "followed by the verb and the arguments that it would be given");
-  verb->fallthrough(false);
-  verb->prefix_command();
-  verb->callback([verb] { print_config(verb->remaining()); });
+  struct Words {
+    std::vector<std::string> rest;
+    bool print = false;  // there is nothing else that it could do
+  };
+  const auto words = std::make_shared<Words>();
+  verb.add_option("--print", &words->print, "followed by the verb and the arguments that it would be given");
+  verb.rest = &words->rest;
+  verb.run = [words] { print_config(words->rest); };
 }
 
 }  // namespace lodestone::apps

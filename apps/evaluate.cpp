@@ -2,13 +2,14 @@
 #include <memory>
 
 #include "lodestone/common/artefact.h"
+#include "lodestone/common/error.h"
 #include "lodestone/data/dataset_file.h"
 #include "lodestone/dynamics/evaluation.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/rig_config.h"
 #include "lodestone/vision/segmenter_evaluation.h"
-#include "verb.h"
+#include "verbs.h"
 
 namespace lodestone::apps {
 namespace {
@@ -61,56 +62,54 @@ void evaluate_segmenter(const SegmenterOptions& options) {
     throw common::DataError("evaluate segmenter: " + vision::in_words(evaluation));
 }
 
-void add_segmenter(CLI::App& verb) {
-  CLI::App* segmenter = verb.add_subcommand(
+void add_segmenter(Verb& evaluate) {
+  Verb& verb = evaluate.add_verb(
       "segmenter",
       "errors of whole localisation, in mm and degrees, over rendered images of benches unlike any "
       "in training, clean and partly covered");
-  auto options = std::make_shared<SegmenterOptions>();
-  segmenter->add_option("--checkpoint", options->checkpoint, "folder of the segmenter checkpoint")
-      ->type_name("DIR")
-      ->required();
-  segmenter->add_option("--rig", options->rig_file, "rig.json: the rig whose images are rendered")
-      ->type_name("FILE");
-  segmenter->add_option("--frames", options->frames, "scenes; each is seen clean and partly covered")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
-  segmenter->add_option("--seed", options->seed, "seed of the scenes")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  segmenter->add_option("--threads", options->threads, "threads; 0 means one per processor")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  segmenter
-      ->add_option("--widen", options->widen, "how much longer every range of the scenes is than in training")
-      ->check(CLI::Range(0.0, 2.0))
-      ->capture_default_str();
-  segmenter->callback([options] { evaluate_segmenter(*options); });
+  const auto options = std::make_shared<SegmenterOptions>();
+  verb.add_option("--checkpoint", &options->checkpoint, "folder of the segmenter checkpoint")
+      .named("DIR")
+      .required();
+  verb.add_option("--rig", &options->rig_file, "rig.json: the rig whose images are rendered").named("FILE");
+  verb.add_option("--frames", &options->frames, "scenes; each is seen clean and partly covered")
+      .within(1, 1000000)
+      .with_default();
+  verb.add_option("--seed", &options->seed, "seed of the scenes").within(0, kNoBound).with_default();
+  verb.add_option("--threads", &options->threads, "threads; 0 means one per processor")
+      .within(0, 1024)
+      .with_default();
+  verb.add_option("--widen", &options->widen, "how much longer every range of the scenes is than in training")
+      .within(0.0, 2.0)
+      .with_default();
+  verb.run = [options] { evaluate_segmenter(*options); };
+}
+
+void add_dynamics(Verb& evaluate) {
+  Verb& verb = evaluate.add_verb(
+      "dynamics",
+      "one-step and open-loop errors of a dynamics checkpoint, in mm and degrees, beside two baselines");
+  const auto options = std::make_shared<EvaluateOptions>();
+  verb.add_option("--checkpoint", &options->checkpoint, "folder of the dynamics checkpoint")
+      .named("DIR")
+      .required();
+  verb.add_option("--data", &options->data, "transitions: .h5, or .csv of recorded pulses")
+      .named("FILE")
+      .required();
+  verb.add_option(
+          "--split", &options->split,
+          "all rows, or the test rows that were set aside when the checkpoint was trained on this file")
+      .one_of({"all", "test"})
+      .with_default();
+  verb.run = [options] { evaluate_dynamics(*options); };
 }
 
 }  // namespace
 
-void add_evaluate(CLI::App& program, ConfigCatalogue&) {
-  CLI::App* verb = program.add_subcommand("evaluate", "measure a checkpoint on data; prints JSON");
-  verb->require_subcommand(1);
-  CLI::App* dynamics = verb->add_subcommand(
-      "dynamics",
-      "one-step and open-loop errors of a dynamics checkpoint, in mm and degrees, beside two baselines");
-  auto options = std::make_shared<EvaluateOptions>();
-  dynamics->add_option("--checkpoint", options->checkpoint, "folder of the dynamics checkpoint")
-      ->type_name("DIR")
-      ->required();
-  dynamics->add_option("--data", options->data, "transitions: .h5, or .csv of recorded pulses")
-      ->type_name("FILE")
-      ->required();
-  dynamics
-      ->add_option(
-          "--split", options->split,
-          "all rows, or the test rows that were set aside when the checkpoint was trained on this file")
-      ->check(CLI::IsMember({"all", "test"}))
-      ->capture_default_str();
-  add_segmenter(*verb);
-  dynamics->callback([options] { evaluate_dynamics(*options); });
+void add_evaluate(Verb& program) {
+  Verb& verb = program.add_verb("evaluate", "measure a checkpoint on data; prints JSON");
+  add_dynamics(verb);
+  add_segmenter(verb);
 }
 
 }  // namespace lodestone::apps

@@ -2,14 +2,14 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <memory>
 
+#include "common_options.h"
 #include "lodestone/common/files.h"
 #include "lodestone/common/log.h"
 #include "lodestone/data/csv_import.h"
 #include "lodestone/data/dataset_file.h"
 #include "lodestone/rig/rig_config.h"
-#include "verb.h"
+#include "verbs.h"
 
 namespace lodestone::apps {
 namespace {
@@ -96,23 +96,20 @@ void run_import(const ImportOptions& options) {
 
 }  // namespace
 
-void add_import(CLI::App& program, ConfigCatalogue& catalogue) {
-  CLI::App* verb =
-      program.add_subcommand("import", "turn a CSV recording into a dataset of transitions (.h5)");
-  auto options = std::make_shared<ImportOptions>();
-  catalogue["import"] = [options] { return describe_resolved<ImportConfig>(*options); };
-  verb->add_option(
-          "file", options->file,
+void add_import(Verb& program) {
+  Verb& verb = program.add_verb("import", "turn a CSV recording into a dataset of transitions (.h5)");
+  auto& options = configure<ImportConfig>(verb, run_import);
+  verb.add_option(
+          "file", &options.file,
           "CSV with the columns coil, drive_percent, x_before_mm, y_before_mm, x_after_mm, y_after_mm, "
           "or the lab's log (camera_frame_number, measured_current_filtered_north..., localization_x...)")
-      ->type_name("FILE.csv")
-      ->required();
-  verb->add_option("--on-error", options->on_error, "what a malformed row does (default abort)")
-      ->type_name("skip|abort")
-      ->check(CLI::IsMember({"skip", "abort"}));
-  verb->add_flag("--force", options->force, "replace --out when it exists");
-  add_common_options(*verb, *options);
-  verb->callback([options] { run_import(*options); });
+      .named("FILE.csv")
+      .required();
+  verb.add_option("--on-error", &options.on_error, "what a malformed row does (default abort)")
+      .named("skip|abort")
+      .one_of({"skip", "abort"});
+  verb.add_option("--force", &options.force, "replace --out when it exists");
+  add_common_options(verb, options);
 }
 
 }  // namespace lodestone::apps

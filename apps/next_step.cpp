@@ -6,6 +6,8 @@
 namespace lodestone::apps {
 namespace {
 
+using Given = std::map<std::string, std::string>;
+
 struct Follower {
   const char* verb;
   const char* step;  ///< {--x} is the value of an option, {beside --x} the folder around it
@@ -33,10 +35,12 @@ constexpr Follower kFollowers[] = {
     {"report", "open {--run}/report.html in a browser; it needs no network"},
 };
 
-std::string value_of(std::string name, const std::function<std::string(const std::string&)>& option) {
+std::string value_of(std::string name, const Given& given) {
   const bool beside = name.rfind("beside ", 0) == 0;
   const bool run = name.rfind("run of ", 0) == 0;
-  const std::filesystem::path value = option(name.substr(name.find("--")));
+  const auto found = given.find(name.substr(name.find("--")));
+  if (found == given.end()) return "";
+  const std::filesystem::path value = found->second;
   // A run's deployment lies in RUN/deploy; one of its own is a run.
   if (!value.empty() && (beside || (run && value.filename() == "deploy")))
     return value.has_parent_path() ? value.parent_path().string() : ".";
@@ -44,10 +48,10 @@ std::string value_of(std::string name, const std::function<std::string(const std
 }
 
 /// Empty when an option that the step names was not given.
-std::string filled(std::string step, const std::function<std::string(const std::string&)>& option) {
+std::string filled(std::string step, const Given& given) {
   for (std::size_t open = 0; (open = step.find('{', open)) != std::string::npos;) {
     const std::size_t close = step.find('}', open);
-    const std::string value = value_of(step.substr(open + 1, close - open - 1), option);
+    const std::string value = value_of(step.substr(open + 1, close - open - 1), given);
     if (value.empty()) return "";
     step.replace(open, close - open + 1, value);
     open += value.size();
@@ -57,10 +61,10 @@ std::string filled(std::string step, const std::function<std::string(const std::
 
 }  // namespace
 
-std::string next_step(const std::string& verb, const std::function<std::string(const std::string&)>& option) {
+std::string next_step(const std::string& verb, const std::map<std::string, std::string>& given) {
   for (const Follower& follower : kFollowers) {
     if (verb != follower.verb) continue;
-    std::string step = filled(follower.step, option);
+    std::string step = filled(follower.step, given);
     if (!step.empty()) return step;
   }
   return "";

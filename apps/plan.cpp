@@ -1,12 +1,10 @@
-#include <algorithm>
-#include <cstdio>
 #include <memory>
-#include <thread>
 
 #include "lodestone/common/artefact.h"
+#include "lodestone/common/thread_pool.h"
 #include "lodestone/runs/ninja_engine.h"
 #include "models.h"
-#include "verb.h"
+#include "verbs.h"
 
 namespace lodestone::apps {
 namespace {
@@ -23,38 +21,29 @@ struct PlanOptions {
 void run_plan(const PlanOptions& options) {
   runs::Plan plan = runs::read_plan(options.file);
   if (options.seed) plan.seed = *options.seed;
-  // A folder holds one plan and seed: cells of another would stand in the same places.
-  common::Json settings = common::artefact_to_json(plan);
-  settings["rig_file"] = options.rig_file;
-  runs::RunFolder run({options.out, "plan run", settings, plan.seed, /*resume=*/true});
-  run.begin();
-  const std::int64_t threads =
-      options.threads > 0 ? options.threads : std::max<std::int64_t>(1, std::thread::hardware_concurrency());
-  runs::run_plan(plan, {options.out, own_path(), shipped_folder("configs"), options.rig_file, threads},
-                 "plan", options.only);
-  if (options.only.empty()) run.finish();
+  const runs::PlanPlace place{options.out, own_path(), shipped_folder("configs"), options.rig_file,
+                              common::thread_count(options.threads)};
+  runs::run_plan_in_folder(plan, place, "plan run", common::artefact_to_json(plan), options.only);
 }
 
 }  // namespace
 
-void add_plan(CLI::App& program, ConfigCatalogue&) {
-  CLI::App* verb =
-      program.add_subcommand("plan", "runs that need each other, as many at a time as there are threads");
-  verb->require_subcommand(1);
-  CLI::App* run = verb->add_subcommand(
+void add_plan(Verb& program) {
+  Verb& plan = program.add_verb("plan", "runs that need each other, as many at a time as there are threads");
+  Verb& verb = plan.add_verb(
       "run", "run what is not finished of a plan (configs/plans/); the same command goes on where it was");
-  auto options = std::make_shared<PlanOptions>();
-  run->add_option("plan", options->file,
+  const auto options = std::make_shared<PlanOptions>();
+  verb.add_option("plan", &options->file,
                   "JSON file with a list of cells; configs/README.md says what they hold")
-      ->type_name("FILE")
-      ->required();
-  run->add_option("--out", options->out, "folder to write the runs into")->type_name("DIR")->required();
-  run->add_option("--seed", options->seed, "seed of all cells that name none");
-  run->add_option("--threads", options->threads, "cells at the same time; 0 means one per processor")
-      ->check(CLI::Range(0, 1024));
-  run->add_option("--rig", options->rig_file, "rig.json of every cell")->type_name("FILE");
-  run->add_option("--only", options->only, "run this cell, and what it needs")->type_name("ID");
-  run->callback([options] { run_plan(*options); });
+      .named("FILE")
+      .required();
+  verb.add_option("--out", &options->out, "folder to write the runs into").named("DIR").required();
+  verb.add_option("--seed", &options->seed, "seed of all cells that name none");
+  verb.add_option("--threads", &options->threads, "cells at the same time; 0 means one per processor")
+      .within(0, 1024);
+  verb.add_option("--rig", &options->rig_file, "rig.json of every cell").named("FILE");
+  verb.add_option("--only", &options->only, "run this cell, and what it needs").named("ID");
+  verb.run = [options] { run_plan(*options); };
 }
 
 }  // namespace lodestone::apps

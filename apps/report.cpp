@@ -2,8 +2,9 @@
 #include <filesystem>
 #include <memory>
 
+#include "lodestone/common/error.h"
 #include "lodestone/report/report.h"
-#include "verb.h"
+#include "verbs.h"
 
 namespace lodestone::apps {
 namespace {
@@ -25,19 +26,19 @@ void run_report(const ReportOptions& options) {
 
 }  // namespace
 
-void add_report(CLI::App& program, ConfigCatalogue&) {
-  CLI::App* verb = program.add_subcommand("report", "write one self-contained HTML page about a run");
-  auto options = std::make_shared<ReportOptions>();
-  verb->add_option(
-          "--run", options->run,
+void add_report(Verb& program) {
+  Verb& verb = program.add_verb("report", "write one self-contained HTML page about a run");
+  const auto options = std::make_shared<ReportOptions>();
+  verb.add_option(
+          "--run", &options->run,
           "folder of the run: its subfolders collect, dynamics, policy and deploy are shown as far as they "
           "are there; summary.json and table.txt are written into it")
-      ->type_name("DIR")
-      ->required();
-  verb->add_option("--recorded", options->recorded, "folder of a run on real recordings, shown beside it")
-      ->type_name("DIR");
-  verb->add_option("--out", options->out, "the page (default DIR/report.html)")->type_name("FILE.html");
-  verb->callback([options] { run_report(*options); });
+      .named("DIR")
+      .required();
+  verb.add_option("--recorded", &options->recorded, "folder of a run on real recordings, shown beside it")
+      .named("DIR");
+  verb.add_option("--out", &options->out, "the page (default DIR/report.html)").named("FILE.html");
+  verb.run = [options] { run_report(*options); };
 }
 
 }  // namespace lodestone::apps

@@ -1,8 +1,9 @@
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
 #include "lodestone/runs/plan.h"
-#include "verb.h"
+#include "verbs.h"
 
 namespace lodestone::apps {
 namespace {
@@ -39,13 +40,13 @@ void status(const std::string& folder) {
 
 }  // namespace
 
-void add_status(CLI::App& program, ConfigCatalogue&) {
-  CLI::App* verb = program.add_subcommand("status", "how far a run is, a plan, or all runs below a folder");
-  auto folder = std::make_shared<std::string>();
-  verb->add_option("folder", *folder, "the --out of a run or plan, or a folder of them")
-      ->type_name("DIR")
-      ->required();
-  verb->callback([folder] { status(*folder); });
+void add_status(Verb& program) {
+  Verb& verb = program.add_verb("status", "how far a run is, a plan, or all runs below a folder");
+  const auto folder = std::make_shared<std::string>();
+  verb.add_option("folder", folder.get(), "the --out of a run or plan, or a folder of them")
+      .named("DIR")
+      .required();
+  verb.run = [folder] { status(*folder); };
 }
 
 }  // namespace lodestone::apps

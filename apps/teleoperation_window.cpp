@@ -3,6 +3,7 @@
 #include <SDL.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -21,6 +22,7 @@ constexpr int kImageWidth = 640;
 constexpr int kImageHeight = 512;
 constexpr int kMapSide = 280;
 constexpr double kDeadZone = 0.12;  // of a stick that nobody touches
+constexpr std::array<SDL_Keycode, 4> kArrows = {SDLK_LEFT, SDLK_RIGHT, SDLK_DOWN, SDLK_UP};
 
 const cv::Scalar kBack(40, 36, 32);
 const cv::Scalar kText(235, 235, 235);
@@ -137,38 +139,16 @@ struct TeleoperationWindow::State final : public control::Controller {
       if (event.type == SDL_CONTROLLERBUTTONDOWN && event.cbutton.button == SDL_CONTROLLER_BUTTON_A)
         next_episode = true;
       if (event.type != SDL_KEYDOWN && event.type != SDL_KEYUP) continue;
+      const SDL_Keycode key = event.key.keysym.sym;
       const bool down = event.type == SDL_KEYDOWN;
-      switch (event.key.keysym.sym) {
-        case SDLK_LEFT:
-          held[0] = down;
-          break;
-        case SDLK_RIGHT:
-          held[1] = down;
-          break;
-        case SDLK_DOWN:
-          held[2] = down;
-          break;
-        case SDLK_UP:
-          held[3] = down;
-          break;
-        case SDLK_PLUS:
-        case SDLK_KP_PLUS:
-        case SDLK_EQUALS:
-          if (down) strength = std::min(1.0, strength + 0.1);
-          break;
-        case SDLK_MINUS:
-        case SDLK_KP_MINUS:
-          if (down) strength = std::max(0.1, strength - 0.1);
-          break;
-        case SDLK_n:
-          next_episode = next_episode || down;
-          break;
-        case SDLK_ESCAPE:
-          quit = quit || down;
-          break;
-        default:
-          break;
-      }
+      for (std::size_t i = 0; i < kArrows.size(); ++i)
+        if (key == kArrows[i]) held[i] = down;
+      if (!down) continue;
+      if (key == SDLK_PLUS || key == SDLK_KP_PLUS || key == SDLK_EQUALS)
+        strength = std::min(1.0, strength + 0.1);
+      if (key == SDLK_MINUS || key == SDLK_KP_MINUS) strength = std::max(0.1, strength - 0.1);
+      next_episode = next_episode || key == SDLK_n;
+      quit = quit || key == SDLK_ESCAPE;
     }
     view.drive = geometry::Vector2(strength * (held[1] - held[0]), strength * (held[3] - held[2]));
     if (gamepad != nullptr) {
@@ -199,7 +179,7 @@ struct TeleoperationWindow::State final : public control::Controller {
     SDL_RenderPresent(renderer);
   }
 
-  bool held[4] = {false, false, false, false};
+  std::array<bool, 4> held{};
 };
 
 TeleoperationWindow::TeleoperationWindow(const std::string& by, double max_current_A, double dish_radius_m)

@@ -1,6 +1,6 @@
 #include <cstdio>
-#include <memory>
 
+#include "common_options.h"
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/log.h"
 #include "lodestone/data/dataset_file.h"
@@ -8,7 +8,7 @@
 #include "lodestone/dynamics/training.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/rig/rig_config.h"
-#include "verb.h"
+#include "verbs.h"
 
 namespace lodestone::apps {
 namespace {
@@ -77,13 +77,9 @@ void train_dynamics(const CommonOptions& options) {
 
 }  // namespace
 
-void add_train_dynamics(CLI::App& program, ConfigCatalogue& catalogue) {
-  CLI::App* verb =
-      program.add_subcommand("train-dynamics", "learn the model-based simulator (MBS) from transitions");
-  auto options = std::make_shared<CommonOptions>();
-  catalogue["train-dynamics"] = [options] { return describe_resolved<DynamicsRunConfig>(*options); };
-  add_common_options(*verb, *options, /*with_resume=*/true);
-  verb->callback([options] { train_dynamics(*options); });
+void add_train_dynamics(Verb& program) {
+  Verb& verb = program.add_verb("train-dynamics", "learn the model-based simulator (MBS) from transitions");
+  add_common_options(verb, configure<DynamicsRunConfig>(verb, train_dynamics), /*with_resume=*/true);
 }
 
 }  // namespace lodestone::apps

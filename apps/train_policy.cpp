@@ -1,7 +1,7 @@
 #include <cstdio>
-#include <memory>
 #include <string>
 
+#include "common_options.h"
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/log.h"
 #include "lodestone/inference/checkpoint.h"
@@ -9,7 +9,7 @@
 #include "lodestone/nets/blas.h"
 #include "lodestone/rl/policy_environments.h"
 #include "lodestone/rl/policy_trainer.h"
-#include "verb.h"
+#include "verbs.h"
 
 namespace lodestone::apps {
 namespace {
@@ -52,12 +52,9 @@ void train_policy(const CommonOptions& options) {
 
 }  // namespace
 
-void add_train_policy(CLI::App& program, ConfigCatalogue& catalogue) {
-  CLI::App* verb = program.add_subcommand("train-policy", "train a TD3 policy in the learned simulator");
-  auto options = std::make_shared<CommonOptions>();
-  catalogue["train-policy"] = [options] { return describe_resolved<TrainPolicyConfig>(*options); };
-  add_common_options(*verb, *options, /*with_resume=*/true);
-  verb->callback([options] { train_policy(*options); });
+void add_train_policy(Verb& program) {
+  Verb& verb = program.add_verb("train-policy", "train a TD3 policy in the learned simulator");
+  add_common_options(verb, configure<TrainPolicyConfig>(verb, train_policy), /*with_resume=*/true);
 }
 
 }  // namespace lodestone::apps

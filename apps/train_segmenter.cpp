@@ -1,5 +1,6 @@
 #include <memory>
 
+#include "common_options.h"
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/log.h"
 #include "lodestone/nets/blas.h"
@@ -7,7 +8,7 @@
 #include "lodestone/rig/rig_config.h"
 #include "lodestone/vision/segmenter_evaluation.h"
 #include "lodestone/vision/segmenter_training.h"
-#include "verb.h"
+#include "verbs.h"
 
 namespace lodestone::apps {
 namespace {
@@ -67,12 +68,9 @@ void train_segmenter(const CommonOptions& options) {
 
 }  // namespace
 
-void add_train_segmenter(CLI::App& program, ConfigCatalogue& catalogue) {
-  CLI::App* verb = program.add_subcommand("train-segmenter", "learn to see the needle, from rendered images");
-  auto options = std::make_shared<CommonOptions>();
-  catalogue["train-segmenter"] = [options] { return describe_resolved<SegmenterRunConfig>(*options); };
-  add_common_options(*verb, *options, /*with_resume=*/true);
-  verb->callback([options] { train_segmenter(*options); });
+void add_train_segmenter(Verb& program) {
+  Verb& verb = program.add_verb("train-segmenter", "learn to see the needle, from rendered images");
+  add_common_options(verb, configure<SegmenterRunConfig>(verb, train_segmenter), /*with_resume=*/true);
 }
 
 }  // namespace lodestone::apps

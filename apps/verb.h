@@ -1,92 +1,73 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <functional>
+#include <limits>
+#include <list>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "lodestone/common/config.h"
-#include "lodestone/common/config_layers.h"
-#include "lodestone/common/error.h"
 
 namespace lodestone::apps {
 
-/// One value that an option of the command line gives.
-struct Override {
-  std::string assignment;  ///< "a.b=value"
-  std::string option;      ///< "--set a.b" or a shorthand such as "--sensor"
+/// Where an option's value goes: a place that outlives the verb, or a function that is told the value as
+/// typed (an empty text of a flag). A Text is printed, and the program ends.
+struct Flag {
+  std::function<void()> given;
+};
+struct Text {
+  std::function<std::string()> printed;
+};
+using Target = std::variant<bool*, std::string*, std::int64_t*, double*, std::optional<std::int64_t>*,
+                            std::vector<std::string>*, std::function<void(const std::string&)>, Flag, Text>;
+
+constexpr double kNoBound = std::numeric_limits<double>::infinity();
+
+/// One option of a verb ("--out"), or what stands without one ("file").
+struct Option {
+  std::string name;
+  Target target;
+  std::string help;
+  std::string value_name = {};  ///< "FILE"; empty: named after its type
+  bool needed = false;
+  bool many = false;  ///< may be given several times, with one value each
+  bool shows_default = false;
+  std::optional<std::pair<double, double>> bounds = {};
+  std::vector<std::string> choices = {};
+
+  Option& named(const std::string& text) { return value_name = text, *this; }
+  Option& required() { return needed = true, *this; }
+  Option& repeated() { return many = true, *this; }
+  Option& with_default() { return shows_default = true, *this; }
+  /// Without an upper bound: kNoBound.
+  Option& within(double least, double most) { return bounds = {least, most}, *this; }
+  Option& one_of(std::vector<std::string> words) { return choices = std::move(words), *this; }
 };
 
-/// Options every verb takes.
-struct CommonOptions {
-  std::string rig_file;                   ///< --rig
-  std::vector<std::string> config_files;  ///< --config, later ones win
-  std::vector<Override> overrides;        ///< --set and shorthands, in order
-  std::string out;                        ///< --out DIR
-  std::optional<std::int64_t> seed;       ///< --seed
-  std::optional<std::int64_t> threads;    ///< --threads
-  bool resume = false;                    ///< --resume
+/// A verb of the program as it is declared: what may stand behind it, and what it does. The parser, the
+/// completion and `config --print` read the same declaration.
+struct Verb {
+  std::string name;
+  std::string help;
+  std::list<Option> options = {};
+  std::list<Verb> verbs = {};
+  std::function<void()> run = {};  ///< throws common::Error on faults; empty: one of its verbs must follow
+  /// Every key of its configuration as the options leave it; empty: it has none.
+  std::function<std::vector<common::ConfigRow>()> configuration = {};
+  std::vector<std::string>* rest = nullptr;         ///< takes every word that is not an option of it
+  std::map<std::string, std::string> renamed = {};  ///< names that its verbs had, and the new ones
 
-  /// The rig's file, then the configurations, then single values.
-  common::ConfigLayers layers() const;
+  Verb& add_verb(const std::string& verb, const std::string& meaning) {
+    return verbs.emplace_back(Verb{verb, meaning});
+  }
+  Option& add_option(const std::string& option, Target target, const std::string& meaning) {
+    return options.emplace_back(Option{option, std::move(target), meaning});
+  }
 };
-
-/// Adds --rig, --config, --set, --out, --seed, --threads to a verb (and --resume where asked).
-void add_common_options(CLI::App& verb, CommonOptions& options, bool with_resume = false);
-
-/// How the text behind a shorthand option is read.
-enum class Shorthand { kText, kValue };
-
-/// An option of the command line that is a short name of a configuration key. `options` must live as long as
-/// the verb.
-void add_shorthand(CLI::App& verb, CommonOptions& options, const std::string& flag, const std::string& key,
-                   Shorthand kind, const std::string& meaning);
-/// --deviation and --rig-seed, for verbs with a virtual rig.
-void add_virtual_rig_options(CLI::App& verb, CommonOptions& options,
-                             const std::string& seed_key = "rig_seed");
-
-/// What the verb's configuration comes to, over the defaults of Config. Throws ConfigError naming the file or
-/// option that held a wrong value.
-template <class Config>
-Config resolve_config(const CommonOptions& options) {
-  const common::ConfigLayers layers = options.layers();
-  return common::config_from_json<Config>(layers.json(), layers.sources());
-}
-
-/// Every key of a verb's configuration as the options leave it, and where its value comes from.
-template <class Config>
-std::vector<common::ConfigRow> describe_resolved(const CommonOptions& options) {
-  const common::ConfigLayers layers = options.layers();
-  return common::describe_config<Config>(common::config_from_json<Config>(layers.json(), layers.sources()),
-                                         layers.sources());
-}
-
-/// What `config --print VERB` shows, for the arguments that the verb was given. Verbs enter themselves:
-/// catalogue["collect"] = [options] { return describe_resolved<CollectConfig>(*options); }.
-using ConfigCatalogue = std::map<std::string, std::function<std::vector<common::ConfigRow>()>>;
-
-/// Registers every verb: what runs when it is called (throwing common::Error on faults), and its
-/// configuration.
-void add_verbs(CLI::App& program, ConfigCatalogue& catalogue);
-
-void add_collect(CLI::App& program, ConfigCatalogue& catalogue);
-void add_import(CLI::App& program, ConfigCatalogue& catalogue);
-void add_train_segmenter(CLI::App& program, ConfigCatalogue& catalogue);
-void add_train_dynamics(CLI::App& program, ConfigCatalogue& catalogue);
-void add_train_policy(CLI::App& program, ConfigCatalogue& catalogue);
-void add_deploy(CLI::App& program, ConfigCatalogue& catalogue);
-void add_evaluate(CLI::App& program, ConfigCatalogue& catalogue);
-void add_calibrate(CLI::App& program, ConfigCatalogue& catalogue);
-void add_rig(CLI::App& program, ConfigCatalogue& catalogue);
-void add_bench(CLI::App& program, ConfigCatalogue& catalogue);
-void add_report(CLI::App& program, ConfigCatalogue& catalogue);
-void add_status(CLI::App& program, ConfigCatalogue& catalogue);
-void add_plan(CLI::App& program, ConfigCatalogue& catalogue);
-void add_config(CLI::App& program, ConfigCatalogue& catalogue);
 
 }  // namespace lodestone::apps

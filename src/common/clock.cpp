@@ -16,13 +16,4 @@ bool SteadyClock::wait_until(double time_s, Interruption* interruption) {
   return true;
 }
 
-PacedClock::PacedClock(Clock& simulated)
-    : simulated_(simulated), offset_s_(wall_.now_s() - simulated.now_s()) {}
-
-double PacedClock::now_s() const { return simulated_.now_s(); }
-
-bool PacedClock::wait_until(double time_s, Interruption* interruption) {
-  return simulated_.wait_until(time_s, interruption) && wall_.wait_until(time_s + offset_s_, interruption);
-}
-
 }  // namespace lodestone::common

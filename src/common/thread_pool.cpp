@@ -97,8 +97,12 @@ struct ThreadPool::State {
   }
 };
 
+std::int64_t thread_count(std::int64_t asked) {
+  return asked > 0 ? asked : std::max<std::int64_t>(1, std::thread::hardware_concurrency());
+}
+
 ThreadPool::ThreadPool(std::size_t threads) : state_(std::make_unique<State>()) {
-  const std::size_t processors = std::max(1U, std::thread::hardware_concurrency());
+  const auto processors = static_cast<std::size_t>(thread_count(0));
   if (threads == 0) threads = processors;
   flush_denormals_to_zero();
   state_->spin = threads <= processors;

@@ -217,6 +217,7 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   const std::uint64_t rig_seed =
       explored ? static_cast<std::uint64_t>(config_.rig_seed) : common::derive_seed(seed, "unseen rig");
   common::RandomStream room(seed, "unseen temperature");
+  common::SteadyClock wall;  // outlives the rig
   rig::VirtualRig rig(explored ? config_.rig : warmed(config_.rig, config_.trials.temperature_C.draw(room)),
                       rig_seed, sample_rig_->field_table());
   // The scatter from pulse to pulse belongs to the trial, or trials on the explored rig would all see the
@@ -232,9 +233,8 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   if (drive_) drive = drive_(rig);
   const std::unique_ptr<session::RigSensor> sensor =
       sensing_.make(rig, bench, common::RandomStream(seed, "sensor noise"), drive.clock);
-  std::optional<common::PacedClock> paced;
-  if (realtime) paced.emplace(*drive.clock);
-  common::Clock& clock = paced ? static_cast<common::Clock&>(*paced) : *drive.clock;
+  if (realtime) rig.keep_pace_with(wall);
+  common::Clock& clock = *drive.clock;
   safety::Supervisor coils(*drive.coils, config_.safety, config_.rig, clock);
   control::ControlLoop loop(config_.loop, source.action, coils, *sensor, clock);
   const std::unique_ptr<control::Controller> controller = source.make();

@@ -48,7 +48,7 @@ runs::Progress DeploymentRun::progress() const {
 
 void DeploymentRun::step(common::MetricsLog& /*metrics*/) {
   if (!recorder_) {
-    recorder_.emplace(folder_ + kTrajectories, rows_);
+    recorder_.emplace(folder_ + kTrajectories, job_.rigs.front() != RigKind::kReal, rows_);
     if (rows_ == 0) common::write_file_atomically(folder_ + kJournal, "");
     journal_.open(folder_ + kJournal, std::ios::app);
     check(journal_, folder_ + kJournal);

@@ -25,8 +25,6 @@ constexpr double kFlowing_A = 0.1;  // more than this in a coil is current
 constexpr double kDrive_A = 5.0;
 constexpr double kLineDown_s = 1.5;
 constexpr double kHeldPulse_s = 4.0;
-constexpr const char* kFirstBeyondDevice =
-    "camera stalls";  // from here on the list is about camera, needle and PC
 
 /// Looks at the needle as a good localiser would, or fails as a camera can.
 class KnownPoseSensor final : public control::PoseSensor {
@@ -112,10 +110,8 @@ struct Chain {
     };
   }
 
-  void start_anew() {
-    safety::SafetyConfig safety;
-    supervisor.emplace(*coils, safety, rig.config(), clock);
-  }
+  void connect();
+  void start_anew() { supervisor.emplace(*coils, safety::SafetyConfig{}, rig.config(), clock); }
 
   void watch(double now_s, const std::array<double, rig::kCoilCount>& current_A) {
     bool flowing = false;
@@ -197,6 +193,11 @@ class FaultyPort final : public rig::SerialPort {
   emulation::LockstepPort port_;
 };
 
+void Chain::connect() {
+  coils = std::make_unique<rig::SerialCoils>(serial, rig.config().coils,
+                                             [this] { return std::make_unique<FaultyPort>(*this); });
+}
+
 struct FaultKind {
   std::string name;
   bool stops;  ///< whether the run must end
@@ -227,12 +228,19 @@ std::function<bool(std::uint8_t&)> per_byte(int frames, std::function<bool(int p
   };
 }
 
-std::vector<FaultKind> make_faults() {
-  const auto no_filters = [](Chain& chain) {
-    chain.bench.to_device_filter = nullptr;
-    chain.bench.to_host_filter = nullptr;
-  };
-  const auto nothing = [](Chain&) {};
+void no_filters(Chain& chain) {
+  chain.bench.to_device_filter = nullptr;
+  chain.bench.to_host_filter = nullptr;
+}
+void nothing(Chain&) {}
+
+/// A fault that is there until it is cleared, and ends the run.
+FaultKind lasting(const std::string& name, const std::function<void(Chain&, bool there)>& put) {
+  return {name, true, [put](Chain& chain) { put(chain, true); }, [put](Chain& chain) { put(chain, false); }};
+}
+
+/// On the line: requests and answers that are lost, cut, twisted or come twice.
+std::vector<FaultKind> tolerated_faults() {
   return {
       {"garbage bytes to the firmware", false, [](Chain& c) { c.bench.inject_to_device(noise(200, 1)); },
        nothing},
@@ -279,63 +287,71 @@ std::vector<FaultKind> make_faults() {
          });
        },
        no_filters},
+  };
+}
+
+/// Of the line, the firmware, the motor controllers and the coils.
+std::vector<FaultKind> device_faults() {
+  const auto silence = [](std::uint8_t&) { return false; };
+  const auto each_coil = [](Chain& c, const auto& put) {
+    for (int i = 0; i < rig::kCoilCount; ++i) put(c.bench, i);
+  };
+  return {
       {"line dead", true,
-       [](Chain& c) {
-         c.bench.to_host_filter = [](std::uint8_t&) { return false; };
-         c.bench.to_device_filter = [](std::uint8_t&) { return false; };
+       [silence](Chain& c) {
+         c.bench.to_host_filter = silence;
+         c.bench.to_device_filter = silence;
        },
        no_filters},
-      {"port unplugged", true, [](Chain& c) { c.bench.set_plugged(false); },
-       [](Chain& c) { c.bench.set_plugged(true); }},
-      {"PC killed", true, [](Chain& c) { c.host_dead = true; }, [](Chain& c) { c.host_dead = false; }},
+      lasting("port unplugged", [](Chain& c, bool there) { c.bench.set_plugged(!there); }),
+      lasting("PC killed", [](Chain& c, bool there) { c.host_dead = there; }),
       {"firmware hangs", true, [](Chain& c) { c.bench.arduino().hang(); }, nothing},
-      {"motor controller tx open", true, [](Chain& c) { c.bench.controller(0).tx_open = true; },
-       [](Chain& c) { c.bench.controller(0).tx_open = false; }},
-      {"motor controller rx open", true, [](Chain& c) { c.bench.controller(1).rx_open = true; },
-       [](Chain& c) { c.bench.controller(1).rx_open = false; }},
-      {"motor controller without power", true, [](Chain& c) { c.bench.controller(0).powered = false; },
-       [](Chain& c) { c.bench.controller(0).powered = true; }},
-      {"over-current", true,
-       [](Chain& c) {
-         for (int i = 0; i < rig::kCoilCount; ++i) c.bench.short_coil(i, 0.08);
-       },
-       [](Chain& c) {
-         for (int i = 0; i < rig::kCoilCount; ++i) c.bench.short_coil(i, 1.0);
-         for (int i = 0; i < 2; ++i) c.bench.controller(i).restart();
-       }},
-      {"coil too hot", true,
-       [](Chain& c) {
-         for (int i = 0; i < rig::kCoilCount; ++i) c.bench.heat_coil(i, 150.0);
-       },
-       [](Chain& c) {
-         for (int i = 0; i < rig::kCoilCount; ++i) c.bench.heat_coil(i, 22.0);
-       }},
-      {"motor controller too hot", true, [](Chain& c) { c.bench.controller(1).board_C = 95.0; },
-       [](Chain& c) { c.bench.controller(1).board_C = 30.0; }},
-      {"supply drops to 12 V", true, [](Chain& c) { c.bench.set_supply_V(12.0); },
-       [](Chain& c) { c.bench.set_supply_V(34.0); }},
-      {"emergency stop of a motor controller", true,
-       [](Chain& c) { c.bench.controller(1).emergency_stop = true; },
-       [](Chain& c) { c.bench.controller(1).emergency_stop = false; }},
-      {"emergency stop", true, [](Chain& c) { c.bench.arduino().set_emergency_stop(true); },
-       [](Chain& c) { c.bench.arduino().set_emergency_stop(false); }},
-      {"camera stalls", true, [](Chain& c) { c.sensor.stalled = true; },
-       [](Chain& c) { c.sensor.stalled = false; }},
-      {"camera shows an old frame", true, [](Chain& c) { c.sensor.old_frame = true; },
-       [](Chain& c) { c.sensor.old_frame = false; }},
-      {"needle leaves the view", true, [](Chain& c) { c.sensor.needle_gone = true; },
-       [](Chain& c) { c.sensor.needle_gone = false; }},
-      {"needle seen outside the fence", true, [](Chain& c) { c.sensor.needle_outside = true; },
-       [](Chain& c) { c.sensor.needle_outside = false; }},
-      {"disk full", true, [](Chain& c) { c.record.disk_full = true; },
-       [](Chain& c) { c.record.disk_full = false; }},
+      lasting("motor controller tx open",
+              [](Chain& c, bool there) { c.bench.controller(0).tx_open = there; }),
+      lasting("motor controller rx open",
+              [](Chain& c, bool there) { c.bench.controller(1).rx_open = there; }),
+      lasting("motor controller without power",
+              [](Chain& c, bool there) { c.bench.controller(0).powered = !there; }),
+      lasting("over-current",
+              [each_coil](Chain& c, bool there) {
+                each_coil(c, [there](auto& bench, int i) { bench.short_coil(i, there ? 0.08 : 1.0); });
+                for (int i = 0; i < 2 && !there; ++i) c.bench.controller(i).restart();
+              }),
+      lasting("coil too hot",
+              [each_coil](Chain& c, bool there) {
+                each_coil(c, [there](auto& bench, int i) { bench.heat_coil(i, there ? 150.0 : 22.0); });
+              }),
+      lasting("motor controller too hot",
+              [](Chain& c, bool there) { c.bench.controller(1).board_C = there ? 95.0 : 30.0; }),
+      lasting("supply drops to 12 V",
+              [](Chain& c, bool there) { c.bench.set_supply_V(there ? 12.0 : 34.0); }),
+      lasting("emergency stop of a motor controller",
+              [](Chain& c, bool there) { c.bench.controller(1).emergency_stop = there; }),
+      lasting("emergency stop", [](Chain& c, bool there) { c.bench.arduino().set_emergency_stop(there); }),
+  };
+}
+
+/// Of camera, needle and PC.
+std::vector<FaultKind> faults_beyond_device() {
+  return {
+      lasting("camera stalls", [](Chain& c, bool there) { c.sensor.stalled = there; }),
+      lasting("camera shows an old frame", [](Chain& c, bool there) { c.sensor.old_frame = there; }),
+      lasting("needle leaves the view", [](Chain& c, bool there) { c.sensor.needle_gone = there; }),
+      lasting("needle seen outside the fence", [](Chain& c, bool there) { c.sensor.needle_outside = there; }),
+      lasting("disk full", [](Chain& c, bool there) { c.record.disk_full = there; }),
       {"clock jumps forward", true, [](Chain& c) { c.sensor.stamp_error_s = -3600.0; }, nothing},
       {"clock jumps back", true, [](Chain& c) { c.sensor.stamp_error_s = 3600.0; }, nothing},
   };
 }
 
+/// All of them in the order of the list, those of the device first.
 const std::vector<FaultKind>& faults() {
-  static const std::vector<FaultKind> kinds = make_faults();
+  static const std::vector<FaultKind> kinds = [] {
+    std::vector<FaultKind> all;
+    for (const auto& part : {tolerated_faults(), device_faults(), faults_beyond_device()})
+      all.insert(all.end(), part.begin(), part.end());
+    return all;
+  }();
   return kinds;
 }
 
@@ -423,7 +439,7 @@ std::vector<std::string> fault_names() {
 
 std::vector<std::string> device_fault_names() {
   std::vector<std::string> names = fault_names();
-  names.erase(std::find(names.begin(), names.end(), kFirstBeyondDevice), names.end());
+  names.resize(names.size() - faults_beyond_device().size());
   return names;
 }
 
@@ -431,12 +447,12 @@ FaultResult inject_held_fault(const std::string& fault, std::uint64_t seed, cons
   const FaultKind& kind = kind_of(fault);
   Chain chain(seed, folder);
   chain.serial.max_pulse_s = kHeldPulse_s;
-  chain.coils = std::make_unique<rig::SerialCoils>(chain.serial, chain.rig.config().coils,
-                                                   [&chain] { return std::make_unique<FaultyPort>(chain); });
+  chain.connect();
   chain.inject_at_s = chain.bench.now_s() + 1.0;
   chain.inject = kind.inject;
   FaultResult result;
   result.fault = fault;
+  result.held = true;
   const double end_s = chain.bench.now_s() + kHeldPulse_s - 0.5;
   try {
     chain.coils->apply({{kDrive_A, 0.0, -kDrive_A, 0.0}, kHeldPulse_s});
@@ -475,8 +491,7 @@ FaultResult inject_held_fault(const std::string& fault, std::uint64_t seed, cons
 FaultResult inject_fault(const std::string& fault, std::uint64_t seed, const std::string& folder) {
   const FaultKind& kind = kind_of(fault);
   Chain chain(seed, folder);
-  chain.coils = std::make_unique<rig::SerialCoils>(chain.serial, chain.rig.config().coils,
-                                                   [&chain] { return std::make_unique<FaultyPort>(chain); });
+  chain.connect();
   chain.start_anew();
   chain.inject_at_s = chain.bench.now_s() + 2.0;
   return run_with(chain, &kind, 6.0);
@@ -484,8 +499,7 @@ FaultResult inject_fault(const std::string& fault, std::uint64_t seed, const std
 
 HourReport inject_for_an_hour(std::int64_t pulses, std::uint64_t seed, const std::string& folder) {
   Chain chain(seed, folder);
-  chain.coils = std::make_unique<rig::SerialCoils>(chain.serial, chain.rig.config().coils,
-                                                   [&chain] { return std::make_unique<FaultyPort>(chain); });
+  chain.connect();
   chain.start_anew();
   common::RandomStream random(seed, "drill/hour");
   HourReport report;

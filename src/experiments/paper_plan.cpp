@@ -27,6 +27,7 @@ struct Ablation {
 class Builder {
  public:
   explicit Builder(const PaperScale& scale) : scale_(scale) {
+    plan_.seed = scale.seed;
     plan_.subfolder = "cells";
     plan_.keep_checkpoints = false;  // hundreds of replay buffers would fill a disk
   }

@@ -12,12 +12,13 @@ namespace lodestone::experiments {
 namespace {
 
 constexpr double kMmPerM = 1000.0;
-constexpr double kDegPerRad = 180.0 / 3.14159265358979323846;
 
-constexpr const char* kHeading =
-    "rig,controller,task,trial,t_s,true_x_m,true_y_m,true_heading_rad,sensed,sensed_x_m,sensed_y_m,"
-    "sensed_heading_rad,target_x_m,target_y_m,approach,action_x,action_y,current_px_A,current_mx_A,"
-    "current_py_A,current_my_A\n";
+std::string heading(bool true_poses) {
+  return std::string("rig,controller,task,trial,t_s,") +
+         (true_poses ? "true_x_m,true_y_m,true_heading_rad," : "") +
+         "sensed,sensed_x_m,sensed_y_m,sensed_heading_rad,target_x_m,target_y_m,approach,action_x,action_y,"
+         "current_px_A,current_mx_A,current_py_A,current_my_A\n";
+}
 
 runs::PoseMm pose_mm(const geometry::Pose2& pose) {
   return {kMmPerM * pose.x_m, kMmPerM * pose.y_m, pose.heading_rad};
@@ -25,25 +26,6 @@ runs::PoseMm pose_mm(const geometry::Pose2& pose) {
 
 runs::PointMm point_mm(const geometry::Vector2& point_m) {
   return {kMmPerM * point_m.x(), kMmPerM * point_m.y()};
-}
-
-std::optional<double> scaled(const std::optional<double>& value, double scale) {
-  if (!value) return std::nullopt;
-  return scale * *value;
-}
-
-runs::TrialFigures figures_of(const TrialScore& score) {
-  runs::TrialFigures out;
-  for (const double error_m : score.errors_m) out.errors_mm.push_back(kMmPerM * error_m);
-  out.final_error_mm = kMmPerM * score.final_error_m;
-  out.success = score.success;
-  out.hold_error_mm = scaled(score.hold_error_m, kMmPerM);
-  out.heading_error_deg = scaled(score.heading_error_rad, kDegPerRad);
-  out.cross_track_rms_mm = scaled(score.cross_track_rms_m, kMmPerM);
-  out.time_rms_error_mm = scaled(score.time_rms_m, kMmPerM);
-  out.steps_to_reach = score.steps_to_reach;
-  out.seconds_to_reach = score.seconds_to_reach;
-  return out;
 }
 
 /// The first rows of a file that may end in the middle of one.
@@ -65,8 +47,9 @@ void write_pose(std::ostream& out, const std::optional<geometry::Pose2>& pose) {
 
 }  // namespace
 
-Recorder::Recorder(const std::string& file, std::int64_t keep_rows) : path_(file) {
-  common::write_file_atomically(file, keep_rows > 0 ? first_rows(file, keep_rows) : kHeading);
+Recorder::Recorder(const std::string& file, bool true_poses, std::int64_t keep_rows)
+    : path_(file), true_poses_(true_poses) {
+  common::write_file_atomically(file, keep_rows > 0 ? first_rows(file, keep_rows) : heading(true_poses));
   file_.open(file, std::ios::app);
   if (!file_) throw common::IoError("cannot write " + path_ + ": check the folder and the space on the disk");
   file_ << std::setprecision(9);
@@ -77,7 +60,7 @@ void Recorder::write(const TrialResult& result) {
     const control::StepRecord& step = sample.step;
     file_ << result.rig << ',' << result.controller << ',' << result.plan.task << ',' << result.plan.index
           << ',' << step.time_s << ',';
-    write_pose(file_, sample.true_pose);
+    if (true_poses_) write_pose(file_, sample.true_pose);
     file_ << (step.estimate.valid ? 1 : 0) << ',';
     write_pose(file_, step.estimate.valid ? std::optional(step.estimate.pose) : std::nullopt);
     file_ << step.target_m.x() << ',' << step.target_m.y() << ',' << (sample.approach ? 1 : 0) << ','
@@ -100,8 +83,8 @@ runs::TrialRecord record_of(const TrialResult& result) {
   record.target_heading_rad = plan.target_heading_rad;
   record.completed = result.completed;
   record.stop_reason = result.stop_reason;
-  if (result.truth) record.truth = figures_of(*result.truth);
-  record.sensed = figures_of(result.sensed);
+  record.truth = result.truth;
+  record.sensed = result.sensed;
   if (plan.path) {
     record.path_mm.emplace();
     for (const geometry::Vector2& point_m : plan.path->points_m())

@@ -10,9 +10,11 @@ namespace lodestone::experiments {
 
 namespace {
 
+constexpr double kMmPerM = 1000.0;
+
 double distance_m(const ScoredSample& sample) { return (sample.position_m - sample.target_m).norm(); }
 
-void note_reach(const std::vector<ScoredSample>& samples, double radius_m, TrialScore& score) {
+void note_reach(const std::vector<ScoredSample>& samples, double radius_m, runs::TrialFigures& score) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (distance_m(samples[i]) > radius_m) continue;
     score.steps_to_reach = static_cast<std::int64_t>(i);
@@ -34,12 +36,13 @@ std::optional<double> mean_of(const std::vector<const runs::TrialFigures*>& tria
 
 }  // namespace
 
-TrialScore score_point(const std::vector<ScoredSample>& samples, const ScoreConfig& config) {
+runs::TrialFigures score_point(const std::vector<ScoredSample>& samples, const ScoreConfig& config) {
   LODESTONE_CHECK(!samples.empty(), "at least one sample to score");
-  TrialScore score;
-  score.final_error_m = distance_m(samples.back());
-  score.errors_m = {score.final_error_m};
-  score.success = score.final_error_m <= config.success_radius_m;
+  runs::TrialFigures score;
+  const double final_error_m = distance_m(samples.back());
+  score.final_error_mm = kMmPerM * final_error_m;
+  score.errors_mm = {score.final_error_mm};
+  score.success = final_error_m <= config.success_radius_m;
   note_reach(samples, config.success_radius_m, score);
   if (score.seconds_to_reach) {
     const double from_s =
@@ -52,42 +55,33 @@ TrialScore score_point(const std::vector<ScoredSample>& samples, const ScoreConf
       sum_m += distance_m(sample);
       ++count;
     }
-    score.hold_error_m = sum_m / static_cast<double>(count);
+    score.hold_error_mm = kMmPerM * (sum_m / static_cast<double>(count));
   }
   return score;
 }
 
-TrialScore score_path(const std::vector<ScoredSample>& samples, const geometry::Path& path,
-                      const ScoreConfig& config) {
+runs::TrialFigures score_path(const std::vector<ScoredSample>& samples, const geometry::Path& path,
+                              const ScoreConfig& config) {
   LODESTONE_CHECK(!samples.empty(), "at least one sample to score");
-  TrialScore score;
+  runs::TrialFigures score;
+  std::vector<double> errors_m;
   std::vector<double> time_errors_m;
-  for (const ScoredSample& sample : samples) {
-    if (sample.approach) continue;
-    score.errors_m.push_back(path.nearest(sample.position_m).distance_m);
+  const auto add = [&](const ScoredSample& sample) {
+    errors_m.push_back(path.nearest(sample.position_m).distance_m);
     time_errors_m.push_back(distance_m(sample));
-  }
-  const bool followed = !score.errors_m.empty();
-  if (!followed) {
-    score.errors_m.push_back(path.nearest(samples.back().position_m).distance_m);
-    time_errors_m.push_back(distance_m(samples.back()));
-  }
-  score.final_error_m = distance_m(samples.back());
-  score.cross_track_rms_m = common::root_mean_square(score.errors_m);
-  score.time_rms_m = common::root_mean_square(time_errors_m);
-  score.success = followed && *score.cross_track_rms_m <= config.success_radius_m;
+  };
+  for (const ScoredSample& sample : samples)
+    if (!sample.approach) add(sample);
+  const bool followed = !errors_m.empty();
+  if (!followed) add(samples.back());
+  for (const double error_m : errors_m) score.errors_mm.push_back(kMmPerM * error_m);
+  const double cross_track_rms_m = common::root_mean_square(errors_m);
+  score.final_error_mm = kMmPerM * distance_m(samples.back());
+  score.cross_track_rms_mm = kMmPerM * cross_track_rms_m;
+  score.time_rms_error_mm = kMmPerM * common::root_mean_square(time_errors_m);
+  score.success = followed && cross_track_rms_m <= config.success_radius_m;
   note_reach(samples, config.success_radius_m, score);
   return score;
-}
-
-ErrorSummary summarise(std::vector<double> values) {
-  LODESTONE_CHECK(!values.empty(), "at least one value to summarise");
-  ErrorSummary summary;
-  summary.mean = common::mean(values);
-  summary.std = common::standard_deviation(values);
-  summary.rms = common::root_mean_square(values);
-  summary.median = common::median(std::move(values));
-  return summary;
 }
 
 runs::ErrorStatistics summarise_trials(const std::vector<const runs::TrialFigures*>& trials) {
@@ -97,13 +91,16 @@ runs::ErrorStatistics summarise_trials(const std::vector<const runs::TrialFigure
     errors_mm.insert(errors_mm.end(), trial->errors_mm.begin(), trial->errors_mm.end());
     successes += trial->success ? 1.0 : 0.0;
   }
-  const ErrorSummary errors = summarise(errors_mm);
+  LODESTONE_CHECK(!errors_mm.empty(), "at least one error to summarise");
   using Figures = runs::TrialFigures;
   runs::ErrorStatistics out;
-  out.mean_error_mm = errors.mean;
-  out.std_error_mm = errors.std;
-  out.median_error_mm = errors.median;
-  out.rms_error_mm = errors.rms;
+  out.mean_error_mm = common::mean(errors_mm);
+  out.std_error_mm = common::standard_deviation(errors_mm);
+  out.rms_error_mm = common::root_mean_square(errors_mm);
+  std::sort(errors_mm.begin(), errors_mm.end());
+  const std::size_t half = errors_mm.size() / 2;
+  out.median_error_mm =
+      errors_mm.size() % 2 == 1 ? errors_mm[half] : 0.5 * (errors_mm[half - 1] + errors_mm[half]);
   out.success_rate = successes / static_cast<double>(trials.size());
   out.steps_to_reach = mean_of(trials, &Figures::steps_to_reach);
   out.seconds_to_reach = mean_of(trials, &Figures::seconds_to_reach);

@@ -31,20 +31,22 @@ std::vector<ScoredSample> scored(const TrialResult& result, bool truth) {
 
 /// Error of the heading at the end of a trial whose target has one.
 void note_heading(const TrialResult& result, double target_rad, bool truth, const ScoreConfig& config,
-                  TrialScore& score) {
+                  runs::TrialFigures& score) {
   std::optional<geometry::Pose2> last;
   for (const TrialSample& sample : result.samples) {
     if (const auto pose = pose_of(sample, truth)) last = pose;
   }
   if (!last) return;
-  score.heading_error_rad = std::abs(geometry::wrap_angle(last->heading_rad - target_rad));
-  score.success = score.success && *score.heading_error_rad <= config.success_heading_deg / kDegPerRad;
+  const double error_rad = std::abs(geometry::wrap_angle(last->heading_rad - target_rad));
+  score.heading_error_deg = kDegPerRad * error_rad;
+  score.success = score.success && error_rad <= config.success_heading_deg / kDegPerRad;
 }
 
-TrialScore score_trial(const TrialResult& result, bool truth, const ScoreConfig& config) {
+runs::TrialFigures score_trial(const TrialResult& result, bool truth, const ScoreConfig& config) {
   const TrialPlan& plan = result.plan;
   const std::vector<ScoredSample> samples = scored(result, truth);
-  TrialScore score = plan.path ? score_path(samples, *plan.path, config) : score_point(samples, config);
+  runs::TrialFigures score =
+      plan.path ? score_path(samples, *plan.path, config) : score_point(samples, config);
   if (plan.target_heading_rad) note_heading(result, *plan.target_heading_rad, truth, config, score);
   score.success = score.success && result.completed;
   return score;

@@ -197,7 +197,7 @@ std::string introduction(const std::vector<ErrorRow>& rows) {
 std::string deployment_section(const RunData& run) {
   if (run.rigs.empty())
     return missing("The deployment",
-                   "lodestone deploy --policy RUN/policy/checkpoint --task all --rig both --out RUN/deploy");
+                   "lodestone deploy --policy RUN/policy/checkpoint --task all --on both --out RUN/deploy");
   const std::vector<ErrorRow> rows = error_rows(run);
   std::string html = introduction(rows) + error_tables(rows);
   html += figure(bar_chart(rows), bar_caption(rows));

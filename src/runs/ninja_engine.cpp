@@ -183,4 +183,13 @@ void run_plan(const Plan& plan, const PlanPlace& place, const std::string& label
                       " cells are not finished" + first);
 }
 
+void run_plan_in_folder(const Plan& plan, const PlanPlace& place, const std::string& verb,
+                        common::Json settings, const std::string& only) {
+  settings["rig_file"] = place.rig_file;
+  RunFolder run({place.folder, verb, settings, plan.seed, /*resume=*/true});
+  run.begin();
+  run_plan(plan, place, verb, only);
+  if (only.empty()) run.finish();
+}
+
 }  // namespace lodestone::runs

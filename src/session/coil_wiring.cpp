@@ -4,11 +4,12 @@
 #include <cmath>
 #include <utility>
 
+#include "lodestone/safety/check.h"
+
 namespace lodestone::session {
 
 namespace {
 
-constexpr const char* kCoilNames[rig::kCoilCount] = {"+x", "-x", "+y", "-y"};
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 // What a camera tells apart from noise, and what is too far off for the field of a coil. Wide, because the
@@ -256,7 +257,7 @@ std::string possible_answers(const std::vector<CoilWiring>& possible, int asked)
             return wiring.coil[i] == coil && wiring.sign[i] == sign;
           }))
         continue;
-      text += (text.empty() ? "coil " : ", or coil ") + std::string(kCoilNames[coil]) +
+      text += (text.empty() ? "coil " : ", or coil ") + std::string(safety::kCoilNames[coil]) +
               (sign < 0 ? " reversed" : "");
     }
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/log.h"
 #include "lodestone/imaging/calibration.h"
 #include "lodestone/rig/serial_coils.h"
 
@@ -100,7 +101,10 @@ std::unique_ptr<RigSession> make_virtual_session(const rig::VirtualRigConfig& ri
 }
 
 std::unique_ptr<RigSession> make_serial_session(const rig::RigConfig& rig, const SensingConfig& sensing,
-                                                const safety::SafetyConfig& safety, AskedOperator::Ask ask) {
+                                                safety::SafetyConfig safety, AskedOperator::Ask ask,
+                                                const std::string& folder) {
+  if (safety.stop_file.empty() && !folder.empty()) safety.stop_file = folder + "/STOP";
+  const bool at_terminal = ask != nullptr;
   const auto made = std::make_shared<SerialParts>(rig, sensing, safety, std::move(ask));
   RigSession::Parts parts;
   parts.owner = made;
@@ -114,6 +118,9 @@ std::unique_ptr<RigSession> make_serial_session(const rig::RigConfig& rig, const
   };
   parts.camera = &*made->sensor;
   parts.watched = made->watched;
+  if (!folder.empty())
+    common::log_info("bench connected on " + rig.serial.port + "; Ctrl-C" + (at_terminal ? ", any key" : "") +
+                     " or the file " + safety.stop_file + " stops it");
   return std::make_unique<RigSession>(std::move(parts));
 }
 

@@ -60,7 +60,8 @@ check(["deploy", "--set", "safety.max_temperature_C=1000", "--controller", "base
       "max_temperature_C", "155")
 check(["rig", "check"], 2, "rig.serial.port")
 check(["rig", "check", "--port", "/dev/ttyNOTHING"], 1, "no such port")
-check(["bench", "hil"], 2, "--out")
+check(["bench", "hil"], 2, "bench emulation")
+check(["bench", "emulation"], 2, "--out")
 check(["calibrate", "coils", "--port", "/dev/ttyNOTHING"], 2, "--out")
 check(["bench", "paper", "--scale", "huge"], 2, "smoke")
 check(["bench", "paper", "--scale", "smoke", "--only", "nothing"], 2, "nothing", "--list")
@@ -106,7 +107,7 @@ for preset in sorted((source / "configs").glob("*/*.json")):
             failures.append(f"--rig {preset}: {printed.stderr!r}")
         continue
     verb = {"collect": "collect", "dynamics": "train-dynamics", "policy": "train-policy", "deploy": "deploy",
-            "segmenter": "train-segmenter", "hil": "bench hil"}[
+            "segmenter": "train-segmenter", "emulation": "bench emulation"}[
         preset.stem.split("_")[0]]
     of_verb = {"deploy": "--policy", "train-dynamics": "data=FILE", "train-policy": "dynamics=DIR"}
     first_missing = {("best", "collect.json"): "--policy", ("best", "policy_offline.json"): "recorded"}

@@ -82,7 +82,7 @@ try:
     assert "trajectory" not in trial and "final_error_mm" not in trial, trial.keys()
     assert "mean_error_mm" not in summary["baseline"]["centre"] and summary["baseline"]["centre"]["sensed"]["mean_error_mm"] > 0
     with (folder / "deploy/trajectories.csv").open() as file:
-        assert all(row["true_x_m"] == "" for row in csv.DictReader(file))
+        assert not any("true" in column for column in csv.DictReader(file).fieldnames)
 
     # The stop file ends a run at once, and what was measured is written.
     running = start("deploy", "--rig", bench, "--controller", "baseline", "--task", "centre", "--trials", 5,

@@ -116,10 +116,10 @@ with tempfile.TemporaryDirectory() as name:
              "mbs_environments=1000")
     run("bench", "speed", *quick, "--out", speed)
     measured = json.loads((speed / "speed.json").read_text())
-    for figure, key in (("sgemm", "flop_per_s"), ("td3", "updates_per_s"), ("td3", "fraction_of_peak"),
-                        ("mbs", "steps_per_s"), ("mbs", "fraction_of_peak"), ("rig", "steps_per_s"),
-                        ("pose", "p99_ms"), ("control", "median_ms"), ("memory", "training_peak_mb")):
-        assert measured[figure][key] > 0.0, (figure, key)
+    for figure, key in (("sgemm", "median"), ("td3", "median"), ("td3", "fraction_of_peak"), ("mbs", "median"),
+                        ("mbs", "fraction_of_peak"), ("rig", "median")):
+        assert measured[figure]["all_threads"][key] > 0.0, (figure, key)
+    assert measured["pose"]["p99_ms"] > 0.0 and measured["training_peak_mb"] > 0.0, measured
     assert measured["control"]["median_ms"] >= measured["pose"]["median_ms"]
     for preset in ("policy_centre", "policy_target"):
         fast = root / preset

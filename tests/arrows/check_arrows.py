@@ -15,12 +15,12 @@ SEES_TORCH = {"nets", "vision", "dynamics", "rl"}
 # Modules that a program can be linked from without LibTorch.
 LINKS_WITHOUT_TORCH = {"common", "geometry", "physics", "data", "task", "imaging", "runs", "inference", "rig", "env", "emulation", "control",
                        "safety", "report"}
-MAY_SEE_TORCH = {"apps/speed_figures.cpp"}  # times LibTorch itself
+MAY_SEE_TORCH = {"src/experiments/speed_figures.cpp", "src/experiments/speed_figures.h"}  # time LibTorch itself
 # Who may see where the needle really is: the virtual rig with its rendered camera and simulated sensor, the emulation, and
 # scoring with whatever hands the truth to it.
 SEES_TRUTH = re.compile(
-    r"/(hil_figures|rig/(virtual_rig|rendered_camera)|session/(simulated_pose_sensor|sensing|rig_session|ground_truth)"
-    r"|emulation/live_bench|experiments/(trial|score|recorder|deployment|fault_injection))\.(h|cpp)$")
+    r"/(rig/(virtual_rig|rendered_camera)|session/(simulated_pose_sensor|sensing|rig_session|ground_truth)"
+    r"|emulation/live_bench|experiments/(trial|score|recorder|deployment|fault_injection|emulation_bench))\.(h|cpp)$")
 TRUTH = re.compile(r"\btrue_(pose|x_m|y_m|heading)\w*")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.M)
 

@@ -26,10 +26,10 @@ experiments::TrialResult drive_one(const experiments::TrialPlan& plan, experimen
     sample.true_pose = plan.start;
     result.samples.push_back(sample);
   }
-  const double error_m = plan.start.position_m().norm();
+  const double error_mm = 1e3 * plan.start.position_m().norm();
   result.truth.emplace();
-  result.truth->errors_m = {error_m};
-  result.truth->final_error_m = error_m;
+  result.truth->errors_mm = {error_mm};
+  result.truth->final_error_mm = error_mm;
   result.sensed = *result.truth;
   result.completed = true;
   return result;

@@ -114,7 +114,7 @@ TEST_CASE("explored rigs fraction friction and calibration, unseen rigs do not f
   CHECK(explored[0].samples.front().true_pose->x_m == unseen[0].samples.front().true_pose->x_m);
   CHECK(explored[0].samples.front().step.estimate.pose.x_m !=
         unseen[0].samples.front().step.estimate.pose.x_m);
-  CHECK(explored[0].truth->cross_track_rms_m);
+  CHECK(explored[0].truth->cross_track_rms_mm);
   CHECK(explored[0].samples.back().step.last);
 }
 

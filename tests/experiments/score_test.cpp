@@ -15,16 +15,16 @@ TEST_CASE("a run to a point is scored by its end") {
                                              {0.6, {0.004, 0.0}, target, false},
                                              {0.9, {0.001, 0.0}, target, false}};
   const auto score = experiments::score_point(samples, {0.003, 5.0});
-  CHECK(score.final_error_m == Approx(0.001));
+  CHECK(score.final_error_mm == Approx(1.0));
   CHECK(score.success);
   CHECK(*score.steps_to_reach == 1);
   CHECK(*score.seconds_to_reach == Approx(0.3));
-  CHECK(*score.hold_error_m == Approx(0.007 / 3.0));
-  CHECK(*experiments::score_point(samples, {0.003, 0.3}).hold_error_m == Approx(0.0025));
-  CHECK_FALSE(score.cross_track_rms_m);
+  CHECK(*score.hold_error_mm == Approx(7.0 / 3.0));
+  CHECK(*experiments::score_point(samples, {0.003, 0.3}).hold_error_mm == Approx(2.5));
+  CHECK_FALSE(score.cross_track_rms_mm);
   const auto missed = experiments::score_point({samples[0]}, {0.003, 5.0});
   CHECK_FALSE(missed.success);
-  CHECK_FALSE(missed.hold_error_m);
+  CHECK_FALSE(missed.hold_error_mm);
   CHECK_FALSE(missed.steps_to_reach);
 }
 
@@ -34,22 +34,30 @@ TEST_CASE("a run along a path has a cross-track and a timed error") {
                                              {0.3, {0.010, 0.003}, {0.014, 0.0}, false},
                                              {0.6, {0.020, -0.001}, {0.020, 0.0}, false}};
   const auto score = experiments::score_path(samples, path, {0.003, 5.0});
-  REQUIRE(score.errors_m.size() == 2);
-  CHECK(*score.cross_track_rms_m == Approx(std::sqrt((9e-6 + 1e-6) / 2.0)));
-  CHECK(*score.time_rms_m == Approx(std::sqrt((25e-6 + 1e-6) / 2.0)));
+  REQUIRE(score.errors_mm.size() == 2);
+  CHECK(*score.cross_track_rms_mm == Approx(std::sqrt((9.0 + 1.0) / 2.0)));
+  CHECK(*score.time_rms_error_mm == Approx(std::sqrt((25.0 + 1.0) / 2.0)));
   CHECK(score.success);
   const auto never = experiments::score_path({samples[0]}, path, {0.1, 5.0});
   CHECK_FALSE(never.success);
-  CHECK(never.errors_m.size() == 1);
+  CHECK(never.errors_mm.size() == 1);
 }
 
-TEST_CASE("summaries of known numbers") {
-  const auto summary = experiments::summarise({4.0, 1.0, 2.0, 3.0});
-  CHECK(summary.mean == Approx(2.5));
-  CHECK(summary.median == Approx(2.5));
-  CHECK(summary.std == Approx(std::sqrt(5.0 / 3.0)));
-  CHECK(summary.rms == Approx(std::sqrt(7.5)));
-  CHECK(experiments::summarise({3.0, 1.0, 2.0}).median == 2.0);
+TEST_CASE("errors of all trials are pooled, and summed up as known numbers are") {
+  const auto summed_up = [](std::vector<double> errors_mm) {
+    runs::TrialFigures first;
+    first.errors_mm = {errors_mm.back()};
+    errors_mm.pop_back();
+    runs::TrialFigures others;
+    others.errors_mm = errors_mm;
+    return experiments::summarise_trials({&others, &first});
+  };
+  const auto summary = summed_up({4.0, 1.0, 2.0, 3.0});
+  CHECK(summary.mean_error_mm == Approx(2.5));
+  CHECK(summary.median_error_mm == Approx(2.5));
+  CHECK(summary.std_error_mm == Approx(std::sqrt(5.0 / 3.0)));
+  CHECK(summary.rms_error_mm == Approx(std::sqrt(7.5)));
+  CHECK(summed_up({3.0, 1.0, 2.0}).median_error_mm == 2.0);
 }
 
 TEST_CASE("a task is summed up by true poses where they are known, and by what was seen") {

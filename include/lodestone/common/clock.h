@@ -24,17 +24,4 @@ class SteadyClock final : public Clock {
   bool wait_until(double time_s, Interruption* interruption) override;
 };
 
-/// Makes a simulated clock keep pace with wall time: every sleep takes as long as it says.
-class PacedClock final : public Clock {
- public:
-  explicit PacedClock(Clock& simulated);
-  double now_s() const override;
-  bool wait_until(double time_s, Interruption* interruption) override;
-
- private:
-  Clock& simulated_;
-  SteadyClock wall_;
-  double offset_s_;
-};
-
 }  // namespace lodestone::common

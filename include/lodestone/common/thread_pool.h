@@ -1,10 +1,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 
 namespace lodestone::common {
+
+/// What is asked for, or one per processor where that is 0.
+std::int64_t thread_count(std::int64_t asked);
 
 /// A fixed set of workers for data-parallel loops. The caller works too, so ThreadPool(1) starts no thread.
 /// Work is cut into shards by the caller; results must not depend on which worker runs a shard.

@@ -5,23 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "lodestone/experiments/deployment_job.h"
 #include "lodestone/experiments/recorder.h"
 #include "lodestone/experiments/trial_driver.h"
 #include "lodestone/runs/deployment_results.h"
 #include "lodestone/runs/resumable_run.h"
 
 namespace lodestone::experiments {
-
-/// What is driven: every task by every controller on every kind of rig.
-struct DeploymentJob {
-  std::vector<std::string> tasks;
-  std::optional<geometry::Path> path;         ///< of task "path"
-  std::optional<geometry::Vector2> target_m;  ///< of task "point"; drawn for each trial without
-  std::optional<task::Region> region;         ///< that starts and targets lie in
-  std::vector<RigKind> rigs;
-  std::vector<ControllerSource> sources;
-  runs::Provenance provenance;  ///< of the policy
-};
 
 /// Phase 3 as resumable work: a trial that has ended is kept (`trajectories.csv`, `trials.jsonl`, both
 /// flushed, and `summary.json` of all so far), whatever happens to the process.

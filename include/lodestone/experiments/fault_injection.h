@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,20 @@ struct FaultResult {
   std::int64_t asked = 0;     ///< that the run asked for and was told of as given
   std::int64_t recorded = 0;  ///< steps that the record holds on disk
   std::int64_t steps = 0;     ///< steps that the run took
+  std::optional<bool> held;   ///< in a pulse of seconds (inject_held_fault)
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("fault", fault);
+    v.field("injected_s", injected_s);
+    v.field("stopped", stopped);
+    v.field("reason", reason);
+    v.field("on_after_s", on_after_s);
+    v.field("unsafe", unsafe);
+    v.field("steps", steps);
+    v.field("recorded", recorded);
+    v.field("held", held);
+  }
 };
 
 /// A fault must leave all coils without current within this time.
@@ -38,6 +53,7 @@ std::vector<std::string> device_fault_names();
 /// it: the PC looks at the status every 50 ms and stops on the first fault.
 FaultResult inject_held_fault(const std::string& fault, std::uint64_t seed, const std::string& folder);
 
+/// A long run with many faults.
 struct HourReport {
   std::vector<FaultResult> faults;
   std::int64_t pulses = 0;
@@ -45,6 +61,14 @@ struct HourReport {
   std::int64_t unsafe = 0;
   double longest_on_s = 0.0;  ///< longest stretch with current in any coil
   double largest_current_A = 0.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("pulses", pulses);
+    v.field("simulated_s", simulated_s);
+    v.field("largest_current_A", largest_current_A);
+    v.field("faults", faults);
+  }
 };
 
 /// Many pulses with one random fault a minute; after every stop an operator removes the fault, clears the

@@ -17,21 +17,6 @@ struct ScoredSample {
   bool approach = false;  ///< still on the way to the start of a path: not scored
 };
 
-/// How well one trial went, by one source of positions (true, or as sensed).
-struct TrialScore {
-  std::vector<double>
-      errors_m;  ///< point: the distance at the end; path: the cross-track error of every sample
-  double final_error_m = 0.0;          ///< distance to the target at the end
-  bool success = false;                ///< point: final error within the radius; path: its cross-track RMS is
-  std::optional<double> hold_error_m;  ///< mean distance at the end of a trial that reached (point only)
-  std::optional<double> heading_error_rad;  ///< at the end; pose only
-  std::optional<double> cross_track_rms_m;  ///< path only
-  std::optional<double> time_rms_m;         ///< RMS distance to the moving reference, path only
-  std::optional<std::int64_t>
-      steps_to_reach;  ///< pulses until the target (the start of the path) was reached
-  std::optional<double> seconds_to_reach;
-};
-
 /// Rules of scoring.
 struct ScoreConfig {
   double success_radius_m = 0.003;
@@ -50,23 +35,14 @@ struct ScoreConfig {
   }
 };
 
-/// Scores a run to a fixed point. `samples` holds at least one; the last one closes the run.
-TrialScore score_point(const std::vector<ScoredSample>& samples, const ScoreConfig& config);
+/// Scores a run to a fixed point: reached where the last distance is within the radius. `samples` holds at
+/// least one; the last one closes the run.
+runs::TrialFigures score_point(const std::vector<ScoredSample>& samples, const ScoreConfig& config);
 
-/// Scores a run along a path. A run that never left the approach is scored by its last sample, and failed.
-TrialScore score_path(const std::vector<ScoredSample>& samples, const geometry::Path& path,
-                      const ScoreConfig& config);
-
-/// Mean, sample standard deviation, median and root mean square.
-struct ErrorSummary {
-  double mean = 0.0;
-  double std = 0.0;
-  double median = 0.0;
-  double rms = 0.0;
-};
-
-/// Throws LogicFault when there are no values.
-ErrorSummary summarise(std::vector<double> values);
+/// Scores a run along a path: reached where its cross-track RMS is within the radius. A run that never left
+/// the approach is scored by its last sample, and failed.
+runs::TrialFigures score_path(const std::vector<ScoredSample>& samples, const geometry::Path& path,
+                              const ScoreConfig& config);
 
 /// Throws LogicFault when there are no trials.
 runs::ErrorStatistics summarise_trials(const std::vector<const runs::TrialFigures*>& trials);

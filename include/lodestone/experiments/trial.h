@@ -40,8 +40,8 @@ struct TrialResult {
   std::vector<TrialSample> samples;
   bool completed = false;
   std::string stop_reason;
-  std::optional<TrialScore> truth;  ///< absent where nobody knows the true pose
-  TrialScore sensed;
+  std::optional<runs::TrialFigures> truth;  ///< absent where nobody knows the true pose
+  runs::TrialFigures sensed;
 };
 
 /// Where the needle truly is: for scoring only, and empty where nobody knows.

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "lodestone/common/config.h"
 #include "lodestone/runs/plan.h"
 
 namespace lodestone::runs {
@@ -16,5 +17,11 @@ std::string ninja_text(const Plan& plan, const PlanPlace& place);
 /// installed or there is no such cell.
 void run_plan(const Plan& plan, const PlanPlace& place, const std::string& label,
               const std::string& only = "");
+
+/// The same as a run of `verb` in the plan's folder, which holds one plan with the same `settings` and
+/// rig: the same call goes on where it was. It is finished once all cells are. Throws ConfigError, too, where
+/// the folder holds something else.
+void run_plan_in_folder(const Plan& plan, const PlanPlace& place, const std::string& verb,
+                        common::Json settings, const std::string& only);
 
 }  // namespace lodestone::runs

@@ -16,7 +16,9 @@ struct Progress {
   std::string note;
 };
 
-/// Long work that is cut into steps, and gone on with from a checkpoint bitwise as if never stopped.
+/// Long work that is cut into steps, and gone on with from a checkpoint bitwise as if never stopped. Work of
+/// seconds is not (a report is read and written in whole), nor are measurements of this machine (bench speed,
+/// bench emulation), which an interruption would spoil.
 class ResumableWork {
  public:
   virtual ~ResumableWork() = default;

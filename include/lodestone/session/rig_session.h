@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "lodestone/common/clock.h"
 #include "lodestone/rig/rig_config.h"
@@ -67,11 +68,12 @@ std::unique_ptr<RigSession> make_virtual_session(const rig::VirtualRigConfig& ri
                                                  const safety::SafetyConfig& safety,
                                                  const VirtualSeeds& seeds, bool realtime = false);
 
-/// The bench on the serial port, under its camera. Images are calibrated from `sensing.calibration`, or
+/// The bench on the serial port, under its camera; with a `folder`, the file STOP in it stops the bench where
+/// `safety` names none. Images are calibrated from `sensing.calibration`, or
 /// from the first one. Any key in the terminal stops. Without `ask`, place() throws. Throws HardwareError,
 /// IoError, ConfigError and CheckpointError when a part is missing.
 std::unique_ptr<RigSession> make_serial_session(const rig::RigConfig& rig, const SensingConfig& sensing,
-                                                const safety::SafetyConfig& safety,
-                                                AskedOperator::Ask ask = {});
+                                                safety::SafetyConfig safety, AskedOperator::Ask ask = {},
+                                                const std::string& folder = "");
 
 }  // namespace lodestone::session

@@ -3,40 +3,12 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <string>
 #include <vector>
 
-#include "lodestone/common/config.h"
-#include "lodestone/rig/rig_config.h"
+#include "lodestone/experiments/speed.h"
 #include "lodestone/rl/td3_config.h"
 
-namespace lodestone::apps {
-
-struct SpeedConfig {
-  std::int64_t seed = 1;
-  std::int64_t threads = 0;
-  std::int64_t runs = 5;
-  double run_s = 1.0;
-  std::int64_t td3_batch = 256;
-  std::int64_t mbs_environments = 4096;
-  std::int64_t images = 200;
-  std::string segmenter;
-  rig::RigConfig rig;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("seed", seed, "", "seed of the inputs", {0, 9e15});
-    v.field("threads", threads, "", "threads of the threaded figures; 0 means one per processor", {0, 1024});
-    v.field("runs", runs, "", "rounds; every round measures every figure once, and medians are quoted",
-            {1, 100});
-    v.field("run_s", run_s, "s", "least time of one figure in one round", {0.01, 600.0});
-    v.field("td3_batch", td3_batch, "transitions", "batch of one TD3 update", {2, 1 << 20});
-    v.field("mbs_environments", mbs_environments, "", "environments stepped as one batch", {1, 1 << 22});
-    v.field("images", images, "", "images per round from which the needle's pose is found", {10, 100000});
-    v.field("segmenter", segmenter, "", "segmenter checkpoint; empty is the one that is shipped");
-    v.group("rig", rig, "the rig that is simulated and seen");
-  }
-};
+namespace lodestone::experiments {
 
 /// One thing that is measured: calling it measures for one round and returns the rate in units per second.
 using RateFigure = std::function<double()>;
@@ -78,4 +50,4 @@ class ImageLatency {
 /// returns the most memory the program has held so far, in MB. Call before anything else that needs memory.
 double training_memory_mb(const SpeedConfig& config, std::int64_t threads);
 
-}  // namespace lodestone::apps
+}  // namespace lodestone::experiments

@@ -27,7 +27,7 @@
 #include "lodestone/vision/localiser.h"
 #include "lodestone/vision/segmenter_evaluation.h"
 
-namespace lodestone::apps {
+namespace lodestone::experiments {
 namespace {
 
 constexpr std::int64_t kObservationSize = 5;  // the paper's networks: state and target
@@ -36,7 +36,7 @@ constexpr std::int64_t kActionSize = 2;
 /// Calls `work`, which does `units` of work, for at least run_s. The first call of all is not timed: caches,
 /// buffers, threads.
 template <class Work>
-RateFigure rate_of(const SpeedConfig& config, double units, Work work) {
+RateFigure timed(const SpeedConfig& config, double units, Work work) {
   return [run_s = config.run_s, units, work = std::move(work), warm = false]() mutable {
     if (!warm) work();
     warm = true;
@@ -83,10 +83,6 @@ std::shared_ptr<env::MbsEnv> drawn_environments(const SpeedConfig& config, std::
   return std::make_shared<env::MbsEnv>(drawn_model(config), settings, env::MbsConfig{}, threads);
 }
 
-}  // namespace
-
-namespace {
-
 constexpr std::int64_t kSize = 256;
 
 struct Operands {
@@ -103,7 +99,7 @@ RateFigure product_rate(const SpeedConfig& config, std::int64_t threads, const P
   auto pool = std::make_shared<common::ThreadPool>(static_cast<std::size_t>(threads));
   auto operands = std::make_shared<std::vector<Operands>>(pool->size());
   const double flop = 2.0 * kSize * kSize * kSize * kProducts * static_cast<double>(pool->size());
-  return rate_of(config, flop, [pool, operands, product] {
+  return timed(config, flop, [pool, operands, product] {
     pool->for_each(pool->size(), [&](std::size_t shard) {
       const at::NoGradGuard no_grad;
       for (int i = 0; i < kProducts; ++i) product((*operands)[shard]);
@@ -150,7 +146,7 @@ RateFigure td3_rate(const SpeedConfig& config, const rl::Td3Config& td3, std::in
   }
   batch.not_done.fill_(1.0);
   const at::Tensor noise = 0.2 * at::randn({td3.batch_size, kActionSize});
-  return rate_of(config, kUpdates, [learner, batch, noise] {
+  return timed(config, kUpdates, [learner, batch, noise] {
     for (int i = 0; i < kUpdates; ++i) learner->update(batch, noise);
   });
 }
@@ -170,7 +166,7 @@ RateFigure mbs_rate(const SpeedConfig& config, std::int64_t environments, std::i
   std::vector<float> actions(static_cast<std::size_t>(environments * kActionSize));
   common::RandomStream random(static_cast<std::uint64_t>(config.seed), "bench actions");
   for (float& action : actions) action = static_cast<float>(random.uniform(-1.0, 1.0));
-  return rate_of(config, static_cast<double>(kSteps * environments), [env, actions] {
+  return timed(config, static_cast<double>(kSteps * environments), [env, actions] {
     for (int i = 0; i < kSteps; ++i) env->step(actions);
   });
 }
@@ -191,7 +187,7 @@ RateFigure rig_rate(const SpeedConfig& config, std::int64_t threads) {
         config.rig, seed + i, i == 0 ? nullptr : rigs->owned[0]->field_table()));
   }
   auto random = std::make_shared<common::RandomStream>(seed, "bench-currents");
-  return rate_of(config, static_cast<double>(kRigs * kSteps), [rigs, random] {
+  return timed(config, static_cast<double>(kRigs * kSteps), [rigs, random] {
     for (const auto& rig : rigs->owned) rig->place({0.0, 0.0, random->uniform(-3.0, 3.0)});
     for (int step = 0; step < kSteps; ++step) {
       for (rig::CoilPulse& pulse : rigs->pulses) {
@@ -283,4 +279,4 @@ double training_memory_mb(const SpeedConfig& config, std::int64_t threads) {
   return common::peak_memory_mb();
 }
 
-}  // namespace lodestone::apps
+}  // namespace lodestone::experiments

@@ -1,0 +1,108 @@
+#include <algorithm>
+#include <cstdio>
+
+#include "common_options.h"
+#include "lodestone/common/artefact.h"
+#include "lodestone/experiments/emulation_bench.h"
+#include "lodestone/nets/blas.h"
+#include "lodestone/runs/run_folder.h"
+#include "models.h"
+#include "verbs.h"
+
+namespace lodestone::apps {
+namespace {
+
+using experiments::EmulationBench;
+using experiments::EmulationBenchConfig;
+using experiments::EmulationResult;
+
+void print_round_trips(const EmulationResult& result) {
+  std::printf("  round trip p99 %.2f ms; with the whole status median %.2f ms, p99 %.2f ms\n",
+              result.round_trip->ping_p99_ms, result.round_trip->status_median_ms,
+              result.round_trip->status_p99_ms);
+}
+
+void print_real_time(const EmulationResult& result) {
+  std::printf(
+      "  real-time square: %lld pulses, cross-track RMS %.2f mm, deviation of the period median %.2f ms, "
+      "real time lost %.2f s\n",
+      static_cast<long long>(result.real_time->pulses), result.real_time->cross_track_rms_mm,
+      result.real_time->deviation_median_ms, result.real_time->lost_real_time_s);
+}
+
+void print_square(const EmulationResult& result) {
+  std::printf(
+      "  square, cross-track RMS: %.3f mm with simulated coils, %.3f mm through the firmware (n = %lld)\n",
+      result.square->simulated_mm, result.square->emulated_mm, static_cast<long long>(result.square->trials));
+}
+
+void print_faults(const EmulationResult& result) {
+  for (const experiments::FaultResult& fault : result.faults) {
+    const char* what = fault.held ? "in a pulse of seconds:" : fault.stopped ? "stopped " : "went on ";
+    std::printf("  %-34s %s off after %.3f s  %s\n", fault.fault.c_str(), what, fault.on_after_s,
+                fault.reason.c_str());
+  }
+}
+
+void print_long_run(const EmulationResult& result) {
+  if (!result.long_run) return;
+  std::printf("  %lld pulses in %.0f s of bench time, %zu faults, largest current %.1f A\n",
+              static_cast<long long>(result.long_run->pulses), result.long_run->simulated_s,
+              result.long_run->faults.size(), result.long_run->largest_current_A);
+}
+
+/// What is measured, and how that is printed.
+struct Part {
+  void (EmulationBench::*measure)();
+  void (*print)(const EmulationResult&);
+};
+constexpr Part kParts[] = {{&EmulationBench::time_round_trips, print_round_trips},
+                           {&EmulationBench::drive_in_real_time, print_real_time},
+                           {&EmulationBench::compare_squares, print_square},
+                           {&EmulationBench::inject_every_fault, print_faults},
+                           {&EmulationBench::inject_for_long, print_long_run}};
+
+void bench_emulation(const CommonOptions& options) {
+  auto config = resolve_config<EmulationBenchConfig>(options);
+  nets::use_one_blas_thread();
+  choose_segmenter(config.deployment.sensor);
+  runs::RunFolder run(
+      {options.out, "bench emulation", common::config_to_json(config), config.deployment.seed});
+  run.begin();
+  EmulationBench bench(config, options.out);
+  const EmulationResult& result = bench.result();
+  for (const Part& part : kParts) {
+    const std::size_t before = result.figures.size();
+    (bench.*part.measure)();
+    part.print(result);
+    for (std::size_t i = before; i < result.figures.size(); ++i) {
+      const experiments::BoundedFigure& one = result.figures[i];
+      std::printf("%-52s %9.3f %-3s bound %.3f  %s\n", one.figure.c_str(), one.value, one.unit.c_str(),
+                  one.bound, one.ok ? "ok" : "BROKEN");
+    }
+    std::fflush(stdout);
+  }
+  common::write_artefact(run.file(EmulationResult::kFile), result);
+  run.finish();
+  const auto good = [](const experiments::BoundedFigure& one) { return one.ok; };
+  const auto first = std::find_if_not(result.figures.begin(), result.figures.end(), good);
+  if (first == result.figures.end()) return;
+  throw common::HardwareError(
+      "bench emulation: " + std::to_string(std::count_if(first, result.figures.end(), std::not_fn(good))) +
+      " bounds are broken, the first: " + first->figure);
+}
+
+}  // namespace
+
+void add_bench_emulation(Verb& bench) {
+  Verb& verb = bench.add_verb(
+      "emulation",
+      "the real firmware on an emulated bench: faults, timing, errors; exit code 1 when a bound is broken");
+  auto& options = configure<EmulationBenchConfig>(verb, bench_emulation);
+  add_common_options(verb, options);
+  add_virtual_rig_options(verb, options);
+  add_shorthand(verb, options, "--policy", "policy", Shorthand::kText,
+                "folder of the policy checkpoint; without it the proportional baseline drives");
+}
+
+}  // namespace lodestone::apps

@@ -1,0 +1,53 @@
+#include "common_options.h"
+
+namespace lodestone::apps {
+
+common::ConfigLayers CommonOptions::layers() const {
+  common::ConfigLayers layers;
+  if (!rig_file.empty()) layers.add_file(rig_file, "rig");
+  for (const std::string& file : config_files) layers.add_file(file);
+  for (const Override& value : overrides) layers.set(value.assignment, value.option);
+  if (seed) layers.set("seed=" + std::to_string(*seed), "--seed");
+  if (threads) layers.set("threads=" + std::to_string(*threads), "--threads");
+  return layers;
+}
+
+void add_common_options(Verb& verb, CommonOptions& options, bool with_resume) {
+  verb.add_option("--rig", &options.rig_file,
+                  "rig.json: what is known of the rig (default: the paper's rig, configs/rigs/paper.json)")
+      .named("FILE");
+  verb.add_option(
+          "--config", &options.config_files,
+          "JSON configuration; may be given several times, later ones win; presets lie under configs/")
+      .named("FILE")
+      .repeated();
+  const auto set = [&options](const std::string& assignment) {
+    options.overrides.push_back({assignment, "--set " + assignment.substr(0, assignment.find('='))});
+  };
+  verb.add_option("--set", set, "override one key, for example --set training.epochs=20")
+      .named("KEY=VALUE")
+      .repeated();
+  verb.add_option("--out", &options.out, "folder (or file) to write into").named("PATH");
+  verb.add_option("--seed", &options.seed, "seed of every random stream of the run");
+  verb.add_option("--threads", &options.threads,
+                  "threads; 0 means one per processor. Results do not depend on it");
+  if (with_resume) verb.add_option("--resume", &options.resume, "go on with the interrupted run in --out");
+}
+
+void add_shorthand(Verb& verb, CommonOptions& options, const std::string& flag, const std::string& key,
+                   Shorthand kind, const std::string& meaning) {
+  const auto override_key = [&options, flag, key, kind](const std::string& value) {
+    options.overrides.push_back(
+        {key + "=" + (kind == Shorthand::kText ? common::Json(value).dump() : value), flag});
+  };
+  verb.add_option(flag, override_key, meaning);
+}
+
+void add_virtual_rig_options(Verb& verb, CommonOptions& options, const std::string& seed_key) {
+  add_shorthand(verb, options, "--deviation", "rig.simulation.deviation", Shorthand::kText,
+                "how far the virtual rig is from its description: none, lab or wide");
+  add_shorthand(verb, options, "--rig-seed", seed_key, Shorthand::kValue,
+                "seed of what is hidden in the virtual rig");
+}
+
+}  // namespace lodestone::apps

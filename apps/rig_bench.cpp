@@ -1,0 +1,136 @@
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+#include "common_options.h"
+#include "lodestone/common/files.h"
+#include "lodestone/common/interrupt.h"
+#include "lodestone/common/log.h"
+#include "lodestone/experiments/emulated_rig.h"
+#include "lodestone/rig/coil_measurement.h"
+#include "lodestone/rig/serial_coils.h"
+#include "lodestone/safety/check.h"
+#include "lodestone/session/rig_check.h"
+#include "models.h"
+#include "terminal.h"
+#include "verbs.h"
+
+namespace lodestone::apps {
+namespace {
+
+struct BenchOptions : CommonOptions {
+  bool yes = false;
+  bool clear = false;
+  bool no_camera = false;
+};
+
+session::RigCheckConfig resolve(const CommonOptions& options) {
+  auto config = resolve_config<session::RigCheckConfig>(options);
+  config.safety.max_current_A = std::min(config.safety.max_current_A, config.rig.coils.max_current_A);
+  return config;
+}
+
+void rest(double seconds) {
+  common::SteadyClock clock;
+  clock.sleep_until(clock.now_s() + seconds);
+}
+
+std::string number(double value, const char* unit) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.1f %s", value, unit);
+  return text;
+}
+
+void check(const BenchOptions& options) {
+  session::RigCheckConfig config = resolve(options);
+  if (!options.no_camera) choose_segmenter(config.sensor);
+  TerminalDialogue dialogue(options.yes);
+  session::check_rig(config, {!options.no_camera, options.clear}, dialogue);
+}
+
+void calibrate_coils(const BenchOptions& options) {
+  const session::RigCheckConfig config = resolve(options);
+  if (options.out.empty())
+    throw common::ConfigError("calibrate coils: --out FILE.json is missing; name the file to write");
+  rig::SerialCoils coils(config.rig.serial, config.rig.coils);
+  const common::SteadyClock clock;
+  safety::Supervisor guarded(coils, config.safety, config.rig, clock, safety::Supervisor::Poses::kNone);
+  common::Json resistance = common::Json::array();
+  common::Json inductance = common::Json::array();
+  std::printf("%-8s %10s %10s %10s %12s\n", "coil", "R ohm", "L mH", "L/R ms", "residual A");
+  for (int coil = 0; coil < rig::kCoilCount; ++coil) {
+    if (!confirm(std::string("measure coil ") + safety::kCoilNames[coil] + "? It gets " +
+                     std::to_string(config.pulses) + " pulses of " + number(config.test_current_A, "A") + ".",
+                 options.yes))
+      throw common::Interrupted("calibrate coils: stopped; nothing was written");
+    const rig::CoilMeasurement found =
+        rig::measure_coil(coils, guarded, coil, config.test_current_A, static_cast<int>(config.pulses), rest);
+    std::printf("%-8s %10.3f %10.2f %10.2f %12.3f\n", safety::kCoilNames[coil], found.resistance_ohm,
+                1e3 * found.inductance_H(), 1e3 * found.time_constant_s, found.rms_A);
+    const double warmer_K = config.rig.ambient_C - 20.0;
+    resistance.push_back(found.resistance_ohm /
+                         (1.0 + config.rig.coils.temperature_coefficient_per_K * warmer_K));
+    inductance.push_back(found.inductance_H());
+  }
+  coils.stop();
+  common::Json rig = common::config_to_json(config.rig);
+  rig["coils"]["resistance_20C_ohm"] = resistance;
+  rig["coils"]["inductance_H"] = inductance;
+  common::write_file_atomically(options.out, rig.dump(1) + "\n");
+  std::printf(
+      "wrote %s: the rig with its coils as measured, for --rig. They counted as %.0f C warm "
+      "(rig.ambient_C).\n",
+      options.out.c_str(), config.rig.ambient_C);
+}
+
+void emulate(const BenchOptions& options) {
+  const session::RigCheckConfig config = resolve(options);
+  const auto seed = static_cast<std::uint64_t>(config.seed);
+  const experiments::EmulatedRig emulated = experiments::make_emulated_rig(
+      config.rig, seed, options.no_camera ? nullptr : &config.sensor.scene, seed);
+  const std::string json = common::config_to_json(emulated.description).dump(1);
+  std::printf(
+      "emulated rig on %s: give this rig.json to deploy, collect, rig check or calibrate coils by "
+      "--rig\n%s\n",
+      emulated.description.serial.port.c_str(), json.c_str());
+  std::fflush(stdout);
+  if (!options.out.empty()) common::write_file_atomically(options.out, json + "\n");
+  common::log_info("it runs until Ctrl-C");
+  while (!common::interrupted()) rest(0.1);
+  if (const double lost_s = emulated.bench->lost_s(); lost_s > 0.5)
+    common::log_warning("this machine was too slow for real time for " + number(lost_s, "s"));
+}
+
+void add_bench_options(Verb& verb, BenchOptions& options, bool asks) {
+  add_common_options(verb, options);
+  add_shorthand(verb, options, "--port", "rig.serial.port", Shorthand::kText,
+                "serial port of the coil controller, such as /dev/ttyACM0");
+  if (asks) verb.add_option("--yes", &options.yes, "answer every question with yes: coils will be energised");
+}
+
+}  // namespace
+
+void add_rig_check(Verb& rig) {
+  Verb& verb = rig.add_verb(
+      "check", "walk through the wiring: port, firmware, supply, emergency stop, camera, each coil");
+  auto& options = configure<session::RigCheckConfig>(verb, check);
+  add_bench_options(verb, options, true);
+  verb.add_option("--clear", &options.clear, "forget the faults that the coil controller has latched");
+  verb.add_option("--no-camera", &options.no_camera, "leave the camera out");
+}
+
+void add_rig_emulate(Verb& rig) {
+  Verb& verb = rig.add_verb(
+      "emulate", "run a bench without hardware: the real firmware, its serial port, a GigE Vision camera");
+  auto& options = configure<session::RigCheckConfig>(verb, emulate);
+  add_bench_options(verb, options, false);
+  add_virtual_rig_options(verb, options, "seed");
+  verb.add_option("--no-camera", &options.no_camera, "without a camera");
+}
+
+void add_calibrate_coils(Verb& calibrate) {
+  Verb& verb = calibrate.add_verb("coils", "measure resistance and inductance of the coils of a real bench");
+  add_bench_options(verb, configure<session::RigCheckConfig>(verb, calibrate_coils), true);
+}
+
+}  // namespace lodestone::apps

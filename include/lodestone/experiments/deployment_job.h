@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lodestone/experiments/deployment.h"
+#include "lodestone/runs/training_results.h"
+
+namespace lodestone::experiments {
+
+/// What `deploy` is asked for.
+struct DeployConfig {
+  DeploymentConfig deployment;
+  std::int64_t threads = 0;
+  std::string policy;
+  std::string dynamics;
+  std::string task = "all";
+  std::vector<double> target_mm;
+  std::string on_rig = "explored";
+  std::string controller = "both";
+  bool realtime = false;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    deployment.visit(v);
+    v.field("threads", threads, "", "trials at the same time; 0 means one per processor", {0, 1024});
+    v.field("policy", policy, "", "folder of the policy checkpoint");
+    v.field("dynamics", dynamics, "", "folder of the dynamics checkpoint that the planner plans in");
+    v.field("task", task, "",
+            "centre, point, pose, square, circle, all, or a path file.csv (columns x_m,y_m)");
+    v.field("target_mm", target_mm, "mm", "x, y of the target of `point`; drawn for each trial when empty",
+            {-1000.0, 1000.0});
+    v.field("on_rig", on_rig, "",
+            "the rig that was explored, rigs with new friction and calibration error, or both",
+            {"explored", "unseen", "both"});
+    v.field("controller", controller, "",
+            "what drives: a trained policy, the proportional baseline, both, or a planner in the learned "
+            "simulator",
+            {"policy", "baseline", "both", "planner"});
+    v.field("realtime", realtime, "", "wait as long as a real rig would");
+  }
+  /// Throws ConfigError where values do not fit each other.
+  void validate() const;
+};
+
+/// What is driven: every task by every controller on every kind of rig.
+struct DeploymentJob {
+  std::vector<std::string> tasks;
+  std::optional<geometry::Path> path;         ///< of task "path"
+  std::optional<geometry::Vector2> target_m;  ///< of task "point"; drawn for each trial without
+  std::optional<task::Region> region;         ///< that starts and targets lie in
+  std::vector<RigKind> rigs;
+  std::vector<ControllerSource> sources;
+  runs::Provenance provenance;  ///< of the policy
+};
+
+/// Reads the checkpoints and the path that the configuration names. Throws ConfigError where they do not fit
+/// what is asked, and CheckpointError, IoError and DataError where they cannot be read.
+DeploymentJob plan_job(const DeployConfig& config);
+
+}  // namespace lodestone::experiments

@@ -1,0 +1,161 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lodestone/experiments/deployment.h"
+#include "lodestone/experiments/fault_injection.h"
+
+namespace lodestone::experiments {
+
+/// What `bench emulation` measures, and what it must keep to.
+struct EmulationBenchConfig {
+  DeploymentConfig deployment;
+  std::int64_t threads = 0;
+  std::string policy;
+  std::int64_t pulses = 12000;
+  std::int64_t round_trips = 500;
+  double round_trip_bound_ms = 5.0;
+  double jitter_bound_ms = 5.0;
+  double error_bound = 0.1;
+
+  EmulationBenchConfig() {
+    deployment.trials.count = 20;
+    deployment.loop.rest_s = 0.2333;  // a period of a third of a second
+    deployment.loop.decide_s = 0.12;
+  }
+  template <class Visitor>
+  void visit(Visitor& v) {
+    deployment.visit(v);
+    v.field("threads", threads, "", "trials at the same time; 0 means one per processor", {0, 1024});
+    v.field("policy", policy, "", "folder of the policy checkpoint; empty: the proportional baseline drives");
+    v.field("pulses", pulses, "",
+            "pulses of the run with a random fault a minute; 12000 take an hour of bench time", {0, 1e6});
+    v.field("round_trips", round_trips, "", "answers of the firmware to time", {10, 100000});
+    v.field("round_trip_bound_ms", round_trip_bound_ms, "ms", "median of the way there and back",
+            {0.1, 1000.0});
+    v.field("jitter_bound_ms", jitter_bound_ms, "ms", "99th percentile of the period's deviation",
+            {0.1, 1000.0});
+    v.field("error_bound", error_bound, "",
+            "largest relative difference from the simulated coils' mean error", {0.0, 10.0});
+  }
+  void validate() const { deployment.rig.validate(); }
+};
+
+/// One number that must keep to a bound.
+struct BoundedFigure {
+  std::string figure;
+  double value = 0.0;
+  std::string unit;
+  double bound = 0.0;
+  bool ok = false;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("figure", figure);
+    v.field("value", value);
+    v.field("unit", unit);
+    v.field("bound", bound);
+    v.field("ok", ok);
+  }
+};
+
+/// Times of the firmware's answers.
+struct RoundTrips {
+  double ping_median_ms = 0.0, ping_p99_ms = 0.0;
+  double status_median_ms = 0.0, status_p99_ms = 0.0;  ///< with the whole status
+  double lost_real_time_s = 0.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("ping_median_ms", ping_median_ms);
+    v.field("ping_p99_ms", ping_p99_ms);
+    v.field("status_median_ms", status_median_ms);
+    v.field("status_p99_ms", status_p99_ms);
+    v.field("lost_real_time_s", lost_real_time_s);
+  }
+};
+
+/// One square in real time: pseudo-terminal, GigE Vision camera, U-Net, controller.
+struct RealTimeSquare {
+  std::int64_t pulses = 0;
+  double cross_track_rms_mm = 0.0;
+  double deviation_median_ms = 0.0, deviation_p99_ms = 0.0;  ///< of the control period
+  double lost_real_time_s = 0.0;
+  std::string stop_reason;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("pulses", pulses);
+    v.field("cross_track_rms_mm", cross_track_rms_mm);
+    v.field("deviation_median_ms", deviation_median_ms);
+    v.field("deviation_p99_ms", deviation_p99_ms);
+    v.field("lost_real_time_s", lost_real_time_s);
+    v.field("stop_reason", stop_reason);
+  }
+};
+
+/// Mean cross-track RMS of the same squares through the simulated coils and through the firmware.
+struct SquareComparison {
+  double simulated_mm = 0.0, emulated_mm = 0.0;
+  std::int64_t trials = 0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("simulated_mm", simulated_mm);
+    v.field("emulated_mm", emulated_mm);
+    v.field("trials", trials);
+  }
+};
+
+/// `emulation.json`. A part that was not measured is absent.
+struct EmulationResult {
+  static constexpr const char* kFile = "emulation.json";
+  common::Json machine;
+  std::optional<RoundTrips> round_trip;
+  std::optional<RealTimeSquare> real_time;
+  std::optional<SquareComparison> square;
+  std::vector<FaultResult> faults;
+  std::optional<HourReport> long_run;
+  std::vector<BoundedFigure> figures;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("machine", machine);
+    v.field("round_trip", round_trip);
+    v.field("real_time", real_time);
+    v.field("square", square);
+    v.field("faults", faults);
+    v.field("long_run", long_run);
+    v.field("figures", figures);
+  }
+};
+
+/// The real firmware on an emulated bench, measured part by part. Each adds what it found, and its bounded
+/// figures, to the result. They throw HardwareError where there is no emulator, and Interrupted.
+class EmulationBench {
+ public:
+  /// `folder` takes what the runs record; it exists. `config` must outlive the bench.
+  EmulationBench(const EmulationBenchConfig& config, std::string folder);
+
+  void time_round_trips();
+  void drive_in_real_time();
+  void compare_squares();
+  void inject_every_fault();
+  /// Nothing where config.pulses is 0.
+  void inject_for_long();
+  const EmulationResult& result() const { return result_; }
+
+ private:
+  void add(const std::string& figure, double value, const char* unit, double bound);
+  ControllerSource source() const;
+
+  const EmulationBenchConfig& config_;
+  std::string folder_;
+  std::uint64_t seed_;
+  EmulationResult result_;
+};
+
+}  // namespace lodestone::experiments

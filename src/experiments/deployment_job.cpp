@@ -1,0 +1,108 @@
+#include "lodestone/experiments/deployment_job.h"
+
+#include <algorithm>
+
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/error.h"
+#include "lodestone/inference/dynamics.h"
+
+namespace lodestone::experiments {
+namespace {
+
+const std::vector<std::string> kTasks = {"centre", "point", "square", "circle"};
+
+bool is_path_file(const std::string& task) {
+  return task.size() > 4 && task.compare(task.size() - 4, 4, ".csv") == 0;
+}
+
+void choose_tasks(const DeployConfig& config, DeploymentJob& job) {
+  if (is_path_file(config.task)) {
+    job.path = geometry::Path::from_csv(config.task);
+    job.tasks = {"path"};
+  } else if (config.task == "all") {
+    job.tasks = kTasks;
+  } else if (config.task == "pose" || std::find(kTasks.begin(), kTasks.end(), config.task) != kTasks.end()) {
+    job.tasks = {config.task};
+  } else {
+    throw common::ConfigError(
+        "task = \"" + config.task +
+        "\", must be centre, point, pose, square, circle, all, or the name of a .csv file");
+  }
+  if (config.target_mm.size() == 2) {
+    job.target_m = geometry::Vector2(1e-3 * config.target_mm[0], 1e-3 * config.target_mm[1]);
+    check_in_dish(config.deployment.rig, *job.target_m, "target_mm");
+  }
+  if (job.path)
+    for (const geometry::Vector2& point_m : job.path->points_m())
+      check_in_dish(config.deployment.rig, point_m, config.task + ": point");
+}
+
+/// A policy can do what it was trained for, and no other task.
+void check_goal(const DeployConfig& config, const inference::Policy& policy, DeploymentJob& job) {
+  const std::string name = policy.goal;
+  if (config.task == "all") {
+    if (name != "point") job.tasks = {name};
+    return;
+  }
+  // Any needle that has come to a point can be turned there.
+  const bool turns = config.deployment.turn.current_A > 0.0;
+  const bool fits = name == "point" ? config.task != "pose" || turns : config.task == name;
+  if (!fits)
+    throw common::ConfigError(
+        "task = \"" + config.task + "\": " + config.policy + " was trained for goal \"" + name +
+        "\" only; use --task " +
+        (name == "point" ? "point or a path, turn it in place (configs/best/deploy_pose.json)" : name) +
+        ", or another policy");
+}
+
+}  // namespace
+
+void DeployConfig::validate() const {
+  deployment.rig.validate();
+  if (deployment.record.enabled && deployment.sensor.kind != "camera")
+    throw common::ConfigError(
+        "record.enabled = true needs sensor.kind = \"camera\": there is nothing to film");
+  if (!target_mm.empty() && target_mm.size() != 2)
+    throw common::ConfigError("target_mm holds " + std::to_string(target_mm.size()) +
+                              " numbers, must be two: x and y in mm");
+}
+
+DeploymentJob plan_job(const DeployConfig& config) {
+  DeploymentJob job;
+  choose_tasks(config, job);
+  const bool real = config.deployment.rig.real();
+  if (real) job.rigs.push_back(RigKind::kReal);
+  if (!real && config.on_rig != "unseen") job.rigs.push_back(RigKind::kExplored);
+  if (!real && config.on_rig != "explored") job.rigs.push_back(RigKind::kUnseen);
+  const bool by_policy = config.controller == "policy" || config.controller == "both";
+  std::optional<inference::Policy> policy;
+  if (!config.policy.empty()) policy = inference::load_policy(config.policy);
+  if (by_policy) {
+    if (!policy)
+      throw common::ConfigError(
+          "deploy: --policy DIR is missing; name a policy checkpoint, or use --controller baseline or "
+          "planner");
+    check_goal(config, *policy, job);
+    job.sources.push_back(policy_source(config.deployment, *policy, config.policy));
+    job.provenance = common::artefact_from_json<runs::Provenance>(policy->provenance, config.policy);
+  }
+  if (config.controller == "planner") {
+    if (config.dynamics.empty())
+      throw common::ConfigError(
+          "controller = planner: --set dynamics=DIR is missing; name a dynamics checkpoint");
+    job.sources.push_back(
+        planner_source(config.deployment, inference::load_dynamics(config.dynamics), config.dynamics));
+  }
+  if (config.controller == "baseline" || config.controller == "both")
+    job.sources.push_back(baseline_source(config.deployment));
+  if (config.deployment.trials.within == "reachable") {
+    if (!policy || !policy->region)
+      throw common::ConfigError(
+          "trials.within = \"reachable\" needs a policy that was trained with task.within = "
+          "\"reachable\" (its map of the dish): --policy DIR");
+    job.region = policy->region;
+  }
+  return job;
+}
+
+}  // namespace lodestone::experiments

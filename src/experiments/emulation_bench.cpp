@@ -1,0 +1,224 @@
+#include "lodestone/experiments/emulation_bench.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "lodestone/common/build_facts.h"
+#include "lodestone/common/error.h"
+#include "lodestone/common/interrupt.h"
+#include "lodestone/common/log.h"
+#include "lodestone/common/progress.h"
+#include "lodestone/common/statistics.h"
+#include "lodestone/emulation/lockstep_port.h"
+#include "lodestone/experiments/emulated_rig.h"
+#include "lodestone/rig/serial_coils.h"
+
+namespace lodestone::experiments {
+namespace {
+
+using common::percentile;
+
+/// The coils behind the whole chain, in simulated time.
+struct LockstepDrive {
+  LockstepDrive(rig::VirtualRig& rig, const rig::SerialConfig& serial)
+      : bench(rig), coils(serial, rig.config().coils, [this] {
+          return std::make_unique<emulation::LockstepPort>(bench);
+        }) {}
+  emulation::EmulatedBench bench;
+  rig::SerialCoils coils;
+};
+
+double mean_error_mm(const std::vector<TrialResult>& results) {
+  double sum = 0.0;
+  for (const TrialResult& result : results)
+    sum += result.truth->cross_track_rms_mm.value_or(result.truth->final_error_mm);
+  return sum / static_cast<double>(results.size());
+}
+
+std::vector<TrialPlan> square_plans(const EmulationBenchConfig& config, const Deployment& deployment) {
+  std::vector<TrialPlan> plans;
+  for (std::int64_t index = 0; index < config.deployment.trials.count; ++index)
+    plans.push_back(plan_trial(config.deployment, "square", index, std::nullopt, std::nullopt,
+                               [&](const geometry::Pose2& pose) { return deployment.fits(pose); }));
+  return plans;
+}
+
+/// When each pulse began, by the motor controllers' duty.
+class PulseWatch {
+ public:
+  explicit PulseWatch(emulation::LiveBench& live) : live_(live) {
+    live_.with([this](emulation::EmulatedBench& bench) {
+      bench.watch = [this, &bench, was_on = false](double now_s, const auto&) mutable {
+        bool on = false;
+        for (int i = 0; i < 2; ++i)
+          for (const double duty : bench.controller(i).duty()) on = on || duty != 0.0;
+        if (on && !was_on) {
+          const std::lock_guard<std::mutex> lock(mutex_);
+          begun_s_.push_back(now_s);
+        }
+        was_on = on;
+      };
+    });
+  }
+  ~PulseWatch() {
+    live_.with([](emulation::EmulatedBench& bench) { bench.watch = nullptr; });
+  }
+  PulseWatch(const PulseWatch&) = delete;
+  PulseWatch& operator=(const PulseWatch&) = delete;
+
+  std::int64_t pulses() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return static_cast<std::int64_t>(begun_s_.size());
+  }
+  /// How far the time between two pulses is from whole periods.
+  std::vector<double> deviations_ms(double period_s) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    std::vector<double> deviations;
+    for (std::size_t i = 1; i < begun_s_.size(); ++i) {
+      const double between_s = begun_s_[i] - begun_s_[i - 1];
+      const double periods = std::round(between_s / period_s);
+      if (periods >= 1.0)  // a step without a pose or with a drive of zero gives no pulse
+        deviations.push_back(1e3 * std::abs(between_s - periods * period_s));
+    }
+    return deviations;
+  }
+
+ private:
+  emulation::LiveBench& live_;
+  std::mutex mutex_;
+  std::vector<double> begun_s_;
+};
+
+}  // namespace
+
+EmulationBench::EmulationBench(const EmulationBenchConfig& config, std::string folder)
+    : config_(config), folder_(std::move(folder)), seed_(static_cast<std::uint64_t>(config.deployment.seed)) {
+  result_.machine = common::build_and_host_facts();
+}
+
+void EmulationBench::add(const std::string& figure, double value, const char* unit, double bound) {
+  result_.figures.push_back({figure, value, unit, bound, value <= bound});
+}
+
+ControllerSource EmulationBench::source() const {
+  if (config_.policy.empty()) return baseline_source(config_.deployment);
+  return policy_source(config_.deployment, inference::load_policy(config_.policy), config_.policy);
+}
+
+void EmulationBench::time_round_trips() {
+  emulation::LiveBench bench(config_.deployment.rig, seed_);
+  rig::SerialConfig serial = config_.deployment.rig.serial;
+  serial.port = bench.port();
+  rig::SerialCoils coils(serial, config_.deployment.rig.coils);
+  const common::SteadyClock clock;
+  std::vector<double> ping_ms;
+  std::vector<double> status_ms;
+  for (std::int64_t i = 0; i < config_.round_trips; ++i) {
+    const double start_s = clock.now_s();
+    coils.ping();
+    const double pinged_s = clock.now_s();
+    coils.status();
+    ping_ms.push_back(1e3 * (pinged_s - start_s));
+    status_ms.push_back(1e3 * (clock.now_s() - pinged_s));
+  }
+  result_.round_trip = {percentile(ping_ms, 0.5), percentile(ping_ms, 0.99), percentile(status_ms, 0.5),
+                        percentile(status_ms, 0.99), bench.lost_s()};
+  add("round trip at 115,200 baud, median", result_.round_trip->ping_median_ms, "ms",
+      config_.round_trip_bound_ms);
+}
+
+void EmulationBench::drive_in_real_time() {
+  DeploymentConfig deployment = config_.deployment;
+  const EmulatedRig emulated =
+      make_emulated_rig(deployment.rig, static_cast<std::uint64_t>(deployment.rig_seed),
+                        &deployment.sensor.scene, static_cast<std::uint64_t>(deployment.sensor_seed));
+  emulation::LiveBench& live = *emulated.bench;
+  deployment.rig = emulated.description;
+  deployment.safety.stop_file = folder_ + "/STOP";
+  PulseWatch watch(live);
+  const std::unique_ptr<session::RigSession> session =
+      session::make_serial_session(deployment.rig, deployment.sensor, deployment.safety);
+  const TrialPlan plan = plan_trial(deployment, "square", 0, std::nullopt, std::nullopt,
+                                    [&](const geometry::Pose2& pose) { return session->fits(pose); });
+  live.place(plan.start);
+  common::log_info("bench emulation: one square in real time on " + live.port() + " under " + live.camera());
+  const TrialResult trial =
+      run_on_session(*session, deployment, plan, source(), [&] { return live.true_pose(); });
+  if (!trial.completed) common::log_warning("real-time square stopped: " + trial.stop_reason);
+  const std::vector<double> deviations_ms = watch.deviations_ms(deployment.loop.period_s());
+  result_.real_time = {
+      watch.pulses(), mean_error_mm({trial}), percentile(deviations_ms, 0.5), percentile(deviations_ms, 0.99),
+      live.lost_s(),  trial.stop_reason};
+  add("control period in real time: deviation, p99", result_.real_time->deviation_p99_ms, "ms",
+      config_.jitter_bound_ms);
+  add("real-time square: not finished", trial.completed ? 0.0 : 1.0, "", 0.0);
+}
+
+void EmulationBench::compare_squares() {
+  common::ThreadPool pool(static_cast<std::size_t>(config_.threads));
+  const rig::SerialConfig serial = config_.deployment.rig.serial;
+  const Deployment simulated(config_.deployment);
+  const Deployment emulated(config_.deployment, [serial](rig::VirtualRig& rig) {
+    auto drive = std::make_shared<LockstepDrive>(rig, serial);
+    return RigDrive{&drive->coils, &drive->bench.clock(), drive};
+  });
+  const std::vector<TrialPlan> plans = square_plans(config_, simulated);
+  common::log_info("bench emulation: " + std::to_string(plans.size()) +
+                   " squares with simulated coils, then as many with "
+                   "the emulated bench");
+  const ControllerSource driver = source();
+  const double simulated_mm = mean_error_mm(simulated.run(plans, RigKind::kExplored, driver, pool));
+  const auto by_bench = emulated.run(plans, RigKind::kExplored, driver, pool);
+  double stopped = 0.0;
+  for (const TrialResult& trial : by_bench) {
+    if (trial.completed) continue;
+    stopped += 1.0;
+    common::log_warning("square stopped: " + trial.stop_reason);
+  }
+  const double emulated_mm = mean_error_mm(by_bench);
+  result_.square = {simulated_mm, emulated_mm, static_cast<std::int64_t>(plans.size())};
+  add("square: relative difference of the mean error", std::abs(emulated_mm / simulated_mm - 1.0), "",
+      config_.error_bound);
+  add("square: trials stopped on the emulated bench", stopped, "", 0.0);
+}
+
+void EmulationBench::inject_every_fault() {
+  const std::vector<std::string> names = fault_names();
+  common::Progress progress("faults", static_cast<std::int64_t>(names.size()));
+  double lost = 0.0;
+  for (const std::string& name : names) {
+    if (common::interrupted()) throw common::Interrupted("bench emulation: stopped by the user");
+    result_.faults.push_back(inject_fault(name, seed_, folder_));
+    lost += static_cast<double>(result_.faults.back().steps - result_.faults.back().recorded);
+    progress.update(static_cast<std::int64_t>(result_.faults.size()), name);
+  }
+  progress.finish();
+  for (const std::string& name : device_fault_names())
+    result_.faults.push_back(inject_held_fault(name, seed_, folder_));
+  double worst_s = 0.0;
+  double unsafe = 0.0;
+  for (const FaultResult& result : result_.faults) {
+    worst_s = std::max(worst_s, result.on_after_s);
+    unsafe += result.unsafe ? 1.0 : 0.0;
+  }
+  add("longest time to coils off after a fault", worst_s, "s", kOffWithin_s);
+  add("faults with an unsafe state", unsafe, "", 0.0);
+  add("records lost", lost, "", 0.0);
+}
+
+void EmulationBench::inject_for_long() {
+  if (config_.pulses == 0) return;
+  common::log_info("bench emulation: " + std::to_string(config_.pulses) + " pulses with a fault a minute");
+  result_.long_run = inject_for_an_hour(config_.pulses, seed_, folder_);
+  const HourReport& report = *result_.long_run;
+  double unlogged = 0.0;
+  for (const FaultResult& fault : report.faults) unlogged += fault.reason.empty() ? 1.0 : 0.0;
+  add("long run: unsafe states", static_cast<double>(report.unsafe), "", 0.0);
+  add("long run: faults without an entry in the log", unlogged, "", 0.0);
+  add("long run: longest stretch with current", report.longest_on_s, "s", kOffWithin_s);
+}
+
+}  // namespace lodestone::experiments

@@ -1,0 +1,221 @@
+#include "lodestone/session/rig_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include "lodestone/common/clock.h"
+#include "lodestone/common/error.h"
+#include "lodestone/rig/serial_coils.h"
+#include "lodestone/safety/check.h"
+#include "lodestone/session/coil_wiring.h"
+
+namespace lodestone::session {
+
+namespace {
+
+constexpr double kDegPerRad = 57.29577951308232;
+constexpr int kNameWidth = 22;
+
+std::string number(double value, const char* unit, int digits = 1) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.*f %s", digits, value, unit);
+  return text;
+}
+
+std::string named(std::string what) {
+  what.resize(std::max<std::size_t>(what.size(), kNameWidth), ' ');
+  return what + " ";
+}
+
+void rest(double seconds) {
+  common::SteadyClock clock;
+  clock.sleep_until(clock.now_s() + seconds);
+}
+
+std::string reset_text(int cause) {
+  if ((cause & 8) != 0) return "its watchdog restarted it: please report this";
+  if ((cause & 4) != 0) return "its supply sagged (brown-out)";
+  return "power or reset";
+}
+
+/// The camera and what it sees.
+struct Watcher {
+  Watcher(const RigCheckConfig& config, const imaging::BenchGeometry& bench)
+      : camera(rig::open_camera(config.rig.camera)) {
+    const imaging::Frame frame = camera->grab(2.0);
+    size = std::to_string(frame.image.cols) + " x " + std::to_string(frame.image.rows) + " pixels";
+    std::optional<imaging::Calibration> calibration;
+    if (!config.sensor.calibration.empty())
+      calibration = imaging::read_calibration(config.sensor.calibration);
+    sensor.emplace(*camera, vision::Segmenter::load(config.sensor.segmenter), bench, config.sensor.scene.lens,
+                   config.sensor.camera, calibration);
+  }
+  std::unique_ptr<rig::Camera> camera;
+  std::string size;
+  std::optional<CameraPoseSensor> sensor;
+};
+
+class Walk {
+ public:
+  Walk(const RigCheckConfig& config, Dialogue& dialogue)
+      : config_(config),
+        dialogue_(dialogue),
+        coils_(config.rig.serial, config.rig.coils),
+        guarded_(coils_, config.safety, config.rig, clock_, safety::Supervisor::Poses::kNone) {}
+
+  void run(const RigCheckRequest& request) {
+    look_at_controller(request.clear);
+    check_emergency_stop();
+    if (request.camera)
+      open_camera();
+    else
+      tell("camera", "not looked at (--no-camera)");
+    bool good = true;
+    // Each field lies across the one before, so that the needle has to turn.
+    for (const int coil : {0, 2, 1, 3}) good = check_coil(coil) && good;
+    if (good && watcher_) good = check_wiring();
+    coils_.stop();
+    if (!good)
+      throw common::HardwareError(
+          "rig check: the bench is not ready: something is left out or not as it should be, see above");
+    const bool seen = watcher_ || dialogue_.attended();
+    dialogue_.say(seen ? "the bench is ready\n"
+                       : "currents are as asked; nobody saw which coil is which, so that is still to be "
+                         "checked, with the camera\n");
+  }
+
+ private:
+  void tell(const std::string& what, const std::string& found) { dialogue_.say(named(what) + found + "\n"); }
+
+  void look_at_controller(bool clear) {
+    const auto& info = coils_.info();
+    tell("coil controller", "firmware " + info.firmware + ", protocol " + std::to_string(info.protocol) +
+                                ", started by " + reset_text(info.reset_cause));
+    rig::CoilControllerState state = coils_.state();
+    for (const std::string& fault : state.faults) tell("latched fault", fault);
+    if (clear) {
+      coils_.clear_faults();
+      rest(0.3);
+      state = coils_.state();
+      tell("cleared", state.faults.empty() ? "no fault is left" : "still there: " + state.faults.front());
+    }
+    if (!state.faults.empty())
+      throw common::HardwareError("rig check: " + state.faults.front() +
+                                  "; find the cause, then `lodestone rig check --clear`");
+    tell("supply", number(state.supply_V[0], "V") + ", " + number(state.supply_V[1], "V"));
+    tell("motor controllers", number(state.board_C[0], "C") + ", " + number(state.board_C[1], "C"));
+  }
+
+  void check_emergency_stop() {
+    const auto wait_until_it_is = [this](bool open, int tenths_s) {
+      for (int i = 0; i < tenths_s && coils_.state().emergency_stop != open; ++i) rest(0.1);
+    };
+    if (coils_.state().emergency_stop)
+      throw common::HardwareError(
+          "the emergency stop is open: release the switch, or connect pin 22 of the Arduino to "
+          "ground through it; then `lodestone rig check --clear`");
+    if (!dialogue_.attended()) return tell("emergency stop", "closed (press it and look again to test it)");
+    dialogue_.say(named("emergency stop") + "press it now, within 20 s ");
+    wait_until_it_is(true, 200);
+    if (!coils_.state().emergency_stop)
+      throw common::HardwareError(
+          "the emergency stop was not seen to open: is it wired to pin 22 of the Arduino?");
+    dialogue_.say("- opened; release it ");
+    wait_until_it_is(false, 600);
+    coils_.clear_faults();
+    dialogue_.say("- works\n");
+  }
+
+  void open_camera() {
+    watcher_.emplace(config_, rig::bench_of(config_.rig));
+    tell("camera", watcher_->size);
+    const control::PoseEstimate seen = watcher_->sensor->observe();
+    tell("needle", seen.valid ? "seen at x " + number(1e3 * seen.pose.x_m, "mm") + ", y " +
+                                    number(1e3 * seen.pose.y_m, "mm") + ", heading " +
+                                    number(seen.pose.heading_rad * kDegPerRad, "degrees", 0)
+                              : "not seen: " + seen.reason);
+  }
+
+  /// Energises one coil. Returns whether its current is as it should be and, without a camera, whether the
+  /// person there has seen the needle follow.
+  bool check_coil(int coil) {
+    const auto index = static_cast<std::size_t>(coil);
+    const std::string name = std::string("coil ") + safety::kCoilNames[coil];
+    if (!dialogue_.confirm("energise " + name + " with " + number(config_.test_current_A, "A") +
+                           " for 0.2 s?")) {
+      tell(name, "left out");
+      return false;
+    }
+    for (int i = 0; i < 3; ++i) {
+      rig::CoilPulse pulse;
+      pulse.current_A[index] = config_.test_current_A;
+      pulse.duration_s = 0.2;
+      guarded_.apply(pulse);
+      rest(0.5);
+    }
+    const rig::CoilControllerState state = coils_.state();
+    if (!state.faults.empty()) throw common::HardwareError(name + ": " + state.faults.front());
+    double largest_A = 0.0;
+    for (const auto& sample : coils_.trace().samples)
+      if (std::abs(sample.second) > std::abs(largest_A)) largest_A = sample.second;
+    std::string line =
+        number(largest_A, "A measured", 2) + ", " + number(state.resistance_ohm[index], "ohm", 2);
+    bool good = std::abs(largest_A - config_.test_current_A) < 0.1 * config_.test_current_A;
+    if (!good) line += " - NOT what was asked";
+    if (!watcher_ && dialogue_.attended() &&
+        !dialogue_.confirm("did the needle's taped end turn towards " + name +
+                           ", and was the needle drawn towards that coil?")) {
+      line += ", reversed or swapped: see rig.coils.polarity and rig.serial.output, or change the leads";
+      good = false;
+    }
+    tell(name, line);
+    return good;
+  }
+
+  /// Finds out by the needle's motion which coil answers to which name. Returns whether all do as they
+  /// should.
+  bool check_wiring() {
+    WiringProbe probe;
+    probe.current_A = config_.test_current_A;
+    probe.max_current_A = std::min(probe.max_current_A, config_.safety.max_current_A);
+    if (!dialogue_.confirm("find out which coil is which, with up to " + std::to_string(probe.max_pulses) +
+                           " short pulses of up to " + number(probe.max_current_A, "A") + "?")) {
+      tell("wiring", "left out");
+      return false;
+    }
+    WiringInference inference(config_.rig, WiringInference::field_for(config_.rig));
+    probe_wiring(inference, guarded_, *watcher_->sensor, clock_, probe);
+    const std::vector<CoilWiring> possible = inference.possible();
+    for (int coil = 0; coil < rig::kCoilCount; ++coil)
+      tell(
+          std::string("asked for ") + safety::kCoilNames[coil],
+          (inference.moved(coil) == 0 ? "the needle did not move: " : "") + possible_answers(possible, coil));
+    const std::string remedy = wiring_remedy(inference, config_.rig);
+    if (!remedy.empty()) tell("wiring", remedy);
+    return remedy.empty();
+  }
+
+  const RigCheckConfig& config_;
+  Dialogue& dialogue_;
+  common::SteadyClock clock_;
+  rig::SerialCoils coils_;
+  safety::Supervisor guarded_;
+  std::optional<Watcher> watcher_;
+};
+
+}  // namespace
+
+void check_rig(const RigCheckConfig& config, const RigCheckRequest& request, Dialogue& dialogue) {
+  dialogue.say("serial ports:\n");
+  for (const rig::SerialPortInfo& port : rig::list_serial_ports()) {
+    char line[256];
+    std::snprintf(line, sizeof line, "  %-20s %s\n", port.name.c_str(), port.description.c_str());
+    dialogue.say(line);
+  }
+  Walk(config, dialogue).run(request);
+}
+
+}  // namespace lodestone::session

@@ -1,0 +1,71 @@
+#include "lodestone/experiments/recorder.h"
+
+#include <catch2/catch.hpp>
+#include <sstream>
+
+#include "lodestone/common/files.h"
+#include "temporary_folder.h"
+
+using namespace lodestone;
+
+namespace {
+
+experiments::TrialResult trial(bool true_poses) {
+  experiments::TrialResult result;
+  result.plan.task = "point";
+  result.plan.target_m = {0.01, 0.0};
+  result.rig = true_poses ? "explored" : "real";
+  result.controller = "baseline";
+  for (int i = 0; i < 3; ++i) {
+    experiments::TrialSample sample;
+    sample.step.time_s = 0.3 * i;
+    sample.step.estimate.valid = i != 1;
+    sample.step.estimate.pose = {0.001 * i, 0.0, 0.5};
+    sample.step.current_A = {1.0, 0.0, 0.0, 2.0};
+    if (true_poses) sample.true_pose = geometry::Pose2{0.002 * i, 0.0, 0.5};
+    result.samples.push_back(sample);
+  }
+  result.sensed.final_error_mm = 8.0;
+  if (true_poses) result.truth = result.sensed;
+  return result;
+}
+
+std::vector<std::string> lines(const std::string& path) {
+  std::istringstream text(common::read_file(path));
+  std::vector<std::string> all;
+  for (std::string line; std::getline(text, line);) all.push_back(line);
+  return all;
+}
+
+std::int64_t columns(const std::string& line) { return std::count(line.begin(), line.end(), ',') + 1; }
+
+}  // namespace
+
+TEST_CASE("every step is a row, and what was not sensed is empty") {
+  const tests::TemporaryFolder folder;
+  experiments::Recorder(folder / "t.csv", true).write(trial(true));
+  const auto rows = lines(folder / "t.csv");
+  REQUIRE(rows.size() == 4);
+  for (const std::string& row : rows) CHECK(columns(row) == columns(rows[0]));
+  CHECK(rows[0].find("t_s,true_x_m,true_y_m,true_heading_rad,sensed,") != std::string::npos);
+  CHECK(rows[2].find("baseline,point,0,0.3,0.002,0,0.5,0,,,,0.01,0,") != std::string::npos);
+}
+
+TEST_CASE("where nobody knows the true pose there are no columns for it") {
+  const tests::TemporaryFolder folder;
+  experiments::Recorder(folder / "t.csv", false).write(trial(false));
+  const auto rows = lines(folder / "t.csv");
+  CHECK(rows[0].find("true") == std::string::npos);
+  for (const std::string& row : rows) CHECK(columns(row) == columns(rows[0]));
+  const runs::TrialRecord record = experiments::record_of(trial(false));
+  CHECK_FALSE(record.trajectory);
+  CHECK_FALSE(record.truth);
+  CHECK(record.sensed.final_error_mm == Approx(8.0));
+}
+
+TEST_CASE("a file is gone on with after the rows that count") {
+  const tests::TemporaryFolder folder;
+  experiments::Recorder(folder / "t.csv", true).write(trial(true));
+  experiments::Recorder(folder / "t.csv", true, 2).write(trial(true));
+  CHECK(lines(folder / "t.csv").size() == 1 + 2 + 3);
+}

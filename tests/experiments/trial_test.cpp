@@ -1,0 +1,75 @@
+#include "lodestone/experiments/trial.h"
+
+#include <catch2/catch.hpp>
+
+#include "lodestone/control/dipole_pull.h"
+#include "lodestone/session/rig_session.h"
+
+using namespace lodestone;
+
+namespace {
+
+/// A trial by the baseline on a virtual rig; `true_pose` may be empty.
+struct Bench {
+  Bench() {
+    session::SensingConfig sensing;
+    sensing.kind = "simulated";
+    session = session::make_virtual_session(rig, sensing, {}, {});
+    plan.task = "point";
+    plan.start = {0.015, 0.0, 0.0};
+    plan.duration_s = 3.0;
+  }
+  experiments::TrialResult run(const experiments::TruePose& true_pose) {
+    session->place(plan.start);
+    task::ActionConfig action;
+    action.scale = rig.coils.max_current_A;
+    control::ControlLoop loop({}, action, session->coils(), session->sensor(), session->clock());
+    control::DipolePullController controller(rig, {});
+    return experiments::run_trial(plan, loop, controller, true_pose, {}, {},
+                                  [this] { return session->coils().temperature_C(); });
+  }
+  rig::RigConfig rig;
+  std::unique_ptr<session::RigSession> session;
+  experiments::TrialPlan plan;
+};
+
+}  // namespace
+
+TEST_CASE("a trial is scored by true poses and as it was sensed") {
+  Bench bench;
+  const auto result = bench.run([&] { return bench.session->truth()->true_pose(); });
+  CHECK(result.completed);
+  REQUIRE(result.truth);
+  CHECK(result.truth->final_error_mm == Approx(result.sensed.final_error_mm).margin(2.0));
+  CHECK(result.samples.size() >= 10);
+  CHECK(result.samples.back().temperature_C);
+  CHECK(result.samples.back().step.last);
+}
+
+TEST_CASE("where nobody knows the true pose, nothing stands for it") {
+  Bench bench;
+  const auto result = bench.run({});
+  CHECK_FALSE(result.truth);
+  CHECK_FALSE(result.samples.front().true_pose);
+  CHECK(result.sensed.final_error_mm > 0.0);
+}
+
+TEST_CASE("a trial that is stopped at once is scored where the needle was to lie, and failed") {
+  Bench bench;
+  bench.session->coils().request_stop("no");
+  const auto result = bench.run([&] { return bench.session->truth()->true_pose(); });
+  CHECK_FALSE(result.completed);
+  CHECK_FALSE(result.stop_reason.empty());
+  CHECK_FALSE(result.truth->success);
+  CHECK(result.truth->final_error_mm == Approx(15.0).margin(1e-3));
+}
+
+TEST_CASE("a heading that is off fails a trial of a pose") {
+  Bench bench;
+  bench.plan.target_m = bench.plan.start.position_m();
+  bench.plan.target_heading_rad = 2.0;
+  const auto result = bench.run([] { return geometry::Pose2{0.015, 0.0, 0.0}; });
+  REQUIRE(result.truth->heading_error_deg);
+  CHECK(*result.truth->heading_error_deg == Approx(114.6).margin(0.1));
+  CHECK_FALSE(result.truth->success);
+}

@@ -1,0 +1,81 @@
+#include "lodestone/runs/ninja_engine.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+#include "temporary_folder.h"
+
+using namespace lodestone;
+using runs::Cell;
+using runs::Plan;
+
+namespace {
+
+Cell cell(const std::string& id, std::vector<std::string> settings = {}) {
+  Cell made;
+  made.id = id;
+  made.verb = "collect";
+  made.settings = std::move(settings);
+  return made;
+}
+
+Plan plan(std::vector<Cell> cells) {
+  Plan made;
+  made.cells = std::move(cells);
+  return made;
+}
+
+/// A program that does what a verb does to its folder, fails where the folder is named "bad", and notes each
+/// start.
+std::string fake_program(const lodestone::tests::TemporaryFolder& folder) {
+  const std::string path = folder / "fake";
+  common::write_file_atomically(path, R"(#!/bin/sh
+verb=$1
+while [ $# -gt 0 ]; do if [ "$1" = --out ]; then out=$2; fi; shift; done
+echo "$out" >> "$(dirname "$0")/started"
+case "$out" in *bad) echo "something broke" >&2; exit 1 ;; esac
+mkdir -p "$out"
+printf '{"verb":"%s","finished":true,"unit":"","done":1,"total":1,"seconds":0,"note":"","updated_utc":""}' $verb > "$out/run.json"
+)");
+  std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+  return path;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "ninja runs what is not finished, once, in the order of needs, and a failure is named after the others "
+    "ended") {
+  const tests::TemporaryFolder folder;
+  const runs::PlanPlace place{folder / "out of $5", fake_program(folder), "configs", "", 2};
+  Plan made =
+      plan({cell("a"), cell("b", {"data={a}/x"}), cell("bad"), cell("c", {"data={bad}/x"}), cell("it's")});
+  CHECK_THROWS_WITH(runs::run_plan(made, place, "plan"), Catch::Contains("2 of 5 cells are not finished") &&
+                                                             Catch::Contains("bad: something broke"));
+  CHECK(std::filesystem::exists(place.folder + "/it's/run.json"));
+  const std::vector<runs::StatusRow> rows = runs::status_of(place.folder);
+  REQUIRE(rows.size() == 5);
+  CHECK(rows[0].state->finished);
+  CHECK_FALSE(rows[3].state);
+  runs::run_plan(made, place, "plan", "b");
+  const std::string started = common::read_file(folder / "started");
+  CHECK(started.find("/a\n") < started.find("/b\n"));
+  CHECK(started.find("/b\n") == started.rfind("/b\n"));
+  CHECK_THROWS_WITH(runs::run_plan(made, place, "plan", "nowhere"), Catch::Contains("nowhere"));
+}
+
+TEST_CASE("a plan's folder holds one plan, and is finished when all its cells are") {
+  const tests::TemporaryFolder folder;
+  const runs::PlanPlace place{folder / "out", fake_program(folder), "configs", "", 1};
+  const Plan made = plan({cell("a"), cell("b")});
+  const auto run = [&](const common::Json& settings, const std::string& only) {
+    runs::run_plan_in_folder(made, place, "plan run", settings, only);
+  };
+  run({{"scale", 1}}, "a");
+  CHECK_FALSE(runs::find_run(place.folder)->finished);
+  CHECK_THROWS_WITH(run({{"scale", 2}}, ""), Catch::Contains("scale = 2"));
+  run({{"scale", 1}}, "");
+  CHECK(runs::find_run(place.folder)->finished);
+}
