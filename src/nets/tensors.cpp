@@ -6,6 +6,7 @@
 
 #include <ATen/ops/empty.h>
 #include <ATen/ops/from_blob.h>
+#include <c10/util/StringUtil.h>
 
 #include "lodestone/common/error.h"
 
@@ -60,6 +61,13 @@ at::Tensor tensor_from(const std::vector<double>& values, const std::vector<std:
                   "shape does not hold " + std::to_string(values.size()) + " numbers");
   std::copy(values.begin(), values.end(), tensor.data_ptr<double>());
   return tensor.to(type);
+}
+
+void check_tensor(const at::Tensor& tensor, at::IntArrayRef shape, at::ScalarType type,
+                  const std::string& what) {
+  LODESTONE_CHECK(tensor.sizes() == shape && tensor.scalar_type() == type && tensor.is_contiguous(),
+                  c10::str(what, " is ", tensor.sizes(), " ", tensor.dtype(), ", expected contiguous ", shape,
+                           " ", type));
 }
 
 std::vector<double> to_vector(const at::Tensor& tensor) {

@@ -12,16 +12,6 @@
 #include "lodestone/common/error.h"
 
 namespace lodestone::rl {
-namespace {
-
-void check_rows(const at::Tensor& tensor, at::IntArrayRef shape, at::ScalarType type, const char* name) {
-  LODESTONE_CHECK(tensor.sizes() == shape && tensor.scalar_type() == type,
-                  std::string("replay buffer: ") + name + " is " +
-                      c10::str(tensor.sizes(), " ", tensor.dtype()) + ", expected " +
-                      c10::str(shape, " ", type));
-}
-
-}  // namespace
 
 Batch::Batch(std::int64_t size, std::int64_t observation_size, std::int64_t action_size, at::ScalarType type)
     : observation(at::zeros({size, observation_size}, type)),
@@ -72,8 +62,9 @@ void ReplayBuffer::add(const std::vector<float>& observation, const std::vector<
 void ReplayBuffer::sample(common::RandomStream& random, Batch& batch) const {
   LODESTONE_CHECK(size_ > 0, "replay buffer is empty: collect before sampling");
   const std::int64_t count = batch.reward.size(0);
-  check_rows(batch.observation, {count, observation_size_}, at::kFloat, "batch observation");
-  check_rows(batch.action, {count, action_size_}, at::kFloat, "batch action");
+  nets::check_tensor(batch.observation, {count, observation_size_}, at::kFloat,
+                     "replay buffer: batch observation");
+  nets::check_tensor(batch.action, {count, action_size_}, at::kFloat, "replay buffer: batch action");
   float* observation = batch.observation.data_ptr<float>();
   float* action = batch.action.data_ptr<float>();
   float* next = batch.next_observation.data_ptr<float>();

@@ -80,10 +80,7 @@ UpdateResult Td3::update(const Batch& batch, const at::Tensor& smoothing_noise) 
 void Td3::check_batch(const Batch& batch, const at::Tensor& noise) const {
   const std::int64_t rows = config_.batch_size;
   const auto check = [&](const at::Tensor& tensor, at::IntArrayRef shape, const char* name) {
-    LODESTONE_CHECK(tensor.sizes() == shape && tensor.scalar_type() == type_ && tensor.is_contiguous(),
-                    std::string("TD3 update: ") + name + " is " +
-                        c10::str(tensor.sizes(), " ", tensor.dtype()) + ", expected contiguous " +
-                        c10::str(shape, " ", type_));
+    nets::check_tensor(tensor, shape, type_, std::string("TD3 update: ") + name);
   };
   check(batch.observation, {rows, observation_size_}, "observation");
   check(batch.action, {rows, action_size_}, "action");

@@ -8,6 +8,7 @@
 
 using lodestone::rl::ExplorationNoise;
 using lodestone::rl::NoiseConfig;
+using lodestone::rl::NoiseKind;
 
 namespace {
 

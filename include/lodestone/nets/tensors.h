@@ -25,6 +25,9 @@ NamedTensors to_tensors(const inference::Arrays& arrays);
 /// of them.
 at::Tensor tensor_from(const std::vector<double>& values, const std::vector<std::int64_t>& shape,
                        at::ScalarType type = at::kDouble);
+/// Throws LogicFault that begins with `what` unless the tensor is contiguous, of `shape` and `type`.
+void check_tensor(const at::Tensor& tensor, at::IntArrayRef shape, at::ScalarType type,
+                  const std::string& what);
 /// Copy of a tensor's numbers, row by row.
 std::vector<double> to_vector(const at::Tensor& tensor);
 
