@@ -29,11 +29,7 @@ std::string coverage_image(const data::Coverage& coverage) {
 
 std::string histogram(const std::string& id, const std::string& title, const std::string& x_label,
                       const std::vector<std::int64_t>& counts, double low, double high, int decimals) {
-  BarChart chart;
-  chart.id = id;
-  chart.title = title;
-  chart.x_label = x_label;
-  chart.y_label = "pulses";
+  BarChart chart{id, title, x_label, "pulses"};
   BarSeries series;
   const double step = (high - low) / static_cast<double>(counts.size());
   for (std::size_t i = 0; i < counts.size(); ++i) {

@@ -84,11 +84,7 @@ const char* bar_colour(const ErrorRow& row) {
 
 /// One series for each controller and rig that is in the rows; of the paper's rows those of its own method.
 std::string bar_chart(const std::vector<ErrorRow>& rows) {
-  BarChart chart;
-  chart.id = "deploy-errors";
-  chart.title = "Mean error by task";
-  chart.x_label = "task";
-  chart.y_label = "mean error (mm)";
+  BarChart chart{"deploy-errors", "Mean error by task", "task", "mean error (mm)"};
   for (const ErrorRow& row : rows)
     if (std::find(chart.categories.begin(), chart.categories.end(), row.task) == chart.categories.end())
       chart.categories.push_back(row.task);

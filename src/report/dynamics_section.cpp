@@ -14,48 +14,32 @@ namespace {
 constexpr double kMapQuantile = 0.97;
 
 std::string learning_curve(const RunData& run, const std::string& prefix) {
-  LineChart chart;
-  chart.id = prefix + "-loss";
-  chart.title = "Loss during training";
-  chart.x_label = "epoch";
-  chart.y_label = "normalised loss";
-  chart.log_y = true;
-  const auto positive = [](Curve points) {
-    points.erase(
-        std::remove_if(points.begin(), points.end(), [](const auto& p) { return !(p.second > 0.0); }),
-        points.end());
-    return points;
-  };
-  const Curve train = positive(curve(run.dynamics.metrics, runs::curves::kTrainLoss));
-  const Curve validation = positive(curve(run.dynamics.metrics, runs::curves::kValidationLoss));
-  if (train.empty() && validation.empty()) return "";
+  LineChart chart{prefix + "-loss", "Loss during training", "epoch", "normalised loss"};
+  const Curve train = curve(run.dynamics.metrics, runs::curves::kTrainLoss);
+  const Curve validation = curve(run.dynamics.metrics, runs::curves::kValidationLoss);
+  const auto positive = [](const auto& point) { return point.second > 0.0; };
+  if (std::none_of(train.begin(), train.end(), positive) &&
+      std::none_of(validation.begin(), validation.end(), positive))
+    return "";
   // A likelihood may go below zero: a logarithmic axis then cannot show it.
-  chart.log_y = train.size() == curve(run.dynamics.metrics, runs::curves::kTrainLoss).size() &&
-                validation.size() == curve(run.dynamics.metrics, runs::curves::kValidationLoss).size();
-  chart.series.push_back({"training",
-                          chart.log_y ? train : curve(run.dynamics.metrics, runs::curves::kTrainLoss),
-                          kPolicyColour, false});
-  chart.series.push_back(
-      {"validation", chart.log_y ? validation : curve(run.dynamics.metrics, runs::curves::kValidationLoss),
-       kBaselineColour, false});
+  chart.log_y = std::all_of(train.begin(), train.end(), positive) &&
+                std::all_of(validation.begin(), validation.end(), positive);
+  chart.series = {{"training", train, kPolicyColour}, {"validation", validation, kBaselineColour}};
   return figure(chart_html(chart),
                 "<b>Learning curve.</b> Loss on the rows trained on and on episodes kept aside. A "
                 "validation curve that turns upwards would mean memorising.");
 }
 
 std::string open_loop(const runs::DynamicsEvaluation& evaluation, const std::string& prefix) {
-  LineChart chart;
-  chart.id = prefix + "-open-loop";
-  chart.title = "Error without correction";
-  chart.x_label = "pulses predicted ahead";
-  chart.y_label = "position error (mm RMS)";
+  LineChart chart{prefix + "-open-loop", "Error without correction", "pulses predicted ahead",
+                  "position error (mm RMS)"};
   chart.from_zero = true;
   Curve points;
   if (evaluation.k_step_mm)
     for (const auto& [steps, error] : *evaluation.k_step_mm)
       if (error) points.emplace_back(steps, *error);
   if (points.size() < 2) return "";
-  chart.series.push_back({"learned simulator", points, kPolicyColour, false});
+  chart.series.push_back({"learned simulator", points, kPolicyColour});
   const auto level = [&](const runs::StateError& error, const char* name, const char* colour) {
     chart.series.push_back(
         {name,
@@ -86,11 +70,8 @@ LineSeries predicted_axis(const std::vector<runs::PredictedMotion>& predictions,
 
 std::string predicted_against_actual(const runs::DynamicsEvaluation& evaluation, const std::string& prefix) {
   if (!evaluation.predictions || evaluation.predictions->empty()) return "";
-  LineChart chart;
-  chart.id = prefix + "-predicted";
-  chart.title = "Predicted against actual";
-  chart.x_label = "way of the needle in one pulse (mm)";
-  chart.y_label = "way predicted (mm)";
+  LineChart chart{prefix + "-predicted", "Predicted against actual", "way of the needle in one pulse (mm)",
+                  "way predicted (mm)"};
   chart.series = {predicted_axis(*evaluation.predictions, 0, "along x", kPolicyColour),
                   predicted_axis(*evaluation.predictions, 1, "along y", kBaselineColour)};
   double low = 0.0;

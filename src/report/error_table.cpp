@@ -24,10 +24,7 @@ constexpr Published kTableTwo[] = {
 
 ErrorRow measured(const runs::TaskSummary& summary, const char* task, const std::string& controller,
                   const std::string& rig) {
-  ErrorRow row;
-  row.task = task;
-  row.controller = controller;
-  row.rig = rig;
+  ErrorRow row{task, controller, rig};
   row.trials = static_cast<double>(summary.n_trials);
   row.sensed_mean_mm = summary.sensed.mean_error_mm;
   row.sensed_std_mm = summary.sensed.std_error_mm;
@@ -86,10 +83,7 @@ std::vector<ErrorRow> error_rows(const RunData& run) {
     if (ours.empty()) continue;
     for (const Published& published : kTableTwo) {
       if (std::string(published.task) != task) continue;
-      ErrorRow row;
-      row.task = task;
-      row.controller = published.agent;
-      row.rig = "paper";
+      ErrorRow row{task, published.agent, "paper"};
       row.mean_mm = published.mean_mm;
       row.std_mm = published.std_mm;
       row.published = true;

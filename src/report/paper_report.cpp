@@ -367,11 +367,7 @@ class PaperReport {
   static std::string return_chart(const std::string& id, const std::string& title,
                                   const std::vector<std::pair<std::string, std::string>>& lines) {
     static const char* const kColours[] = {kPolicyColour, kBaselineColour, kSecondColour, "#7b4ea3"};
-    LineChart chart;
-    chart.id = id;
-    chart.title = title;
-    chart.x_label = "environment steps";
-    chart.y_label = "return";
+    LineChart chart{id, title, "environment steps", "return"};
     chart.small = lines.size() == 1;
     std::size_t colour = 0;
     for (const auto& [name, folder] : lines) {
@@ -380,12 +376,10 @@ class PaperReport {
         for (const auto& [step, value] : curve(read_lines(seed + "/metrics.jsonl"), runs::curves::kReturn))
           by_step[step].push_back(value);
       }
-      LineSeries mean, low, high;
-      mean.name = name;
-      low.name = name + ", - 2 std";
-      high.name = name + ", + 2 std";
-      mean.colour = low.colour = high.colour = kColours[colour++ % 4];
-      low.dashed = high.dashed = true;
+      const char* const its_colour = kColours[colour++ % 4];
+      LineSeries mean{name, {}, its_colour};
+      LineSeries low{name + ", - 2 std", {}, its_colour, /*dashed=*/true};
+      LineSeries high{name + ", + 2 std", {}, its_colour, /*dashed=*/true};
       for (const auto& [step, values] : by_step) {
         const double middle = common::mean(values);
         const double spread = common::standard_deviation(values);

@@ -14,11 +14,7 @@ struct Panel {
 };
 
 std::string panel_html(const Panel& panel, const std::string& prefix) {
-  LineChart chart;
-  chart.id = prefix + "-" + panel.id;
-  chart.title = panel.title;
-  chart.x_label = "environment steps";
-  chart.y_label = panel.y_label;
+  LineChart chart{prefix + "-" + panel.id, panel.title, "environment steps", panel.y_label};
   chart.small = true;
   for (const LineSeries& series : panel.series)
     if (!series.points.empty()) chart.series.push_back(series);
@@ -48,29 +44,29 @@ std::string policy_section(const RunData& run, const std::string& prefix) {
       {"return",
        "Episode return",
        "return",
-       {{"evaluation", of(runs::curves::kReturn), kPolicyColour, false},
-        {"training, with noise", of(runs::curves::kTrainReturn), kUnseenColour, false}}},
+       {{"evaluation", of(runs::curves::kReturn), kPolicyColour},
+        {"training, with noise", of(runs::curves::kTrainReturn), kUnseenColour}}},
       {"success",
        "Episodes that reach the target",
        "fraction of episodes",
-       {{"evaluation", evaluated, kPolicyColour, false},
-        {"training, with noise", of(runs::curves::kTrainSuccess), kUnseenColour, false}}},
+       {{"evaluation", evaluated, kPolicyColour},
+        {"training, with noise", of(runs::curves::kTrainSuccess), kUnseenColour}}},
       {"error",
        "Distance at the end of an episode",
        "distance (mm)",
-       {{"mean", of(runs::curves::kFinalError), kPolicyColour, false},
-        {"median", of(runs::curves::kFinalErrorMedian), kUnseenColour, false}}},
-      {"q", "Mean Q value", "return expected", {{"Q", of(runs::curves::kQ), kSecondColour, false}}},
+       {{"mean", of(runs::curves::kFinalError), kPolicyColour},
+        {"median", of(runs::curves::kFinalErrorMedian), kUnseenColour}}},
+      {"q", "Mean Q value", "return expected", {{"Q", of(runs::curves::kQ), kSecondColour}}},
       {"losses",
        "Losses",
        "loss",
-       {{"critic", of(runs::curves::kCriticLoss), kBaselineColour, false},
-        {"actor", of(runs::curves::kActorLoss), kSecondColour, false}}},
+       {{"critic", of(runs::curves::kCriticLoss), kBaselineColour},
+        {"actor", of(runs::curves::kActorLoss), kSecondColour}}},
       {"saturation",
        "Actions at their limit",
        "fraction of components",
-       {{"training", of(runs::curves::kTrainSaturation), kSecondColour, false},
-        {"evaluation", of(runs::curves::kSaturation), kPolicyColour, false}}},
+       {{"training", of(runs::curves::kTrainSaturation), kSecondColour},
+        {"evaluation", of(runs::curves::kSaturation), kPolicyColour}}},
   };
   std::string charts;
   for (const Panel& panel : panels) charts += panel_html(panel, prefix);

@@ -82,26 +82,18 @@ void add_over_time(const Group& group, const std::vector<const Trial*>& trials, 
 }
 
 std::string over_time(const std::vector<Group>& groups, const std::string& task) {
-  LineChart chart;
-  chart.id = "over-time-" + task;
-  chart.title = task;
-  chart.y_label = "distance (mm)";
-  chart.from_zero = true;
-  chart.small = true;
   bool times = true;
   for (const Group& group : groups) times = times && has_times(of_task(group, task));
-  chart.x_label = times ? "time (s)" : "observation";
+  LineChart chart{"over-time-" + task, task, times ? "time (s)" : "observation", "distance (mm)"};
+  chart.from_zero = true;
+  chart.small = true;
   for (const Group& group : groups) add_over_time(group, of_task(group, task), times, chart);
   return "<div class=\"panel\">" + chart_html(chart) + "</div>";
 }
 
 /// Fraction of the trials whose error is at most so large.
 std::string distribution(const std::vector<Group>& groups, const std::string& task) {
-  LineChart chart;
-  chart.id = "distribution-" + task;
-  chart.title = task;
-  chart.x_label = "error of a trial (mm)";
-  chart.y_label = "fraction of trials";
+  LineChart chart{"distribution-" + task, task, "error of a trial (mm)", "fraction of trials"};
   chart.from_zero = true;
   chart.y_max = 1.0;
   chart.small = true;
@@ -166,11 +158,7 @@ std::string coil_chart(const Trial& trial, const std::string& id, const std::str
                        bool held) {
   static const char* const kNames[] = {"+x", "−x", "+y", "−y"};
   static const char* const kColours[] = {kPolicyColour, kUnseenColour, kBaselineColour, kSecondColour};
-  LineChart chart;
-  chart.id = id;
-  chart.title = title;
-  chart.x_label = trial.time_s.empty() ? "observation" : "time (s)";
-  chart.y_label = y_label;
+  LineChart chart{id, title, trial.time_s.empty() ? "observation" : "time (s)", y_label};
   for (std::size_t coil = 0; coil < 4; ++coil) {
     LineSeries series{kNames[coil], {}, kColours[coil]};
     series.stepped = held;

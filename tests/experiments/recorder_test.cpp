@@ -19,6 +19,7 @@ experiments::TrialResult trial(bool true_poses) {
   for (int i = 0; i < 3; ++i) {
     experiments::TrialSample sample;
     sample.step.time_s = 0.3 * i;
+    sample.step.target_m = result.plan.target_m;
     sample.step.estimate.valid = i != 1;
     sample.step.estimate.pose = {0.001 * i, 0.0, 0.5};
     sample.step.current_A = {1.0, 0.0, 0.0, 2.0};

@@ -32,10 +32,10 @@ struct LineChart {
   std::string title;
   std::string x_label;
   std::string y_label;
-  std::vector<LineSeries> series;
+  std::vector<LineSeries> series = {};
   bool log_y = false;
   bool from_zero = false;
-  std::optional<double> y_max;
+  std::optional<double> y_max = {};
   bool small = false;
 };
 
@@ -51,8 +51,8 @@ struct BarChart {
   std::string title;
   std::string x_label;
   std::string y_label;
-  std::vector<std::string> categories;
-  std::vector<BarSeries> series;
+  std::vector<std::string> categories = {};
+  std::vector<BarSeries> series = {};
 };
 
 /// What a chart shows, in words: axes, and of each series where it starts, ends, and its extremes.

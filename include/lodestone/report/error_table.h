@@ -14,11 +14,11 @@ struct ErrorRow {
   std::string task;        ///< "centre", "point", "square", "circle" or "path"
   std::string controller;  ///< "policy", "planner", "baseline", or what the paper calls it
   std::string rig;         ///< "explored", "unseen", "real", or "paper"
-  std::optional<double> mean_mm, std_mm, median_mm, rms_mm;
-  std::optional<double> sensed_mean_mm, sensed_std_mm;
-  std::optional<double> time_rms_mm, hold_mm, seconds_to_reach, success_rate, trials;
+  std::optional<double> mean_mm = {}, std_mm = {}, median_mm = {}, rms_mm = {};
+  std::optional<double> sensed_mean_mm = {}, sensed_std_mm = {};
+  std::optional<double> time_rms_mm = {}, hold_mm = {}, seconds_to_reach = {}, success_rate = {}, trials = {};
   /// 95 %: bootstrap over the trials, each with its RMS error; Wilson's of the fraction of successes.
-  std::optional<common::Interval> rms_interval_mm, success_interval;
+  std::optional<common::Interval> rms_interval_mm = {}, success_interval = {};
   bool published = false;  ///< from Table II of the paper
 };
 
