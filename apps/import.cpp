@@ -8,6 +8,7 @@
 #include "lodestone/common/log.h"
 #include "lodestone/data/csv_import.h"
 #include "lodestone/data/dataset_file.h"
+#include "lodestone/geometry/angle.h"
 #include "lodestone/rig/rig_config.h"
 #include "verbs.h"
 
@@ -43,7 +44,7 @@ void print_range(const char* name, const std::vector<double>& values, std::size_
   std::printf("%-12s %.3f to %.3f %s\n", name, low * factor, high * factor, unit);
 }
 
-void print_summary(const data::CsvImportResult& result) {
+void print_import(const data::CsvImportResult& result) {
   const data::Dataset& dataset = result.dataset;
   const bool pose = dataset.info.layout == data::StateLayout::kPose;
   const data::TransitionTable table = data::flatten(dataset, true);
@@ -63,7 +64,7 @@ void print_summary(const data::CsvImportResult& result) {
         dataset.impossible.size());
   print_range("x", table.state, 0, s, 1e3, "mm");
   print_range("y", table.state, 1, s, 1e3, "mm");
-  if (pose) print_range("heading", table.state, 2, s, 180.0 / M_PI, "deg");
+  if (pose) print_range("heading", table.state, 2, s, 180.0 / geometry::kPi, "deg");
   print_range("drive x", table.action, 0, 2, 1.0, dataset.info.action_unit.c_str());
   print_range("drive y", table.action, 1, 2, 1.0, dataset.info.action_unit.c_str());
   std::printf("workspace    radius %.3f mm\n", dataset.info.workspace_radius_m * 1e3);
@@ -90,7 +91,7 @@ void run_import(const ImportOptions& options) {
   const std::string folder = std::filesystem::path(options.out).parent_path().string();
   if (!folder.empty()) common::make_folders(folder);
   data::write_dataset(options.out, result.dataset);
-  print_summary(result);
+  print_import(result);
   std::printf("written to   %s\n", options.out.c_str());
 }
 

@@ -8,7 +8,7 @@
 namespace lodestone::apps {
 namespace {
 
-void print_row(const runs::StatusRow& row, int width) {
+void print_run(const runs::StatusRow& row, int width) {
   if (!row.state) {
     std::printf("%-*s  %-8s\n", width, row.name.c_str(), "waiting");
     return;
@@ -34,7 +34,7 @@ void status(const std::string& folder) {
     width = std::max(width, row.name.size());
     if (row.state && row.state->finished) ++finished;
   }
-  for (const runs::StatusRow& row : rows) print_row(row, static_cast<int>(width));
+  for (const runs::StatusRow& row : rows) print_run(row, static_cast<int>(width));
   if (rows.size() > 1) std::printf("%zu of %zu runs are finished\n", finished, rows.size());
 }
 

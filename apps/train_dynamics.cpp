@@ -35,7 +35,7 @@ void check_rig(const CommonOptions& options, const rig::RigConfig& rig, const da
                             ": leave --rig out, or record that rig");
 }
 
-void print_result(const runs::DynamicsEvaluation& evaluation) {
+void print_evaluation(const runs::DynamicsEvaluation& evaluation) {
   char line[256];
   std::snprintf(line, sizeof line,
                 "test split (%lld rows): position %.3f mm RMS; no motion %.3f, ten nearest neighbours %.3f",
@@ -56,7 +56,7 @@ void train_dynamics(const CommonOptions& options) {
   const std::string file = run.file(runs::DynamicsEvaluation::kFile);
   if (run.finished()) {
     common::log_info("train-dynamics: " + run.path() + " is finished already");
-    return print_result(common::read_artefact<runs::DynamicsEvaluation>(file));
+    return print_evaluation(common::read_artefact<runs::DynamicsEvaluation>(file));
   }
   data::Dataset dataset = data::read_recordings(config.data);
   check_rig(options, rig, dataset.info);
@@ -71,7 +71,7 @@ void train_dynamics(const CommonOptions& options) {
                        common::artefact_to_json(evaluation));
   common::write_artefact(file, evaluation);
   run.finish();
-  print_result(evaluation);
+  print_evaluation(evaluation);
   common::log_info("wrote " + run.path() + "/checkpoint and evaluation.json");
 }
 

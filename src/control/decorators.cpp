@@ -5,12 +5,12 @@
 #include <cmath>
 #include <utility>
 
+#include "lodestone/geometry/angle.h"
 #include "lodestone/geometry/saturation.h"
 
 namespace lodestone::control {
 
 namespace {
-constexpr double kDegPerRad = 180.0 / 3.14159265358979323846;
 // Friction differs from pulse to pulse: what did not move may yet.
 constexpr int kStallsBeforeDither = 2;
 }  // namespace
@@ -23,7 +23,7 @@ geometry::Vector2 AdaptiveGain::dithered(const geometry::Vector2& action) const 
   const int sides = full_stalls_ - kStallsBeforeDither;
   const double turns = 0.5 * (sides + 1);
   const double size_deg = std::min(std::floor(turns) * config_.direction_dither_deg, 90.0);
-  const double angle_rad = (sides % 2 == 1 ? 1.0 : -1.0) * size_deg / kDegPerRad;
+  const double angle_rad = (sides % 2 == 1 ? 1.0 : -1.0) * size_deg / geometry::kDegPerRad;
   // A dithered form of the full command is a full command.
   const geometry::Vector2 turned = Eigen::Rotation2Dd(angle_rad) * action;
   return turned / turned.cwiseAbs().maxCoeff();
@@ -42,7 +42,8 @@ geometry::Vector2 AdaptiveGain::act(const task::Observation& observation) {
   const bool driven = acted_ && !observation.last_action.isZero();
   if (driven) {
     const double turn_deg =
-        kDegPerRad * std::abs(geometry::wrap_angle(observation.pose.heading_rad - last_pose_.heading_rad));
+        geometry::kDegPerRad *
+        std::abs(geometry::wrap_angle(observation.pose.heading_rad - last_pose_.heading_rad));
     const bool moved = observation.last_displacement_m.norm() >= config_.stall_threshold_m ||
                        turn_deg >= config_.stall_threshold_deg;
     gain_ = moved ? 1.0 : std::min(gain_ * config_.stall_gain, config_.stall_gain_max);
@@ -64,7 +65,8 @@ geometry::Vector2 Hold::act(const task::Observation& observation) {
   const double heading_rad = observation.pose.heading_rad;
   const double turn_rad =
       geometry::wrap_angle(observation.target_heading_rad.value_or(heading_rad) - heading_rad);
-  if (near && kDegPerRad * std::abs(turn_rad) <= config_.hold_heading_deg) return geometry::Vector2::Zero();
+  if (near && geometry::kDegPerRad * std::abs(turn_rad) <= config_.hold_heading_deg)
+    return geometry::Vector2::Zero();
   return inner_->act(observation);
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "lodestone/geometry/angle.h"
 #include "lodestone/task/action.h"
 
 namespace lodestone::control {
@@ -21,7 +22,6 @@ physics::FieldGradient DipoleField::at(const geometry::Vector2& axis_drive_A,
 
 geometry::Vector2 unit_drive_along(const geometry::Vector2& direction,
                                    const std::function<geometry::Vector2(const geometry::Vector2&)>& effect) {
-  constexpr double kPi = 3.14159265358979323846;
   constexpr int kCoarse = 72;
   double best_angle = 0.0;
   double best_cosine = -2.0;
@@ -34,8 +34,8 @@ geometry::Vector2 unit_drive_along(const geometry::Vector2& direction,
       best_angle = angle;
     }
   };
-  for (int i = 0; i < kCoarse; ++i) try_angle(2.0 * kPi * i / kCoarse);
-  for (double step = 2.0 * kPi / kCoarse / 2.0; step > 1e-4; step /= 2.0) {
+  for (int i = 0; i < kCoarse; ++i) try_angle(2.0 * geometry::kPi * i / kCoarse);
+  for (double step = 2.0 * geometry::kPi / kCoarse / 2.0; step > 1e-4; step /= 2.0) {
     const double centre = best_angle;
     try_angle(centre - step);
     try_angle(centre + step);

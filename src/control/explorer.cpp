@@ -6,12 +6,11 @@
 #include <utility>
 
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/angle.h"
 
 namespace lodestone::control {
 
-namespace {
-constexpr double kPi = 3.14159265358979323846;
-}
+namespace {}
 
 Explorer::Explorer(const ExplorerConfig& config, double dish_radius_m, common::RandomStream random)
     : config_(config), dish_radius_m_(dish_radius_m), random_(std::move(random)) {
@@ -35,7 +34,7 @@ void Explorer::reset() {
 }
 
 double Explorer::mean_visits() const {
-  const double cells_in_dish = 0.25 * kPi * static_cast<double>(side_ * side_);
+  const double cells_in_dish = 0.25 * geometry::kPi * static_cast<double>(side_ * side_);
   return static_cast<double>(visits_) / cells_in_dish;
 }
 
@@ -48,7 +47,7 @@ std::int64_t Explorer::cell_of(const geometry::Vector2& position_m) const {
 }
 
 std::int64_t Explorer::heading_of(double heading_rad) const {
-  const double turns = (geometry::wrap_angle(heading_rad) + kPi) / (2.0 * kPi);
+  const double turns = (geometry::wrap_angle(heading_rad) + geometry::kPi) / (2.0 * geometry::kPi);
   const auto bin = static_cast<std::int64_t>(turns * static_cast<double>(config_.heading_bins));
   return std::clamp(bin, std::int64_t{0}, config_.heading_bins - 1);
 }
@@ -131,9 +130,9 @@ geometry::Pose2 Explorer::next_start(const std::function<bool(const geometry::Po
   std::int64_t lowest = std::numeric_limits<std::int64_t>::max();
   for (std::int64_t i = 0; i < config_.candidates; ++i) {
     const double radius_m = config_.start_radius * dish_radius_m_ * std::sqrt(random_.uniform());
-    const double angle = random_.uniform(-kPi, kPi);
+    const double angle = random_.uniform(-geometry::kPi, geometry::kPi);
     const geometry::Pose2 pose{radius_m * std::cos(angle), radius_m * std::sin(angle),
-                               random_.uniform(-kPi, kPi)};
+                               random_.uniform(-geometry::kPi, geometry::kPi)};
     if (!fits(pose)) continue;
     const auto index = cell_of(pose.position_m()) * config_.heading_bins + heading_of(pose.heading_rad);
     const std::int64_t visits = at_pose_[static_cast<std::size_t>(index)];

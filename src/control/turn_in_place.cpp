@@ -4,13 +4,12 @@
 #include <cmath>
 #include <utility>
 
+#include "lodestone/geometry/angle.h"
 #include "lodestone/geometry/saturation.h"
 
 namespace lodestone::control {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kDegPerRad = 180.0 / kPi;
 /// A turn smaller than this is none: twice what the heading varies by from image to image, and more.
 constexpr double kTurned_deg = 2.0;
 
@@ -35,7 +34,7 @@ geometry::Vector2 TurnInPlace::drive_along(double heading_rad, const geometry::V
 geometry::Vector2 TurnInPlace::act(const task::Observation& observation) {
   const geometry::Pose2& pose = observation.pose;
   const double turn_deg =
-      kDegPerRad *
+      geometry::kDegPerRad *
       geometry::wrap_angle(observation.target_heading_rad.value_or(pose.heading_rad) - pose.heading_rad);
   const double error_deg = std::abs(turn_deg);
   // Two bounds, as a needle moves a little while it turns, and a pull would undo the turn.
@@ -50,7 +49,7 @@ geometry::Vector2 TurnInPlace::act(const task::Observation& observation) {
   turning_ = true;
   last_error_deg_ = error_deg;
   const double heading_rad =
-      pose.heading_rad + std::clamp(turn_deg, -config_.lead_deg, config_.lead_deg) / kDegPerRad;
+      pose.heading_rad + std::clamp(turn_deg, -config_.lead_deg, config_.lead_deg) / geometry::kDegPerRad;
   const geometry::Vector2 action = drive_along(heading_rad, pose.position_m()) * (current_A_ / scale_A_);
   return geometry::saturated_in_direction(action);
 }

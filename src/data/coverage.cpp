@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/angle.h"
 #include "lodestone/geometry/pose2.h"
 
 namespace lodestone::data {
@@ -53,7 +54,8 @@ Coverage measure_coverage(const Dataset& dataset, const CoverageConfig& config) 
     const double y = state[1] / diameter_m + 0.5;
     const double drive = std::max(std::abs(action[0]), std::abs(action[1])) / dataset.info.action_scale;
     const std::size_t heading =
-        pose ? cell_of((geometry::wrap_angle(state[2]) + M_PI) / (2.0 * M_PI), h) : std::size_t{0};
+        pose ? cell_of((geometry::wrap_angle(state[2]) + geometry::kPi) / (2.0 * geometry::kPi), h)
+             : std::size_t{0};
     const std::size_t level = cell_of(drive, l);
     ++result.transitions;
     ++result.heading_counts[heading];

@@ -9,6 +9,7 @@
 #include "lodestone/common/csv_table.h"
 #include "lodestone/common/spelling.h"
 #include "lodestone/common/statistics.h"
+#include "lodestone/geometry/angle.h"
 #include "lodestone/geometry/pose2.h"
 
 namespace lodestone::data {
@@ -187,7 +188,7 @@ class LogReader {
     if (row.frame != std::floor(row.frame)) table_.fail(columns_[0], "a whole number");
     row.drive = {signed_drive(3, 4), signed_drive(1, 2)};
     const double metres = config_.position_unit == PositionUnit::kMm ? 1.0 / kMmPerM : 1.0;
-    const double radians = config_.angle_unit == AngleUnit::kDeg ? M_PI / 180.0 : 1.0;
+    const double radians = config_.angle_unit == AngleUnit::kDeg ? geometry::kPi / 180.0 : 1.0;
     const double up = config_.y_down ? -1.0 : 1.0;
     row.pose[0] = (table_.number(columns_[5]) - config_.centre_x) * metres;
     row.pose[1] = up * (table_.number(columns_[6]) - config_.centre_y) * metres;

@@ -14,12 +14,12 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/random.h"
 #include "lodestone/dynamics/mixture.h"
+#include "lodestone/geometry/angle.h"
 #include "lodestone/nets/optimiser.h"
 
 namespace lodestone::dynamics {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kNoLossYet = 1e300;  // JSON has no infinity
 
 }  // namespace
@@ -61,7 +61,7 @@ at::Tensor Member::epoch_order(std::int64_t epoch) const {
 double Member::learning_rate() const {
   if (config_.schedule == Schedule::kConstant) return config_.learning_rate;
   const auto total = static_cast<double>(steps_per_epoch_ * config_.epochs);
-  return config_.learning_rate * 0.5 * (1.0 + std::cos(kPi * static_cast<double>(steps_) / total));
+  return config_.learning_rate * 0.5 * (1.0 + std::cos(geometry::kPi * static_cast<double>(steps_) / total));
 }
 
 void Member::run_epoch(std::int64_t epoch) {

@@ -12,11 +12,11 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/dynamics/mixture.h"
+#include "lodestone/geometry/angle.h"
 
 namespace lodestone::dynamics {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kHeading = 2;               ///< column of the heading in a pose state
 constexpr double kSmallestSpread = 1e-9;  ///< a column that never varies keeps its unit
 
@@ -30,7 +30,7 @@ void fit(at::Tensor& mean, at::Tensor& spread, const at::Tensor& rows) {
 }  // namespace
 
 at::Tensor wrap_angles(const at::Tensor& angle_rad) {
-  return angle_rad - 2.0 * kPi * ((angle_rad - kPi) / (2.0 * kPi)).ceil();
+  return angle_rad - 2.0 * geometry::kPi * ((angle_rad - geometry::kPi) / (2.0 * geometry::kPi)).ceil();
 }
 
 Network::Network(const DynamicsConfig& config, data::StateLayout layout) : config_(config), layout_(layout) {

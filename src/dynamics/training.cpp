@@ -20,7 +20,7 @@ namespace {
 
 using common::Json;
 
-constexpr const char* kKind = "dynamics_training";
+constexpr const char* kTrainingKind = "dynamics_training";
 
 RowTensors row_tensors(const data::Dataset& dataset) {
   const data::TransitionTable table = data::flatten(dataset);
@@ -87,7 +87,7 @@ class Training : public runs::ResumableWork {
 
   void save(const std::string& folder) override {
     nets::Checkpoint checkpoint;
-    checkpoint.kind = kKind;
+    checkpoint.kind = kTrainingKind;
     checkpoint.config = common::config_to_json(config_);
     checkpoint.facts["epoch"] = epoch_;
     checkpoint.facts["data_sha256"] = data_sha256_;
@@ -101,7 +101,7 @@ class Training : public runs::ResumableWork {
 
   void load(const std::string& folder) override {
     const std::string where = folder + "/training";
-    const nets::Checkpoint checkpoint = nets::load_checkpoint(where, kKind);
+    const nets::Checkpoint checkpoint = nets::load_checkpoint(where, kTrainingKind);
     const std::string what = "checkpoint " + where;
     try {
       if (checkpoint.facts.at("data_sha256") != data_sha256_) {

@@ -7,7 +7,7 @@
 namespace lodestone::emulation {
 
 namespace {
-constexpr double kLook_s = 0.1e-3;
+constexpr double kLockstep_s = 0.1e-3;
 }
 
 LockstepPort::LockstepPort(EmulatedBench& bench) : bench_(bench) { check(); }
@@ -24,7 +24,7 @@ std::size_t LockstepPort::read(std::uint8_t* bytes, std::size_t most, double tim
     check();
     while (count < most && bench_.host_read(bytes[count])) ++count;
     if (count > 0 || bench_.now_s() >= end_s) return count;
-    bench_.advance_to(std::min(end_s, bench_.now_s() + kLook_s));
+    bench_.advance_to(std::min(end_s, bench_.now_s() + kLockstep_s));
   }
 }
 

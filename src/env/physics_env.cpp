@@ -2,11 +2,12 @@
 
 #include <algorithm>
 
+#include "lodestone/geometry/angle.h"
+
 namespace lodestone::env {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr std::size_t kShardRows = 16;
+constexpr std::size_t kPhysicsShardRows = 16;
 
 /// The simulator's wall stops the needle on the very edge of the dish, where rounding would decide whether it
 /// has left. Touching the wall counts as having left, as it does in the MBS, which has no wall.
@@ -33,7 +34,7 @@ PhysicsEnv::PhysicsEnv(const EpisodeSettings& settings, const physics::RigDescri
 }
 
 std::size_t PhysicsEnv::shards() const {
-  return (static_cast<std::size_t>(episodes_.spec().count) + kShardRows - 1) / kShardRows;
+  return (static_cast<std::size_t>(episodes_.spec().count) + kPhysicsShardRows - 1) / kPhysicsShardRows;
 }
 
 void PhysicsEnv::begin(std::size_t i) {
@@ -42,7 +43,7 @@ void PhysicsEnv::begin(std::size_t i) {
   episodes_.begin(i, [radius_m, region](common::RandomStream& random) {
     const auto draw = [&] { return task::draw_in_disc(radius_m, random); };
     const geometry::Vector2 position_m = region != nullptr ? region->draw(draw) : draw();
-    return geometry::Pose2{position_m.x(), position_m.y(), random.uniform(-kPi, kPi)};
+    return geometry::Pose2{position_m.x(), position_m.y(), random.uniform(-geometry::kPi, geometry::kPi)};
   });
   if (!config_.randomise.enabled) return;
   common::RandomStream& random = episodes_.random(i);
@@ -100,8 +101,8 @@ const StepResult& PhysicsEnv::step(const std::vector<float>& actions) {
   const float* values = actions.data();
   const auto count = static_cast<std::size_t>(episodes_.spec().count);
   pool_.for_each(shards(), [this, values, count](std::size_t shard) {
-    const std::size_t last = std::min(count, (shard + 1) * kShardRows);
-    for (std::size_t i = shard * kShardRows; i < last; ++i) step_one(i, values + 2 * i);
+    const std::size_t last = std::min(count, (shard + 1) * kPhysicsShardRows);
+    for (std::size_t i = shard * kPhysicsShardRows; i < last; ++i) step_one(i, values + 2 * i);
   });
   return episodes_.result();
 }

@@ -6,14 +6,13 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/log.h"
 #include "lodestone/control/policy_controller.h"
+#include "lodestone/geometry/angle.h"
 #include "lodestone/physics/viscosity.h"
 #include "lodestone/task/task.h"
 
 namespace lodestone::experiments {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Streams of a trial are told apart by its task and index, not by the order in which trials run.
 std::uint64_t trial_seed(const DeploymentConfig& config, const TrialPlan& plan) {
@@ -81,7 +80,8 @@ std::string to_string(RigKind kind) {
 void check_in_dish(const physics::RigDescription& rig, const geometry::Vector2& point_m,
                    const std::string& key) {
   // Furthest out, the needle lies along the wall.
-  if (rig.fits({point_m.x(), point_m.y(), std::atan2(point_m.y(), point_m.x()) + 0.5 * kPi})) return;
+  if (rig.fits({point_m.x(), point_m.y(), std::atan2(point_m.y(), point_m.x()) + 0.5 * geometry::kPi}))
+    return;
   char text[160];
   std::snprintf(
       text, sizeof text,
@@ -111,7 +111,7 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
                                 ": no start inside the dish was found; use a smaller radius");
     const geometry::Vector2 start_m =
         task::draw_in_disc(config.trials.start_radius * config.rig.dish.radius_m, random);
-    plan.start = {start_m.x(), start_m.y(), random.uniform(-kPi, kPi)};
+    plan.start = {start_m.x(), start_m.y(), random.uniform(-geometry::kPi, geometry::kPi)};
   } while (!fits(plan.start) || (region != nullptr && !region->contains(plan.start.position_m())));
   const auto draw = [&] {
     return task::draw_in_disc(config.trials.goal_radius * config.rig.dish.radius_m, random);
@@ -127,7 +127,7 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
     plan.path = path;
   else
     LODESTONE_CHECK(task == "centre", "a task: centre, point, pose, square, circle or path, not " + task);
-  if (task == "pose") plan.target_heading_rad = random.uniform(-kPi, kPi);
+  if (task == "pose") plan.target_heading_rad = random.uniform(-geometry::kPi, geometry::kPi);
   return plan;
 }
 

@@ -95,7 +95,7 @@ DeploymentJob plan_job(const DeployConfig& config) {
   }
   if (config.controller == "baseline" || config.controller == "both")
     job.sources.push_back(baseline_source(config.deployment));
-  if (config.deployment.trials.within == "reachable") {
+  if (config.deployment.trials.within == task::Within::kReachable) {
     if (!policy || !policy->region)
       throw common::ConfigError(
           "trials.within = \"reachable\" needs a policy that was trained with task.within = "

@@ -11,7 +11,7 @@ namespace lodestone::experiments {
 
 namespace {
 
-constexpr double kMmPerM = 1000.0;
+constexpr double kMm = 1000.0;
 
 std::string heading(bool true_poses) {
   return std::string("rig,controller,task,trial,t_s,") +
@@ -21,12 +21,10 @@ std::string heading(bool true_poses) {
 }
 
 runs::PoseMm pose_mm(const geometry::Pose2& pose) {
-  return {kMmPerM * pose.x_m, kMmPerM * pose.y_m, pose.heading_rad};
+  return {kMm * pose.x_m, kMm * pose.y_m, pose.heading_rad};
 }
 
-runs::PointMm point_mm(const geometry::Vector2& point_m) {
-  return {kMmPerM * point_m.x(), kMmPerM * point_m.y()};
-}
+runs::PointMm point_mm(const geometry::Vector2& point_m) { return {kMm * point_m.x(), kMm * point_m.y()}; }
 
 /// The first rows of a file that may end in the middle of one.
 std::string first_rows(const std::string& path, std::int64_t rows) {

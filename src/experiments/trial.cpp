@@ -3,12 +3,11 @@
 #include <cmath>
 
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/angle.h"
 
 namespace lodestone::experiments {
 
 namespace {
-
-constexpr double kDegPerRad = 180.0 / 3.14159265358979323846;
 
 /// The pose of a sample by one source of positions; nothing where that had none.
 std::optional<geometry::Pose2> pose_of(const TrialSample& sample, bool truth) {
@@ -38,8 +37,8 @@ void note_heading(const TrialResult& result, double target_rad, bool truth, cons
   }
   if (!last) return;
   const double error_rad = std::abs(geometry::wrap_angle(last->heading_rad - target_rad));
-  score.heading_error_deg = kDegPerRad * error_rad;
-  score.success = score.success && error_rad <= config.success_heading_deg / kDegPerRad;
+  score.heading_error_deg = geometry::kDegPerRad * error_rad;
+  score.success = score.success && error_rad <= config.success_heading_deg / geometry::kDegPerRad;
 }
 
 runs::TrialFigures score_trial(const TrialResult& result, bool truth, const ScoreConfig& config) {

@@ -6,6 +6,7 @@
 
 #include "lodestone/common/csv_table.h"
 #include "lodestone/common/spelling.h"
+#include "lodestone/geometry/angle.h"
 
 namespace lodestone::geometry {
 
@@ -29,7 +30,7 @@ Path Path::square(double side_m) {
 Path Path::circle(double radius_m, int segments) {
   std::vector<Vector2> points;
   for (int i = 0; i < segments; ++i) {
-    const double angle = 2.0 * M_PI * i / segments;
+    const double angle = 2.0 * kPi * i / segments;
     points.emplace_back(radius_m * std::cos(angle), radius_m * std::sin(angle));
   }
   return Path(std::move(points), true);

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/angle.h"
 
 namespace lodestone::imaging {
 namespace {
@@ -23,7 +24,6 @@ const cv::Scalar kWhite(255, 255, 255);
 const cv::Scalar kBlack(0, 0, 0);
 
 constexpr int kShift = 4;  // OpenCV's fixed-point pixels: 1/16 px
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kFont = cv::FONT_HERSHEY_DUPLEX;
 
 /// One frame being drawn into.
@@ -127,7 +127,7 @@ void draw_dish(Pen& pen, const BenchGeometry& bench) {
   constexpr int kCorners = 180;
   std::vector<Vector2> rim;
   for (int i = 0; i < kCorners; ++i) {
-    const double angle = 2.0 * kPi * i / kCorners;
+    const double angle = 2.0 * geometry::kPi * i / kCorners;
     rim.push_back(bench.dish_radius_m * Vector2(std::cos(angle), std::sin(angle)));
   }
   pen.path(rim, kWhite, 1.5, true, kBlack);

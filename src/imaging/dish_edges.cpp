@@ -3,10 +3,11 @@
 #include <array>
 #include <cmath>
 
+#include "lodestone/geometry/angle.h"
+
 namespace lodestone::imaging {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kStep_px = 0.5;
 constexpr int kKernelReach = 5;  ///< samples; 2.5 px
 /// Edges nearer than this to each other are blurred into one and are left out.
@@ -20,7 +21,7 @@ EdgePoint circle_point(EdgeKind kind, double radius_m, double height_m, double a
   const Eigen::Vector3d outward(std::cos(angle_rad), std::sin(angle_rad), 0.0);
   EdgePoint edge;
   edge.kind = kind;
-  edge.part = static_cast<int>(angle_rad / (2.0 * kPi) * kParts);
+  edge.part = static_cast<int>(angle_rad / (2.0 * geometry::kPi) * kParts);
   edge.point_m = radius_m * outward + Eigen::Vector3d(0.0, 0.0, height_m);
   edge.along = {-outward.y(), outward.x(), 0.0};
   edge.outward = outward;
@@ -67,7 +68,7 @@ const char* name_of(EdgeKind kind) {
 std::vector<EdgePoint> edges_of(const BenchGeometry& bench, int per_circle, int per_line) {
   std::vector<EdgePoint> edges;
   for (int i = 0; i < per_circle; ++i) {
-    const double angle = 2.0 * kPi * (i + 0.5) / per_circle;
+    const double angle = 2.0 * geometry::kPi * (i + 0.5) / per_circle;
     const double outer = bench.dish_radius_m + bench.wall_thickness_m;
     edges.push_back(circle_point(kFloor, bench.dish_radius_m, 0.0, angle));
     edges.push_back(circle_point(kRimInside, bench.dish_radius_m, bench.wall_height_m, angle));

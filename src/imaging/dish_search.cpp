@@ -8,17 +8,18 @@
 
 #include "dish_edges.h"
 
+#include "lodestone/geometry/angle.h"
+
 namespace lodestone::imaging {
 namespace {
 
-constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
 constexpr double kScaleRange = 0.08;  ///< of the dish's size in the image, either way
 constexpr double kScaleStep = 0.005;
 constexpr double kTurnRange_deg = 44.0;  ///< the bench looks the same every 90 degrees
 constexpr double kTurnStep_deg = 0.5;
 constexpr float kSoftContrast = 2.0F;  ///< grey levels per pixel from which an edge counts fully
-constexpr int kPointsPerCircle = 48;
-constexpr int kPointsPerLine = 12;
+constexpr int kSearchPointsPerCircle = 48;
+constexpr int kSearchPointsPerLine = 12;
 
 using Pose = Eigen::Matrix<double, 6, 1>;  ///< turn about x, y, z (rad) and shift (m), for moved()
 
@@ -90,7 +91,7 @@ Eigen::Vector2d vote_for_centre(const cv::Mat_<float>& grey, double radius_px) {
 class Score {
  public:
   Score(const cv::Mat_<float>& grey, const BenchGeometry& bench, const CameraModel& start)
-      : bench_(bench), start_(start), edges_(edges_of(bench, kPointsPerCircle, kPointsPerLine)) {
+      : bench_(bench), start_(start), edges_(edges_of(bench, kSearchPointsPerCircle, kSearchPointsPerLine)) {
     cv::Mat half;
     cv::resize(grey, half, {}, 0.5, 0.5, cv::INTER_AREA);
     gradients_ = soft_gradients(half, 1.5);
@@ -171,7 +172,7 @@ void scan_turn(const Score& score, Pose& pose) {
   double best = -1.0;
   for (double turn = -kTurnRange_deg; turn <= kTurnRange_deg; turn += kTurnStep_deg) {
     Pose trial = from;
-    trial(2) += kRadPerDeg * turn;
+    trial(2) += geometry::kRadPerDeg * turn;
     const double value = score(trial, false, true);
     if (value <= best) continue;
     best = value;
@@ -190,10 +191,11 @@ CameraModel search_dish(const cv::Mat_<float>& grey, const BenchGeometry& bench,
   pose.segment<2>(3) = -start.to_dish(centre, 0.5 * bench.wall_height_m);
   scan_size(score, distance_m, pixel_m, pose);
   Pose step;
-  step << 2.0 * kRadPerDeg, 2.0 * kRadPerDeg, 0.0, 4.0 * pixel_m, 4.0 * pixel_m, kScaleStep * distance_m;
+  step << 2.0 * geometry::kRadPerDeg, 2.0 * geometry::kRadPerDeg, 0.0, 4.0 * pixel_m, 4.0 * pixel_m,
+      kScaleStep * distance_m;
   climb(score, false, step, 2, pose);
   scan_turn(score, pose);
-  step(2) = kTurnStep_deg * kRadPerDeg;
+  step(2) = kTurnStep_deg * geometry::kRadPerDeg;
   climb(score, true, step, 3, pose);
   return posed(start, pose);
 }

@@ -1,6 +1,7 @@
 #include "lodestone/imaging/scene.h"
 
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/angle.h"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -9,8 +10,6 @@
 namespace lodestone::imaging {
 
 namespace {
-
-constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
 
 /// Hue in degrees, saturation and value in [0, 1].
 Colour from_hsv(double hue_deg, double saturation, double value) {
@@ -54,9 +53,9 @@ Scene draw_scene(const SceneConfig& config, std::uint64_t seed) {
   Scene scene;
   scene.seed = seed;
   scene.bench = config.bench;
-  const Eigen::Vector3d turn(kRadPerDeg * config.camera_tilt_deg.draw(random),
-                             kRadPerDeg * config.camera_tilt_deg.draw(random),
-                             kRadPerDeg * config.camera_turn_deg.draw(random));
+  const Eigen::Vector3d turn(geometry::kRadPerDeg * config.camera_tilt_deg.draw(random),
+                             geometry::kRadPerDeg * config.camera_tilt_deg.draw(random),
+                             geometry::kRadPerDeg * config.camera_turn_deg.draw(random));
   const Eigen::Vector3d shift(config.camera_shift_m.draw(random), config.camera_shift_m.draw(random),
                               config.camera_rise_m.draw(random));
   scene.camera = moved(nominal_camera(config.lens), turn, shift);

@@ -6,11 +6,12 @@
 
 #include "scene_background.h"
 
+#include "lodestone/geometry/angle.h"
+
 namespace lodestone::imaging {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr float kNoiseScale = 32.0F;          ///< grey levels of the bank per standard deviation
 constexpr std::size_t kNoiseShift = 1 << 16;  ///< a frame begins anywhere in the first part of the bank
 
@@ -106,7 +107,7 @@ Cover draw_cover(const NeedleView& needle, const BenchGeometry& bench, common::R
   cover.half_length_m = static_cast<float>(half);
   cover.half_width_m = static_cast<float>(random.uniform(0.0012, 0.004));
   cover.wave = static_cast<float>(random.uniform(0.0, 0.4));
-  cover.phase = static_cast<float>(random.uniform(0.0, 2.0 * kPi));
+  cover.phase = static_cast<float>(random.uniform(0.0, 2.0 * geometry::kPi));
   cover.opacity = static_cast<float>(random.uniform(0.75, 1.0));
   cover.colour = kColours[random.below(4)];
   return cover;

@@ -26,7 +26,7 @@ constexpr NamedType kTypes[] = {{"F32", ElementType::kFloat32},
                                 {"I64", ElementType::kInt64},
                                 {"U8", ElementType::kUint8}};
 
-const char* name_of(ElementType type) {
+const char* safetensors_name(ElementType type) {
   const auto* found = std::find_if(std::begin(kTypes), std::end(kTypes),
                                    [type](const NamedType& t) { return t.type == type; });
   return found->name;
@@ -70,7 +70,7 @@ std::string encode_safetensors(const Arrays& arrays) {
   std::uint64_t offset = 0;
   for (const auto& [name, array] : arrays) {
     const std::uint64_t bytes = array.bytes();
-    header[name] = {{"dtype", name_of(array.type())},
+    header[name] = {{"dtype", safetensors_name(array.type())},
                     {"shape", array.shape()},
                     {"data_offsets", {offset, offset + bytes}}};
     offset += bytes;

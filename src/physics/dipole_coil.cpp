@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "lodestone/geometry/angle.h"
 #include "lodestone/physics/coil_array.h"
 #include "lodestone/physics/finite_coil.h"
 
@@ -9,10 +10,9 @@ namespace lodestone::physics {
 
 DipoleCoil::DipoleCoil(const CoilGeometry& geometry, int coil)
     : centre_m_(geometry.centre_distance_m * coil_direction(coil)), direction_(coil_direction(coil)) {
-  constexpr double kPi = 3.14159265358979323846;
   const double r1 = geometry.inner_radius_m;
   const double r2 = geometry.outer_radius_m;
-  const double mean_area = kPi * (r1 * r1 + r1 * r2 + r2 * r2) / 3.0;
+  const double mean_area = geometry::kPi * (r1 * r1 + r1 * r2 + r2 * r2) / 3.0;
   moment_per_ampere_m2_ = static_cast<double>(geometry.turns) * mean_area;
 }
 

@@ -5,11 +5,10 @@
 #include <cmath>
 
 #include "lodestone/common/config.h"
+#include "lodestone/geometry/angle.h"
 
 namespace lodestone::physics {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 struct Quadrature {
   std::vector<double> nodes;  // in [-1, 1]
@@ -22,7 +21,7 @@ Quadrature gauss_legendre(int order) {
   rule.nodes.resize(order);
   rule.weights.resize(order);
   for (int i = 0; i < order; ++i) {
-    double x = std::cos(kPi * (i + 0.75) / (order + 0.5));
+    double x = std::cos(geometry::kPi * (i + 0.75) / (order + 0.5));
     double derivative = 1.0;
     for (int iteration = 0; iteration < 100; ++iteration) {
       double previous = 1.0;
@@ -80,7 +79,7 @@ EllipticKE complete_elliptic(double m) {
     power *= 2.0;
     sum += power * c * c;
   }
-  const double k = kPi / (2.0 * a);
+  const double k = geometry::kPi / (2.0 * a);
   return {k, k * (1.0 - sum)};
 }
 
@@ -97,7 +96,7 @@ AxialRadial loop_field_per_ampere(double radius_m, double axial_m, double radial
   const double near2 = (radius_m - radial_m) * (radius_m - radial_m) + z2;
   const double far2 = (radius_m + radial_m) * (radius_m + radial_m) + z2;
   const EllipticKE elliptic = complete_elliptic(1.0 - near2 / far2);
-  const double scale = kVacuumPermeability / (2.0 * kPi * near2 * std::sqrt(far2));
+  const double scale = kVacuumPermeability / (2.0 * geometry::kPi * near2 * std::sqrt(far2));
   return {scale * ((a2 - r2 - z2) * elliptic.e + near2 * elliptic.k),
           scale * axial_m / radial_m * ((a2 + r2 + z2) * elliptic.e - near2 * elliptic.k)};
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lodestone/common/config.h"
+#include "lodestone/geometry/angle.h"
 
 namespace lodestone::physics {
 
@@ -34,17 +35,17 @@ Wrench magnetic_wrench(const NeedleConfig& needle, const geometry::Vector2& midd
 }
 
 RodDrag rod_drag(const NeedleConfig& needle, const FluidConfig& fluid) {
-  constexpr double kPi = 3.14159265358979323846;
   const double length = needle.length_m;
   const double radius = needle.diameter_m / 2.0;
   const double mu = fluid.viscosity_Pa_s;
-  const double wall_per_m = 2.0 * kPi * mu / std::acosh(1.0 + fluid.wall_gap_m / radius);
+  const double wall_per_m = 2.0 * geometry::kPi * mu / std::acosh(1.0 + fluid.wall_gap_m / radius);
   const double p = length / needle.diameter_m;
   const double log_p = std::log(p);
-  const double free_along = 2.0 * kPi * mu * length / (log_p - 0.207 + 0.980 / p - 0.133 / (p * p));
-  const double free_across = 4.0 * kPi * mu * length / (log_p + 0.839 + 0.185 / p + 0.233 / (p * p));
+  const double free_along = 2.0 * geometry::kPi * mu * length / (log_p - 0.207 + 0.980 / p - 0.133 / (p * p));
+  const double free_across =
+      4.0 * geometry::kPi * mu * length / (log_p + 0.839 + 0.185 / p + 0.233 / (p * p));
   const double free_rotation =
-      kPi * mu * length * length * length / 3.0 / (log_p - 0.662 + 0.917 / p - 0.050 / (p * p));
+      geometry::kPi * mu * length * length * length / 3.0 / (log_p - 0.662 + 0.917 / p - 0.050 / (p * p));
   RodDrag drag;
   drag.along_N_s_m = std::max(wall_per_m * length, free_along);
   drag.across_N_s_m = std::max(2.0 * wall_per_m * length, free_across);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/angle.h"
 
 namespace lodestone::physics {
 
@@ -14,14 +15,13 @@ PlainSimulator::PlainSimulator(const RigDescription& rig, const PlainSimulatorCo
                   rig.needle.net_weight_N),
       step_s_(config.step_s) {
   for (int coil = 0; coil < 4; ++coil) coils_.emplace_back(rig.coils.geometry, coil);
-  constexpr double kPi = 3.14159265358979323846;
   const double viscosity_Pa_s = rig.fluid.viscosity_Pa_s;
   const double log_p = std::log(needle_.length_m / needle_.diameter_m);
   LODESTONE_CHECK(log_p > 1.0, "the needle must be slender");
   // Stokes drag of a slender rod far from walls; the mean of along (2 pi) and across (4 pi) serves every
   // direction.
-  drag_N_s_m_ = 3.0 * kPi * viscosity_Pa_s * needle_.length_m / log_p;
-  spin_drag_N_m_s_ = kPi * viscosity_Pa_s * std::pow(needle_.length_m, 3) / (3.0 * log_p);
+  drag_N_s_m_ = 3.0 * geometry::kPi * viscosity_Pa_s * needle_.length_m / log_p;
+  spin_drag_N_m_s_ = geometry::kPi * viscosity_Pa_s * std::pow(needle_.length_m, 3) / (3.0 * log_p);
 }
 
 PlainSimulator::Load PlainSimulator::load(const geometry::Pose2& pose,

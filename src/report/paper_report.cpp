@@ -118,18 +118,18 @@ runs::PooledErrors pooled(const Errors& errors) {
   return out;
 }
 
-std::string text(const char* format, double a, double b = 0.0, double c = 0.0) {
+std::string cell_text(const char* format, double a, double b = 0.0, double c = 0.0) {
   char buffer[96];
   std::snprintf(buffer, sizeof buffer, format, a, b, c);
   return buffer;
 }
 
 std::string iqm_text(const runs::PooledErrors& e) {
-  return text("%.2f (%.2f to %.2f)", e.iqm_error_mm, e.iqm_interval_mm[0], e.iqm_interval_mm[1]);
+  return cell_text("%.2f (%.2f to %.2f)", e.iqm_error_mm, e.iqm_interval_mm[0], e.iqm_interval_mm[1]);
 }
 std::string success_text(const runs::PooledErrors& e) {
-  return text("%.0f %% (%.0f to %.0f)", 100.0 * e.success_rate, 100.0 * e.success_interval[0],
-              100.0 * e.success_interval[1]);
+  return cell_text("%.0f %% (%.0f to %.0f)", 100.0 * e.success_rate, 100.0 * e.success_interval[0],
+                   100.0 * e.success_interval[1]);
 }
 
 /// A table as HTML, Markdown and JSON at once.
@@ -196,8 +196,8 @@ class PaperReport {
         result_.transfer[row.key][task] = f;
         const auto paper = row.paper.find(task);
         table.cells.push_back({task, row.name, paper == row.paper.end() ? "–" : paper->second,
-                               text("%.2f ± %.2f", f.mean_error_mm, f.std_error_mm),
-                               text("%.2f", f.rms_error_mm), iqm_text(f), success_text(f),
+                               cell_text("%.2f ± %.2f", f.mean_error_mm, f.std_error_mm),
+                               cell_text("%.2f", f.rms_error_mm), iqm_text(f), success_text(f),
                                std::to_string(f.n_trials), std::to_string(f.n_seeds),
                                std::to_string(f.n_stopped)});
         const std::string drawing = draw_trials(
@@ -255,8 +255,8 @@ class PaperReport {
                                          static_cast<std::int64_t>(to_fraction_s.size())};
       table.cells.push_back(
           {t.name, t.paper,
-           text("%.1f ± %.1f", common::mean(to_fraction_s), common::standard_deviation(to_fraction_s)),
-           text("%.1f ± %.1f", common::mean(whole_s), common::standard_deviation(whole_s)),
+           cell_text("%.1f ± %.1f", common::mean(to_fraction_s), common::standard_deviation(to_fraction_s)),
+           cell_text("%.1f ± %.1f", common::mean(whole_s), common::standard_deviation(whole_s)),
            std::to_string(to_fraction_s.size())});
       const std::string chart =
           return_chart(std::string("fig4-") + t.row + "-" + t.task, t.name, {{t.name, folder}});
@@ -299,9 +299,9 @@ class PaperReport {
       const std::string name = offline ? "recorded steps alone, best learner" : std::string(k) + " of 3";
       result_.mixes[k] = {common::mean(returns), common::mean(success),
                           static_cast<std::int64_t>(returns.size())};
-      table.cells.push_back({name,
-                             text("%.2f ± %.2f", common::mean(returns), common::standard_deviation(returns)),
-                             text("%.0f %%", 100.0 * common::mean(success)), std::to_string(returns.size())});
+      table.cells.push_back(
+          {name, cell_text("%.2f ± %.2f", common::mean(returns), common::standard_deviation(returns)),
+           cell_text("%.0f %%", 100.0 * common::mean(success)), std::to_string(returns.size())});
       if (!offline) lines.emplace_back(name, folder);
     }
     if (table.cells.empty()) return;
@@ -342,8 +342,9 @@ class PaperReport {
       std::string shown = name;
       std::replace(shown.begin(), shown.end(), '_', ' ');
       result_.ablations[shown] = {{"point", p}, {"square", s}};
-      table.cells.push_back({shown, iqm_text(p), text("%.2f", p.mean_error_mm), success_text(p), iqm_text(s),
-                             text("%.2f", s.mean_error_mm), success_text(s), std::to_string(p.n_trials)});
+      table.cells.push_back({shown, iqm_text(p), cell_text("%.2f", p.mean_error_mm), success_text(p),
+                             iqm_text(s), cell_text("%.2f", s.mean_error_mm), success_text(s),
+                             std::to_string(p.n_trials)});
     }
     if (table.cells.empty()) return;
     markdown_ += "Ablations of the best preset, random target\n\n" + table.markdown() + "\n";

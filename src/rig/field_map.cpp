@@ -16,7 +16,6 @@
 namespace lodestone::rig {
 namespace {
 
-const char* const kCoilNames[] = {"+x", "-x", "+y", "-y"};
 const cv::Scalar kBlack(0, 0, 0), kWhite(255, 255, 255), kRed(40, 40, 230);
 
 /// The picture of a coil's field, drawn part by part.

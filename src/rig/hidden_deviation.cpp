@@ -4,11 +4,10 @@
 
 #include "lodestone/common/random.h"
 #include "lodestone/common/range.h"
+#include "lodestone/geometry/angle.h"
 
 namespace lodestone::rig {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Bounds of what is drawn; sources in docs/virtual-rig.md.
 struct Ranges {
@@ -21,8 +20,10 @@ struct Ranges {
   double offset_m;    // radius of a disc
 };
 
-constexpr Ranges kLab = {{0.9, 1.1}, {0.9, 1.1}, {0.9, 1.1}, 0.03, 1.0 * kPi / 180.0, 0.5e-3, 0.5e-3};
-constexpr Ranges kWide = {{0.75, 1.6}, {0.6, 1.6}, {0.7, 1.4}, 0.08, 3.0 * kPi / 180.0, 2e-3, 1.5e-3};
+constexpr Ranges kLab = {{0.9, 1.1}, {0.9, 1.1}, {0.9, 1.1}, 0.03, 1.0 * geometry::kPi / 180.0,
+                         0.5e-3,     0.5e-3};
+constexpr Ranges kWide = {{0.75, 1.6}, {0.6, 1.6}, {0.7, 1.4}, 0.08, 3.0 * geometry::kPi / 180.0,
+                          2e-3,        1.5e-3};
 
 const Ranges& ranges(DeviationWidth width) { return width == DeviationWidth::kWide ? kWide : kLab; }
 
@@ -32,7 +33,7 @@ double draw_factor(const common::Range& range, common::RandomStream& random) {
 
 geometry::Vector2 draw_in_disc(double radius_m, common::RandomStream& random) {
   const double r = radius_m * std::sqrt(random.uniform());
-  const double angle = random.uniform(-kPi, kPi);
+  const double angle = random.uniform(-geometry::kPi, geometry::kPi);
   return {r * std::cos(angle), r * std::sin(angle)};
 }
 

@@ -9,8 +9,6 @@ namespace lodestone::rig {
 
 namespace {
 
-constexpr const char* kCoilNames[kCoilCount] = {"+x", "-x", "+y", "-y"};
-
 const char* const kFaults[wire::kFaultCount] = {
     "the PC fell silent during a pulse",
     "a motor controller does not answer: check its power and its serial wires",

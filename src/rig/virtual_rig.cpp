@@ -26,8 +26,6 @@ constexpr double kQuiet_A = 0.02;
 constexpr double kPace_s = 5e-3;
 constexpr double kTooLate_s = 0.5;  // behind that clock: given up, or the rig would run faster afterwards
 
-const char* const kCoilNames[kCoils] = {"+x", "-x", "+y", "-y"};
-
 }  // namespace
 
 struct VirtualRig::State {

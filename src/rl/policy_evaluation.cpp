@@ -10,7 +10,7 @@
 namespace lodestone::rl {
 namespace {
 
-constexpr float kSaturated = 0.95F;
+constexpr float kSaturatedAction = 0.95F;
 
 }  // namespace
 
@@ -50,7 +50,7 @@ PolicyScore PolicyEvaluation::run(const inference::Actor& policy) {
       returns += result.reward[k];
       steps += 1.0;
       for (std::int64_t j = 0; j < width; ++j)
-        saturated += std::abs(chosen[i * width + j]) > kSaturated ? 1.0 : 0.0;
+        saturated += std::abs(chosen[i * width + j]) > kSaturatedAction ? 1.0 : 0.0;
       if (result.success[k] != 0) reached[k] = 1;
       if (result.terminated[k] == 0 && result.truncated[k] == 0) continue;
       done[k] = 1;

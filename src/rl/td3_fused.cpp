@@ -14,11 +14,6 @@ namespace {
 
 constexpr std::size_t kShards = 2;
 
-template <class Real>
-Real* data(const at::Tensor& tensor) {
-  return tensor.data_ptr<Real>();
-}
-
 /// out [rows, D + A]: each row of `left` [rows, D], then that of `right` [rows, A].
 template <class Real>
 void join(const Real* left, std::int64_t left_columns, const Real* right, std::int64_t right_columns,
@@ -83,11 +78,11 @@ template <class Real>
 at::Tensor FusedTd3<Real>::policy(const at::Tensor& observation) {
   if (act_work_.rows != observation.size(0))
     act_work_ = networks_.actor.network.workspace(observation.size(0));
-  networks_.actor.network.forward(data<Real>(observation), act_work_);
+  networks_.actor.network.forward(observation.template data_ptr<Real>(), act_work_);
   at::Tensor action = at::empty_like(act_work_.output);
-  const Real* output = data<Real>(act_work_.output);
+  const Real* output = act_work_.output.template data_ptr<Real>();
   // As inference::Actor, and not by LibTorch's own tanh, whose last bit depends on the processor.
-  std::transform(output, output + action.numel(), data<Real>(action), [](Real x) { return std::tanh(x); });
+  std::transform(output, output + action.numel(), action.template data_ptr<Real>(), [](Real x) { return std::tanh(x); });
   return action;
 }
 
@@ -95,20 +90,20 @@ at::Tensor FusedTd3<Real>::policy(const at::Tensor& observation) {
 template <class Real>
 void FusedTd3<Real>::prepare_inputs(const Batch& batch, const at::Tensor& noise, Half& half) {
   const std::int64_t columns = observation_size_ + action_size_;
-  const Real* next = data<Real>(batch.next_observation) + half.start * observation_size_;
+  const Real* next = batch.next_observation.template data_ptr<Real>() + half.start * observation_size_;
   networks_.actor.target.forward(next, half.actor);
   const auto clip = static_cast<Real>(config().noise_clip);
-  const Real* output = data<Real>(half.actor.output);
-  const Real* disturbed = data<Real>(noise) + half.start * action_size_;
-  Real* action = data<Real>(half.policy);
+  const Real* output = half.actor.output.template data_ptr<Real>();
+  const Real* disturbed = noise.template data_ptr<Real>() + half.start * action_size_;
+  Real* action = half.policy.template data_ptr<Real>();
   for (std::int64_t i = 0; i < half.rows * action_size_; ++i) {
     action[i] = std::clamp(std::tanh(output[i]) + std::clamp(disturbed[i], -clip, clip), Real(-1), Real(1));
   }
   join(next, observation_size_, action, action_size_, half.rows,
-       data<Real>(next_input_) + half.start * columns);
-  join(data<Real>(batch.observation) + half.start * observation_size_, observation_size_,
-       data<Real>(batch.action) + half.start * action_size_, action_size_, half.rows,
-       data<Real>(critic_input_) + half.start * columns);
+       next_input_.template data_ptr<Real>() + half.start * columns);
+  join(batch.observation.template data_ptr<Real>() + half.start * observation_size_, observation_size_,
+       batch.action.template data_ptr<Real>() + half.start * action_size_, action_size_, half.rows,
+       critic_input_.template data_ptr<Real>() + half.start * columns);
 }
 
 /// target = r + discount * min(Q1', Q2') unless the episode ended; the gradient of the mean squared
@@ -118,25 +113,25 @@ void FusedTd3<Real>::differences_from_target(const Batch& batch, UpdateResult& r
   const auto rows = static_cast<double>(target_q_.numel());
   const auto discount = static_cast<Real>(config().discount);
   const auto scale = static_cast<Real>(2.0 / rows);
-  const Real* reward = data<Real>(batch.reward);
-  const Real* not_done = data<Real>(batch.not_done);
-  Real* target = data<Real>(target_q_);
-  const Real* next_first = data<Real>(target_work_[0].output);
-  const Real* next_second = data<Real>(target_work_[1].output);
+  const Real* reward = batch.reward.template data_ptr<Real>();
+  const Real* not_done = batch.not_done.template data_ptr<Real>();
+  Real* target = target_q_.template data_ptr<Real>();
+  const Real* next_first = target_work_[0].output.template data_ptr<Real>();
+  const Real* next_second = target_work_[1].output.template data_ptr<Real>();
   for (std::int64_t i = 0; i < target_q_.numel(); ++i) {
     target[i] = reward[i] + discount * not_done[i] * std::min(next_first[i], next_second[i]);
   }
   std::array<double, 2> squares{};
   for (std::size_t k = 0; k < networks_.critics.size(); ++k) {
-    const Real* q = data<Real>(critic_work_[k].output);
-    Real* gradient = data<Real>(q_gradient_[k]);
+    const Real* q = critic_work_[k].output.template data_ptr<Real>();
+    Real* gradient = q_gradient_[k].template data_ptr<Real>();
     for (std::int64_t i = 0; i < target_q_.numel(); ++i) {
       const Real difference = q[i] - target[i];
       squares[k] += static_cast<double>(difference) * static_cast<double>(difference);
       gradient[i] = scale * difference;
     }
   }
-  const Real* q = data<Real>(critic_work_[0].output);
+  const Real* q = critic_work_[0].output.template data_ptr<Real>();
   const double q_sum = std::accumulate(q, q + target_q_.numel(), 0.0);
   result.critic_loss = (squares[0] + squares[1]) / rows;
   result.q_mean = q_sum / rows;
@@ -150,13 +145,13 @@ UpdateResult FusedTd3<Real>::learn(const Batch& batch, const at::Tensor& smoothi
   threads_.for_each(kShards,
                     [&](std::size_t shard) { prepare_inputs(batch, smoothing_noise, halves_[shard]); });
   threads_.for_each(kShards, [&](std::size_t k) {
-    networks_.critics[k].target.forward(data<Real>(next_input_), target_work_[k]);
-    networks_.critics[k].network.forward(data<Real>(critic_input_), critic_work_[k]);
+    networks_.critics[k].target.forward(next_input_.template data_ptr<Real>(), target_work_[k]);
+    networks_.critics[k].network.forward(critic_input_.template data_ptr<Real>(), critic_work_[k]);
   });
   differences_from_target(batch, result);
   threads_.for_each(kShards, [&](std::size_t k) {
     Learner<Real>& critic = networks_.critics[k];
-    critic.network.backward(data<Real>(critic_input_), data<Real>(q_gradient_[k]), critic_work_[k],
+    critic.network.backward(critic_input_.template data_ptr<Real>(), q_gradient_[k].template data_ptr<Real>(), critic_work_[k],
                             FlatNetwork<Real>::Wanted::kParameters);
     critic.adam(critic_work_[k].gradient, learning_rate(), critic_steps(), 0, critic.size());
     // the policy's update reads no target
@@ -168,18 +163,18 @@ UpdateResult FusedTd3<Real>::learn(const Batch& batch, const at::Tensor& smoothi
 
 template <class Real>
 void FusedTd3<Real>::policy_gradient(const Batch& batch, Half& half) {
-  const Real* observation = data<Real>(batch.observation) + half.start * observation_size_;
+  const Real* observation = batch.observation.template data_ptr<Real>() + half.start * observation_size_;
   networks_.actor.network.forward(observation, half.actor);
-  const Real* output = data<Real>(half.actor.output);
-  Real* action = data<Real>(half.policy);
+  const Real* output = half.actor.output.template data_ptr<Real>();
+  Real* action = half.policy.template data_ptr<Real>();
   for (std::int64_t i = 0; i < half.rows * action_size_; ++i) action[i] = std::tanh(output[i]);
-  Real* input = data<Real>(half.critic_input);
+  Real* input = half.critic_input.template data_ptr<Real>();
   join(observation, observation_size_, action, action_size_, half.rows, input);
   const FlatNetwork<Real>& critic = networks_.critics[0].network;
   critic.forward(input, half.critic);
-  critic.backward(input, data<Real>(half.q_gradient), half.critic, FlatNetwork<Real>::Wanted::kInput);
-  const Real* passed_on = data<Real>(half.critic.input_gradient);
-  Real* gradient = data<Real>(half.policy_gradient);
+  critic.backward(input, half.q_gradient.template data_ptr<Real>(), half.critic, FlatNetwork<Real>::Wanted::kInput);
+  const Real* passed_on = half.critic.input_gradient.template data_ptr<Real>();
+  Real* gradient = half.policy_gradient.template data_ptr<Real>();
   for (std::int64_t row = 0; row < half.rows; ++row) {
     for (std::int64_t j = 0; j < action_size_; ++j) {
       const Real a = action[row * action_size_ + j];
@@ -195,15 +190,15 @@ double FusedTd3<Real>::update_policy(const Batch& batch) {
   threads_.for_each(kShards, [&](std::size_t shard) { policy_gradient(batch, halves_[shard]); });
   double q_sum = 0.0;
   for (const Half& half : halves_) {
-    const Real* q = data<Real>(half.critic.output);
+    const Real* q = half.critic.output.template data_ptr<Real>();
     q_sum = std::accumulate(q, q + half.rows, q_sum);
   }
   const std::int64_t middle = networks_.actor.size() / 2;
   threads_.for_each(kShards, [&](std::size_t shard) {
     const std::int64_t begin = shard == 0 ? 0 : middle;
     const std::int64_t end = shard == 0 ? middle : networks_.actor.size();
-    Real* __restrict gradient = data<Real>(halves_[0].actor.gradient);
-    const Real* __restrict other = data<Real>(halves_[1].actor.gradient);
+    Real* __restrict gradient = halves_[0].actor.gradient.template data_ptr<Real>();
+    const Real* __restrict other = halves_[1].actor.gradient.template data_ptr<Real>();
     for (std::int64_t i = begin; i < end; ++i) gradient[i] += other[i];
     networks_.actor.adam(halves_[0].actor.gradient, learning_rate(), actor_steps(), begin, end);
     networks_.actor.polyak(config().polyak_tau, begin, end);

@@ -20,15 +20,15 @@ void TemperatureCheck::check(rig::CoilPulse& pulse, const PulseContext& context)
     const double hot_C =
         thermal_.after_pulse_C(static_cast<int>(coil), pulse.current_A[coil], pulse.duration_s);
     if (!(hot_C <= max_temperature_C_))
-      throw Distrust(fmt::format("this pulse would heat coil {} to {:g} C, limit is {:g} C", kCoilNames[coil],
-                                 hot_C, max_temperature_C_));
+      throw Distrust(fmt::format("this pulse would heat coil {} to {:g} C, limit is {:g} C",
+                                 rig::kCoilNames[coil], hot_C, max_temperature_C_));
   }
 }
 
 void TemperatureCheck::check_measured(std::size_t coil, double measured_C, const rig::CoilPulse& last) {
   // Written so that a temperature that is not a number stops the run, too.
   if (!(measured_C <= max_temperature_C_))
-    throw Distrust(fmt::format("coil {} is at {:g} C, limit is {:g} C", kCoilNames[coil], measured_C,
+    throw Distrust(fmt::format("coil {} is at {:g} C, limit is {:g} C", rig::kCoilNames[coil], measured_C,
                                max_temperature_C_));
   if (std::abs(last.current_A[coil]) < kMinEstimationCurrent_A || last.duration_s < kMinEstimationPulse_s)
     return;
@@ -40,7 +40,7 @@ void TemperatureCheck::check_measured(std::size_t coil, double measured_C, const
     throw Distrust(fmt::format(
         "coil {} measures {:g} C where its pulses explain {:g} C: check its wires and the supply, or "
         "measure the coils again (lodestone calibrate coils)",
-        kCoilNames[coil], measured_C, expected_C));
+        rig::kCoilNames[coil], measured_C, expected_C));
   }
 }
 

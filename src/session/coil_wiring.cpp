@@ -257,7 +257,7 @@ std::string possible_answers(const std::vector<CoilWiring>& possible, int asked)
             return wiring.coil[i] == coil && wiring.sign[i] == sign;
           }))
         continue;
-      text += (text.empty() ? "coil " : ", or coil ") + std::string(safety::kCoilNames[coil]) +
+      text += (text.empty() ? "coil " : ", or coil ") + std::string(rig::kCoilNames[coil]) +
               (sign < 0 ? " reversed" : "");
     }
   }

@@ -8,6 +8,7 @@
 
 #include "lodestone/common/clock.h"
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/angle.h"
 #include "lodestone/rig/serial_coils.h"
 #include "lodestone/safety/check.h"
 #include "lodestone/session/coil_wiring.h"
@@ -16,7 +17,6 @@ namespace lodestone::session {
 
 namespace {
 
-constexpr double kDegPerRad = 57.29577951308232;
 constexpr int kNameWidth = 22;
 
 std::string number(double value, const char* unit, int digits = 1) {
@@ -135,7 +135,7 @@ class Walk {
     const control::PoseEstimate seen = watcher_->sensor->observe();
     tell("needle", seen.valid ? "seen at x " + number(1e3 * seen.pose.x_m, "mm") + ", y " +
                                     number(1e3 * seen.pose.y_m, "mm") + ", heading " +
-                                    number(seen.pose.heading_rad * kDegPerRad, "degrees", 0)
+                                    number(seen.pose.heading_rad * geometry::kDegPerRad, "degrees", 0)
                               : "not seen: " + seen.reason);
   }
 
@@ -143,7 +143,7 @@ class Walk {
   /// person there has seen the needle follow.
   bool check_coil(int coil) {
     const auto index = static_cast<std::size_t>(coil);
-    const std::string name = std::string("coil ") + safety::kCoilNames[coil];
+    const std::string name = std::string("coil ") + rig::kCoilNames[coil];
     if (!dialogue_.confirm("energise " + name + " with " + number(config_.test_current_A, "A") +
                            " for 0.2 s?")) {
       tell(name, "left out");
@@ -191,7 +191,7 @@ class Walk {
     const std::vector<CoilWiring> possible = inference.possible();
     for (int coil = 0; coil < rig::kCoilCount; ++coil)
       tell(
-          std::string("asked for ") + safety::kCoilNames[coil],
+          std::string("asked for ") + rig::kCoilNames[coil],
           (inference.moved(coil) == 0 ? "the needle did not move: " : "") + possible_answers(possible, coil));
     const std::string remedy = wiring_remedy(inference, config_.rig);
     if (!remedy.empty()) tell("wiring", remedy);

@@ -3,10 +3,11 @@
 #include <cmath>
 #include <utility>
 
+#include "lodestone/geometry/angle.h"
+
 namespace lodestone::session {
 
 namespace {
-constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
 // A needle that has moved by less lies still: its image errs as before.
 constexpr double kStill_m = 0.1e-3;
 constexpr double kStill_rad = 0.002;
@@ -28,7 +29,7 @@ CalibrationError draw_calibration_error(const SensorErrorConfig& config, std::ui
   error.offset_m.x() = kPerAxis * config.calibration_offset_m * random.normal();
   error.offset_m.y() = kPerAxis * config.calibration_offset_m * random.normal();
   error.scale = 1.0 + config.calibration_scale * random.normal();
-  error.rotation_rad = kRadPerDeg * config.calibration_rotation_deg * random.normal();
+  error.rotation_rad = geometry::kRadPerDeg * config.calibration_rotation_deg * random.normal();
   return error;
 }
 
@@ -50,7 +51,7 @@ void SimulatedPoseSensor::draw_error(const geometry::Pose2& truth) {
   drawn_at_ = truth;
   error_ = {kPerAxis * config_.position_rms_m * noise_.normal(),
             kPerAxis * config_.position_rms_m * noise_.normal(),
-            kRadPerDeg * config_.heading_rms_deg * noise_.normal()};
+            geometry::kRadPerDeg * config_.heading_rms_deg * noise_.normal()};
 }
 
 control::PoseEstimate SimulatedPoseSensor::observe() {
@@ -63,14 +64,15 @@ control::PoseEstimate SimulatedPoseSensor::observe() {
   const geometry::Pose2 truth = true_pose_();
   draw_error(truth);
   const double jitter_m = kPerAxis * config_.repeatability_m;
-  const double jitter_rad = kRadPerDeg * config_.repeatability_deg;
+  const double jitter_rad = geometry::kRadPerDeg * config_.repeatability_deg;
   estimate.pose = calibration_.apply(truth);
   estimate.pose.x_m += error_.x_m + jitter_m * noise_.normal();
   estimate.pose.y_m += error_.y_m + jitter_m * noise_.normal();
   estimate.pose.heading_rad =
       geometry::wrap_angle(estimate.pose.heading_rad + error_.heading_rad + jitter_rad * noise_.normal());
   estimate.position_sigma_m = std::hypot(config_.position_rms_m, config_.repeatability_m);
-  estimate.heading_sigma_rad = kRadPerDeg * std::hypot(config_.heading_rms_deg, config_.repeatability_deg);
+  estimate.heading_sigma_rad =
+      geometry::kRadPerDeg * std::hypot(config_.heading_rms_deg, config_.repeatability_deg);
   estimate.valid = true;
   return estimate;
 }

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lodestone/geometry/angle.h"
+
 namespace lodestone::task {
 
 geometry::Vector2 draw_in_disc(double radius_m, common::RandomStream& random) {
   const double radius = radius_m * std::sqrt(random.uniform());
-  const double angle = random.uniform(-M_PI, M_PI);
+  const double angle = random.uniform(-geometry::kPi, geometry::kPi);
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
@@ -16,7 +18,7 @@ Goal draw_goal(const TaskConfig& config, common::RandomStream& random, const Reg
   if (config.goal == GoalKind::kCentre) return goal;
   const auto draw = [&] { return draw_in_disc(config.goal_radius_m(), random); };
   goal.position_m = region != nullptr ? region->draw(draw) : draw();
-  if (config.goal == GoalKind::kPose) goal.heading_rad = random.uniform(-M_PI, M_PI);
+  if (config.goal == GoalKind::kPose) goal.heading_rad = random.uniform(-geometry::kPi, geometry::kPi);
   return goal;
 }
 
@@ -35,7 +37,7 @@ StepOutcome evaluate_step(const TaskConfig& config, const Step& step) {
                    config.current_cost * step.action.squaredNorm();
   if (step.goal.heading_rad) {
     const auto error = [&](const geometry::Pose2& pose) {
-      return std::abs(geometry::wrap_angle(pose.heading_rad - *step.goal.heading_rad)) / M_PI;
+      return std::abs(geometry::wrap_angle(pose.heading_rad - *step.goal.heading_rad)) / geometry::kPi;
     };
     outcome.reward += config.heading_alpha * (error(step.after) - error(step.before));
     outcome.success = outcome.success && 180.0 * error(step.after) < config.success_heading_deg;

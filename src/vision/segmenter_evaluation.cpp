@@ -10,6 +10,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/statistics.h"
+#include "lodestone/geometry/angle.h"
 #include "lodestone/imaging/scene_renderer.h"
 #include "lodestone/nets/checkpoint.h"
 #include "lodestone/vision/segmenter_samples.h"
@@ -19,7 +20,6 @@ namespace lodestone::vision {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kLeastCovered = 0.05;
 constexpr double kMostCovered = 0.40;
 constexpr double kTrackedOff_m = 0.010;
@@ -76,7 +76,7 @@ SceneResult run_scene(const std::shared_ptr<const Segmenter>& segmenter, const i
   result.clean = attempt(localiser, frame.image, bare);
 
   const double off_m = kTrackedOff_m * std::sqrt(random.uniform());
-  const double angle = random.uniform(-kPi, kPi);
+  const double angle = random.uniform(-geometry::kPi, geometry::kPi);
   localiser.expect(bare.position_m() + off_m * geometry::Vector2(std::cos(angle), std::sin(angle)));
   result.tracked = attempt(localiser, frame.image, bare);
 
@@ -115,7 +115,7 @@ LocalisationScore score(const std::vector<Attempt>& attempts) {
     errors_mm.push_back(1e3 * error_m.norm());
     square_mm2 += 1e6 * error_m.squaredNorm();
     const double turn_rad = geometry::wrap_angle(attempt.found.pose.heading_rad - attempt.truth.heading_rad);
-    if (std::abs(turn_rad) > 0.5 * kPi) {
+    if (std::abs(turn_rad) > 0.5 * geometry::kPi) {
       ++out.flips;
       continue;
     }
@@ -130,7 +130,7 @@ LocalisationScore score(const std::vector<Attempt>& attempts) {
   out.position_p95_mm = common::percentile(errors_mm, 0.95);
   out.position_max_mm = common::percentile(errors_mm, 1.0);
   if (upright == 0) return out;
-  out.heading_rms_deg = 180.0 / kPi * std::sqrt(heading_rad2 / static_cast<double>(upright));
+  out.heading_rms_deg = 180.0 / geometry::kPi * std::sqrt(heading_rad2 / static_cast<double>(upright));
   out.normalised_error = normalised / static_cast<double>(upright);
   return out;
 }
@@ -185,7 +185,7 @@ SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const Segmenter> segmente
   if (pairs > 0) {
     const double count = 2.0 * static_cast<double>(pairs);
     evaluation.repeatability_mm = 1e3 * std::sqrt(apart_m2 / count);
-    evaluation.repeatability_deg = 180.0 / kPi * std::sqrt(apart_rad2 / count);
+    evaluation.repeatability_deg = 180.0 / geometry::kPi * std::sqrt(apart_rad2 / count);
   }
   evaluation.clean = score(clean);
   evaluation.occluded = score(occluded);

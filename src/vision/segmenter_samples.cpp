@@ -11,13 +11,12 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/interrupt.h"
+#include "lodestone/geometry/angle.h"
 #include "lodestone/imaging/scene_renderer.h"
 
 namespace lodestone::vision {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Fills one row of the tensors.
 class SampleMaker {
@@ -54,7 +53,7 @@ class SampleMaker {
       if (random.uniform() < config_.covered) needle.covered = random.uniform(0.03, config_.max_covered);
       if (random.uniform() < config_.moving) {
         const double way_m = random.uniform(0.0, 1e-3);
-        const double angle = random.uniform(-kPi, kPi);
+        const double angle = random.uniform(-geometry::kPi, geometry::kPi);
         needle.smear_m = {way_m * std::cos(angle), way_m * std::sin(angle)};
       }
       needles.push_back(needle);
@@ -86,8 +85,9 @@ geometry::Pose2 draw_needle_pose(const imaging::BenchGeometry& bench, common::Ra
   const double half_m = 0.5 * bench.needle_length_m;
   for (;;) {
     const double r = bench.dish_radius_m * std::sqrt(random.uniform());
-    const double angle = random.uniform(-kPi, kPi);
-    const geometry::Pose2 pose{r * std::cos(angle), r * std::sin(angle), random.uniform(-kPi, kPi)};
+    const double angle = random.uniform(-geometry::kPi, geometry::kPi);
+    const geometry::Pose2 pose{r * std::cos(angle), r * std::sin(angle),
+                               random.uniform(-geometry::kPi, geometry::kPi)};
     const geometry::Vector2 half(half_m * std::cos(pose.heading_rad), half_m * std::sin(pose.heading_rad));
     const double reach_m = bench.dish_radius_m - 0.5 * bench.needle_diameter_m;
     if ((pose.position_m() + half).norm() < reach_m && (pose.position_m() - half).norm() < reach_m)

@@ -46,7 +46,7 @@ namespace {
 using at::Tensor;
 using common::Json;
 
-constexpr const char* kKind = "segmenter_training";
+constexpr const char* kTrainingKind = "segmenter_training";
 constexpr std::size_t kShards = 4;  ///< fixed, so that results do not depend on threads
 
 /// Of probabilities and targets [N, C, H, W]: 1 is perfect overlap; per class, over the batch.
@@ -97,7 +97,7 @@ class Training : public runs::ResumableWork {
 
   void load(const std::string& folder) override {
     const std::string where = folder + "/training";
-    const nets::Checkpoint checkpoint = nets::load_checkpoint(where, kKind);
+    const nets::Checkpoint checkpoint = nets::load_checkpoint(where, kTrainingKind);
     const std::string what = "checkpoint " + where;
     try {
       networks_[0]->tensors().load(checkpoint.parts.at("network"), what);
@@ -119,7 +119,7 @@ class Training : public runs::ResumableWork {
 
   void save(const std::string& folder) override {
     nets::Checkpoint checkpoint;
-    checkpoint.kind = kKind;
+    checkpoint.kind = kTrainingKind;
     checkpoint.config = common::config_to_json(config_);
     checkpoint.facts["epoch"] = epoch_;
     checkpoint.facts["stale_epochs"] = stale_epochs_;

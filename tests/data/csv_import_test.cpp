@@ -6,6 +6,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/data/dataset_file.h"
+#include "lodestone/geometry/angle.h"
 #include "temporary_folder.h"
 
 using namespace lodestone;
@@ -131,8 +132,8 @@ TEST_CASE("the lab's log: currents act up to the next row, gaps end an episode")
   REQUIRE(dataset.episodes.size() == 2);
   CHECK(dataset.episodes[0].actions == std::vector<double>{5.0, 0.0, -7.0, -3.0});
   CHECK(dataset.episodes[0].observations[0] == Approx(0.001));
-  CHECK(dataset.episodes[0].observations[2] == Approx(M_PI / 2));
-  CHECK(dataset.episodes[0].observations[8] == Approx(M_PI / 2));
+  CHECK(dataset.episodes[0].observations[2] == Approx(geometry::kPi / 2));
+  CHECK(dataset.episodes[0].observations[8] == Approx(geometry::kPi / 2));
   CHECK(dataset.episodes[1].zero_current == std::vector<std::uint8_t>{1});
   CHECK(result.unpaired == 3);
 }

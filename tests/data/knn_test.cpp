@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/angle.h"
 #include "synthetic.h"
 
 using namespace lodestone;
@@ -76,8 +77,8 @@ TEST_CASE("heading changes are averaged the short way round and stay wrapped") {
   table.action = {1.0, 0.0, 1.0, 0.0};
   table.episode = {0, 0};
   const std::vector<double> next = data::NearestNeighbours(table, 10).predict({0.0, 0.0, 3.13}, {1.0, 0.0});
-  const double turn = (2.0 * M_PI - 6.2) / 2.0;
-  CHECK(next[2] == Approx(3.13 + turn - 2.0 * M_PI));
+  const double turn = (2.0 * geometry::kPi - 6.2) / 2.0;
+  CHECK(next[2] == Approx(3.13 + turn - 2.0 * geometry::kPi));
 }
 
 TEST_CASE("no data, no neighbours, and rows that do not fit are refused") {

@@ -8,6 +8,7 @@
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
 #include "lodestone/dynamics/network.h"
+#include "lodestone/geometry/angle.h"
 #include "lodestone/nets/tensors.h"
 
 namespace lodestone::dynamics {
@@ -65,9 +66,9 @@ TEST_CASE("errors of a model that never moves are those of the motion", "[unit]"
   const DynamicsEvaluation evaluation = evaluate_dynamics(model, dataset);
   CHECK(evaluation.n == 18);
   CHECK(evaluation.one_step.position_rms_mm == Approx(5.0));
-  CHECK(evaluation.one_step.heading_rms_deg.value() == Approx(0.5 * 180.0 / M_PI));
+  CHECK(evaluation.one_step.heading_rms_deg.value() == Approx(0.5 * 180.0 / geometry::kPi));
   CHECK(evaluation.baselines->no_motion.position_rms_mm == Approx(5.0));
-  CHECK(evaluation.baselines->no_motion.heading_rms_deg.value() == Approx(0.5 * 180.0 / M_PI));
+  CHECK(evaluation.baselines->no_motion.heading_rms_deg.value() == Approx(0.5 * 180.0 / geometry::kPi));
   CHECK(evaluation.k_step_mm->at(1).value() == Approx(5.0));
   CHECK(evaluation.k_step_mm->at(2).value() == Approx(10.0));
   CHECK(evaluation.k_step_mm->at(5).value() == Approx(25.0));

@@ -5,6 +5,7 @@
 #include <ATen/ATen.h>
 
 #include "dynamics/sample_rows.h"
+#include "lodestone/geometry/angle.h"
 #include "lodestone/inference/mixture.h"
 #include "lodestone/nets/tensors.h"
 
@@ -12,8 +13,6 @@ namespace lodestone::dynamics {
 namespace {
 
 using inference::DynamicsForm;
-
-constexpr double kPi = 3.14159265358979323846;
 
 using tests::config_of;
 using tests::Rows;
@@ -96,19 +95,22 @@ TEST_CASE("normalisers are part of the network", "[unit]") {
 TEST_CASE("the change form sees across the cut of the heading", "[unit]") {
   const auto network = exercised(config_of(DynamicsForm::kDelta, false), data::StateLayout::kPose);
   const at::Tensor action = at::zeros({2, 2}, at::kDouble);
-  const at::Tensor state = nets::tensor_from({0.0, 0.0, kPi - 1e-7, 0.0, 0.0, -kPi + 1e-7}, {2, 3});
+  const at::Tensor state =
+      nets::tensor_from({0.0, 0.0, geometry::kPi - 1e-7, 0.0, 0.0, -geometry::kPi + 1e-7}, {2, 3});
   const at::Tensor next = network->forward(state, action);
   CHECK(std::abs((next[0][0] - next[1][0]).item<double>()) < 1e-6);
-  const at::Tensor turned = nets::tensor_from({0.0, 0.0, -kPi + 0.1}, {1, 3});
-  const at::Tensor before = nets::tensor_from({0.0, 0.0, kPi - 0.1}, {1, 3});
+  const at::Tensor turned = nets::tensor_from({0.0, 0.0, -geometry::kPi + 0.1}, {1, 3});
+  const at::Tensor before = nets::tensor_from({0.0, 0.0, geometry::kPi - 0.1}, {1, 3});
   const at::Tensor target =
       network->normalised_target(before, turned) * network->output_std + network->output_mean;
   CHECK(target[0][2].item<double>() == Approx(0.2).margin(1e-5));
 }
 
 TEST_CASE("angles wrap to (-pi, pi]", "[unit]") {
-  const at::Tensor wrapped = wrap_angles(nets::tensor_from({kPi, -kPi, 3 * kPi, 0.5, 7.0, -7.0}, {6}));
-  const std::vector<double> expected = {kPi, kPi, kPi, 0.5, 7.0 - 2 * kPi, 2 * kPi - 7.0};
+  const at::Tensor wrapped =
+      wrap_angles(nets::tensor_from({geometry::kPi, -geometry::kPi, 3 * geometry::kPi, 0.5, 7.0, -7.0}, {6}));
+  const std::vector<double> expected = {geometry::kPi, geometry::kPi,           geometry::kPi,
+                                        0.5,           7.0 - 2 * geometry::kPi, 2 * geometry::kPi - 7.0};
   for (int i = 0; i < 6; ++i)
     CHECK(wrapped[i].item<double>() == Approx(expected[static_cast<std::size_t>(i)]));
 }
@@ -122,9 +124,9 @@ TEST_CASE("the mean of headings is taken on the circle", "[unit]") {
     for (auto& parameter : members[k]->tensors().parameters()) parameter.zero_();
     members[k]->output_mean[2].fill_(k == 0 ? 0.2 : -0.1);
   }
-  const at::Tensor next = predict_mean(members, nets::tensor_from({0.0, 0.0, kPi - 0.01}, {1, 3}),
+  const at::Tensor next = predict_mean(members, nets::tensor_from({0.0, 0.0, geometry::kPi - 0.01}, {1, 3}),
                                        at::zeros({1, 2}, at::kDouble));
-  CHECK(std::abs(wrap_angles(next[0][2] - (kPi + 0.04)).item<double>()) < 1e-6);
+  CHECK(std::abs(wrap_angles(next[0][2] - (geometry::kPi + 0.04)).item<double>()) < 1e-6);
 }
 
 TEST_CASE("initial weights follow the seed and PyTorch's default range", "[unit]") {

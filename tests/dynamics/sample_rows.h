@@ -8,6 +8,7 @@
 
 #include "lodestone/common/random.h"
 #include "lodestone/data/dataset.h"
+#include "lodestone/geometry/angle.h"
 #include "lodestone/inference/dynamics_config.h"
 
 namespace lodestone::dynamics::tests {
@@ -18,7 +19,6 @@ struct Rows {
 
 /// Rows over the dish whose motion is some smooth function of state and drive.
 inline Rows sample_rows(data::StateLayout layout, std::int64_t count, std::uint64_t seed) {
-  constexpr double kPi = 3.14159265358979323846;
   common::RandomStream random(seed, "rows");
   const int size = data::state_size(layout);
   Rows rows{at::empty({count, size}, at::kDouble), at::empty({count, 2}, at::kDouble),
@@ -33,8 +33,8 @@ inline Rows sample_rows(data::StateLayout layout, std::int64_t count, std::uint6
       next[i][d] = state[i][d] + 3e-4 * action[i][d] * (1.0 + 10.0 * state[i][d]);
     }
     if (size == 3) {
-      state[i][2] = random.uniform(-kPi, kPi);
-      next[i][2] = std::remainder(state[i][2] + 0.02 * action[i][0], 2.0 * kPi);
+      state[i][2] = random.uniform(-geometry::kPi, geometry::kPi);
+      next[i][2] = std::remainder(state[i][2] + 0.02 * action[i][0], 2.0 * geometry::kPi);
     }
   }
   return rows;

@@ -10,6 +10,7 @@
 #include "env/vec_env_conformance.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/statistics.h"
+#include "lodestone/geometry/angle.h"
 
 namespace lodestone::env {
 namespace {
@@ -120,7 +121,7 @@ TEST_CASE("headings are averaged across the cut of the circle", "[unit]") {
   const std::vector<float> after = environments.step(std::vector<float>(64, 0.01F)).final_observation;
   for (std::size_t i = 0; i < 32; ++i) {
     // Turns of 2.9 and of 3.3 (which is -2.98): their mean as wrapped turns.
-    const double expected = before[5 * i + 2] + 0.5 * (2.9 + 3.3 - 2.0 * M_PI);
+    const double expected = before[5 * i + 2] + 0.5 * (2.9 + 3.3 - 2.0 * geometry::kPi);
     CHECK(std::abs(geometry::wrap_angle(after[5 * i + 2] - expected)) < 1e-5);
   }
 }

@@ -10,14 +10,14 @@
 namespace lodestone::env {
 namespace {
 
-EpisodeSettings settings_for(std::int64_t count) {
+EpisodeSettings replay_settings_for(std::int64_t count) {
   EpisodeSettings settings = tests::plain_settings(count);
   settings.task.end_on_success = false;
   return settings;
 }
 
 TEST_CASE("recorded steps come back as they were, in stretches of 10 to 15", "[unit]") {
-  ReplayEnv replay(tests::recording(), settings_for(30), {});
+  ReplayEnv replay(tests::recording(), replay_settings_for(30), {});
   std::vector<float> before = replay.reset();
   std::vector<int> length(30, 0);
   for (std::uint64_t step = 0; step < 60; ++step) {
@@ -45,9 +45,9 @@ TEST_CASE("a recording without a long enough episode is refused", "[unit]") {
   ReplayConfig config;
   config.shortest = 25;
   config.longest = 30;
-  CHECK_THROWS_AS(ReplayEnv(tests::recording(), settings_for(2), config), common::ConfigError);
+  CHECK_THROWS_AS(ReplayEnv(tests::recording(), replay_settings_for(2), config), common::ConfigError);
   config.longest = 20;
-  CHECK_THROWS_AS(ReplayEnv(tests::recording(), settings_for(2), config), common::ConfigError);
+  CHECK_THROWS_AS(ReplayEnv(tests::recording(), replay_settings_for(2), config), common::ConfigError);
 }
 
 }  // namespace

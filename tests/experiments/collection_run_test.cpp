@@ -40,7 +40,7 @@ void record(const std::string& folder, std::int64_t threads, bool going_on, bool
   }
 }
 
-void check_same(const std::string& a, const std::string& b) {
+void check_same_run(const std::string& a, const std::string& b) {
   const data::Dataset one = data::read_dataset(a + "/transitions.h5");
   const data::Dataset two = data::read_dataset(b + "/transitions.h5");
   REQUIRE(one.episodes.size() == two.episodes.size());
@@ -59,9 +59,9 @@ TEST_CASE(
   CHECK(data::read_dataset(folder / "whole/transitions.h5").transitions() == 90);
   record(folder / "saved", 2, false, true, 1);
   record(folder / "saved", 1, true, true);
-  check_same(folder / "whole", folder / "saved");
+  check_same_run(folder / "whole", folder / "saved");
   record(folder / "behind", 2, false, true, 1);
   record(folder / "behind", 2, true, false, 1);  // killed before its next checkpoint
   record(folder / "behind", 2, true, true);
-  check_same(folder / "whole", folder / "behind");
+  check_same_run(folder / "whole", folder / "behind");
 }

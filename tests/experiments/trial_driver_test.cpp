@@ -6,7 +6,7 @@ using namespace lodestone;
 
 namespace {
 
-experiments::DeploymentConfig quick_config() {
+experiments::DeploymentConfig quick_trial_config() {
   experiments::DeploymentConfig config;
   config.sensor.kind = "simulated";
   config.trials.point_seconds = 1.5;
@@ -16,7 +16,7 @@ experiments::DeploymentConfig quick_config() {
 }  // namespace
 
 TEST_CASE("virtual rigs take what the clock says in real time, and give the same as at once") {
-  const auto config = quick_config();
+  const auto config = quick_trial_config();
   const auto source = experiments::baseline_source(config);
   const auto drive = [&](bool realtime) {
     const experiments::TrialDriver driver = experiments::virtual_driver(config, 2, realtime, "");
@@ -33,7 +33,7 @@ TEST_CASE("virtual rigs take what the clock says in real time, and give the same
 }
 
 TEST_CASE("on a session trials go one after the other, and what stops it is said") {
-  auto config = quick_config();
+  auto config = quick_trial_config();
   const auto source = experiments::baseline_source(config);
   const auto session = session::make_virtual_session(config.rig, config.sensor, config.safety, {});
   const experiments::TrialDriver driver = experiments::session_driver(*session, config, true, "");

@@ -27,7 +27,7 @@ cv::Mat frame(int index, cv::Size size) {
   return image;
 }
 
-std::vector<cv::Mat> read_back(const std::string& file) {
+std::vector<cv::Mat> read_video(const std::string& file) {
   cv::VideoCapture reader(file, cv::CAP_FFMPEG);
   std::vector<cv::Mat> images;
   for (cv::Mat image; reader.read(image); image = cv::Mat()) images.push_back(image);
@@ -70,7 +70,7 @@ TEST_CASE("a video reads back with every frame, its size and what it showed") {
   if (ending == ".avi") CHECK(writer.codec() == "Motion JPEG");
   if (writer.codec() == "H.264") CHECK(writer.file() == folder / "run.mp4");
 
-  const std::vector<cv::Mat> images = read_back(writer.file());
+  const std::vector<cv::Mat> images = read_video(writer.file());
   REQUIRE(images.size() == kFrames);
   const cv::Size expected(static_cast<int>(320 * scale), static_cast<int>(240 * scale));
   CHECK(writer.size() == expected);
@@ -90,8 +90,8 @@ TEST_CASE("odd sizes are cut to even ones") {
   writer.write(frame(0, {101, 75}));
   writer.finish();
   CHECK(writer.size() == cv::Size(100, 74));
-  REQUIRE(read_back(writer.file()).size() == 1);
-  CHECK(read_back(writer.file())[0].size() == cv::Size(100, 74));
+  REQUIRE(read_video(writer.file()).size() == 1);
+  CHECK(read_video(writer.file())[0].size() == cv::Size(100, 74));
 }
 
 TEST_CASE("a video that cannot be written is named") {

@@ -1,4 +1,5 @@
 #include "lodestone/inference/folded_dynamics.h"
+#include "lodestone/geometry/angle.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -56,6 +57,6 @@ TEST_CASE("a linear model moves as it was made to, and wraps headings", "[unit]"
   std::vector<double> state = {0.0, 0.01, 3.0, 0.02, 0.0, -1.0};
   const std::vector<double> drive = {5.0, -2.0, 0.0, 1.0};
   model.members.front().predict(state.data(), drive.data(), 2, state.data(), workspace);  // in place
-  const std::vector<double> expected = {0.005, 0.008, 3.5 - 2.0 * M_PI, 0.02, 0.001, -0.5};
+  const std::vector<double> expected = {0.005, 0.008, 3.5 - 2.0 * geometry::kPi, 0.02, 0.001, -0.5};
   for (std::size_t i = 0; i < state.size(); ++i) CHECK(state[i] == Approx(expected[i]).margin(1e-6));
 }

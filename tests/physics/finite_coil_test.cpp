@@ -1,4 +1,5 @@
 #include "lodestone/physics/finite_coil.h"
+#include "lodestone/geometry/angle.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -9,14 +10,13 @@ namespace lodestone::physics {
 namespace {
 
 using geometry::Vector2;
-constexpr double kPi = 3.14159265358979323846;
 
 /// Biot-Savart by the midpoint rule around the loop, which converges exponentially for a periodic integrand.
 AxialRadial biot_savart(double radius, double axial, double radial) {
   constexpr int kSegments = 2000;
   double along = 0.0, away = 0.0;
   for (int i = 0; i < kSegments; ++i) {
-    const double phi = 2.0 * kPi * (i + 0.5) / kSegments;
+    const double phi = 2.0 * geometry::kPi * (i + 0.5) / kSegments;
     // Loop in the plane z = 0, point (radial, 0, axial); dl = radius (-sin, cos, 0) dphi.
     const double rx = radial - radius * std::cos(phi), ry = -radius * std::sin(phi), rz = axial;
     const double lx = -radius * std::sin(phi), ly = radius * std::cos(phi);
@@ -24,14 +24,14 @@ AxialRadial biot_savart(double radius, double axial, double radial) {
     away += ly * rz / r3;
     along += (lx * ry - ly * rx) / r3;
   }
-  const double scale = kVacuumPermeability / (4.0 * kPi) * 2.0 * kPi / kSegments;
+  const double scale = kVacuumPermeability / (4.0 * geometry::kPi) * 2.0 * geometry::kPi / kSegments;
   return {scale * along, scale * away};
 }
 
 TEST_CASE("complete elliptic integrals match tabulated values") {
   // Abramowitz and Stegun, table 17.1 (parameter m).
-  CHECK(complete_elliptic(0.0).k == Approx(kPi / 2.0).epsilon(1e-14));
-  CHECK(complete_elliptic(0.0).e == Approx(kPi / 2.0).epsilon(1e-14));
+  CHECK(complete_elliptic(0.0).k == Approx(geometry::kPi / 2.0).epsilon(1e-14));
+  CHECK(complete_elliptic(0.0).e == Approx(geometry::kPi / 2.0).epsilon(1e-14));
   CHECK(complete_elliptic(0.5).k == Approx(1.854074677301372).epsilon(1e-14));
   CHECK(complete_elliptic(0.5).e == Approx(1.350643881047676).epsilon(1e-14));
   CHECK(complete_elliptic(0.99).k == Approx(3.695637362989875).epsilon(1e-13));

@@ -1,4 +1,5 @@
 #include "lodestone/physics/needle_motion.h"
+#include "lodestone/geometry/angle.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -11,7 +12,6 @@ namespace {
 
 using geometry::Pose2;
 using geometry::Vector2;
-constexpr double kPi = 3.14159265358979323846;
 
 const CoilArray& coils() {
   static const CoilArray array(make_field_table(CoilGeometry{}, 0.0425));
@@ -64,7 +64,7 @@ TEST_CASE("a needle along the field is pulled to the coil, and turns into the fi
     CHECK(magnetic_wrench(needle, {0.0, 0.0, towards - 0.5}, coils(), current).torque_N_m > 1e-6);
     CHECK(magnetic_wrench(needle, {0.0, 0.0, towards + 0.5}, coils(), current).torque_N_m < -1e-6);
     // With its tail ahead it is pushed away.
-    const Wrench reversed = magnetic_wrench(needle, {0.0, 0.0, towards + kPi}, coils(), current);
+    const Wrench reversed = magnetic_wrench(needle, {0.0, 0.0, towards + geometry::kPi}, coils(), current);
     CHECK(reversed.force_x_N * direction.x() + reversed.force_y_N * direction.y() < -1e-4);
   }
 }
@@ -111,10 +111,10 @@ TEST_CASE("break-away at the centre: the needle turns long before it is pulled")
     return low;
   };
   CHECK(break_away(coils(), {0, 0, 0}) == Approx(2.5).margin(0.8));
-  CHECK(break_away(coils(), {0, 0, kPi / 2}) == Approx(0.5).margin(0.2));
+  CHECK(break_away(coils(), {0, 0, geometry::kPi / 2}) == Approx(0.5).margin(0.2));
   const CoilArray published(make_field_table(published_coil_geometry(), 0.0425));
   CHECK(break_away(published, {0, 0, 0}) == Approx(2.5).margin(0.1));
-  CHECK(break_away(published, {0, 0, kPi / 2}) == Approx(0.5).margin(0.1));
+  CHECK(break_away(published, {0, 0, geometry::kPi / 2}) == Approx(0.5).margin(0.1));
 }
 
 TEST_CASE("static limit surface of a rod") {

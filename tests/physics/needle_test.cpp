@@ -1,4 +1,5 @@
 #include "lodestone/physics/needle.h"
+#include "lodestone/geometry/angle.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -19,7 +20,7 @@ TEST_CASE("a needle is pulled along its axis, turned by a field across it, and n
   CHECK(along.force_x_N > 0.0);
   CHECK(std::abs(along.force_y_N) < 1e-9 * along.force_x_N);
   CHECK(std::abs(along.torque_N_m) < 1e-15);
-  const Wrench across = magnetic_wrench(needle, {0.0, 0.0, M_PI / 2.0}, coils, towards_x);
+  const Wrench across = magnetic_wrench(needle, {0.0, 0.0, geometry::kPi / 2.0}, coils, towards_x);
   const double field_T = coils.field_T(towards_x, {0.0, 0.0}).x();
   CHECK(across.torque_N_m ==
         Approx(-needle.moment_A_m2 * field_T).epsilon(0.05));  // clockwise, into the field

@@ -1,4 +1,5 @@
 #include "lodestone/physics/plain_simulator.h"
+#include "lodestone/geometry/angle.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -7,21 +8,20 @@ namespace lodestone::physics {
 namespace {
 
 using geometry::Pose2;
-constexpr double kPi = 3.14159265358979323846;
 
 TEST_CASE("plain simulator: on-axis force and torque in closed form") {
   const RigDescription rig;
   const PlainSimulator simulator(rig, {});
   const double moment = DipoleCoil(rig.coils.geometry, 0).moment_per_ampere_m2();
   const double d = rig.coils.geometry.centre_distance_m;
-  const double field = 1.25663706212e-6 * 2.0 * moment / (4.0 * kPi * d * d * d);
+  const double field = 1.25663706212e-6 * 2.0 * moment / (4.0 * geometry::kPi * d * d * d);
   const auto aligned = simulator.load({0, 0, 0}, {2.0, 0, 0, 0});
   CHECK(aligned.force_N.x() == Approx(2.0 * rig.needle.moment_A_m2 * 3.0 * field / d));
   CHECK(aligned.force_N.y() == Approx(0.0).margin(1e-15));
-  CHECK(simulator.load({0, 0, -kPi / 2}, {2.0, 0, 0, 0}).torque_N_m ==
+  CHECK(simulator.load({0, 0, -geometry::kPi / 2}, {2.0, 0, 0, 0}).torque_N_m ==
         Approx(2.0 * rig.needle.moment_A_m2 * field));
-  CHECK(simulator.load({0, 0, kPi}, {2.0, 0, 0, 0}).force_N.x() < 0.0);
-  CHECK(simulator.load({0, 0, kPi / 2}, {0, 0, 2.0, 0}).force_N.y() > 0.0);
+  CHECK(simulator.load({0, 0, geometry::kPi}, {2.0, 0, 0, 0}).force_N.x() < 0.0);
+  CHECK(simulator.load({0, 0, geometry::kPi / 2}, {0, 0, 2.0, 0}).force_N.y() > 0.0);
 }
 
 TEST_CASE(
@@ -43,7 +43,7 @@ TEST_CASE(
 TEST_CASE("plain simulator: symmetric under a quarter turn") {
   const PlainSimulator simulator({}, {});
   const Pose2 a = simulator.step({0.01, -0.004, 0.4}, {4.0, 0, 0, 6.0}, 0.1, 0.2);
-  const Pose2 b = simulator.step({0.004, 0.01, 0.4 + kPi / 2}, {6.0, 0, 4.0, 0}, 0.1, 0.2);
+  const Pose2 b = simulator.step({0.004, 0.01, 0.4 + geometry::kPi / 2}, {6.0, 0, 4.0, 0}, 0.1, 0.2);
   CHECK(b.x_m == Approx(-a.y_m).epsilon(1e-9));
   CHECK(b.y_m == Approx(a.x_m).epsilon(1e-9));
 }

@@ -1,4 +1,5 @@
 #include "lodestone/rig/hidden_deviation.h"
+#include "lodestone/geometry/angle.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -28,7 +29,7 @@ TEST_CASE("what is hidden keeps to its ranges, and uses them") {
     REQUIRE(wide.coils.size() == 4);
     for (const physics::CoilPlacement& coil : wide.coils) {
       gain.add(coil.gain);
-      tilt_deg.add(coil.tilt_rad * 180.0 / M_PI);
+      tilt_deg.add(coil.tilt_rad * 180.0 / geometry::kPi);
       place_m.add(coil.offset_m.norm());
     }
   }

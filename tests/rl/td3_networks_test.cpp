@@ -8,7 +8,7 @@ using namespace lodestone::rl;
 
 namespace {
 
-Td3Config small_config() {
+Td3Config small_networks() {
   Td3Config config;
   config.hidden = {4, 3};
   return config;
@@ -17,7 +17,7 @@ Td3Config small_config() {
 }  // namespace
 
 TEST_CASE("Networks and moments are views by the reference implementation's names", "[rl]") {
-  Td3Networks<float> drawn(small_config(), 5, 2, 1);
+  Td3Networks<float> drawn(small_networks(), 5, 2, 1);
   auto networks = drawn.networks();
   CHECK(networks.size() == 2 * (6 + 12));
   CHECK(networks.at("actor.l1.weight").sizes() == at::IntArrayRef({4, 5}));
@@ -31,15 +31,15 @@ TEST_CASE("Networks and moments are views by the reference implementation's name
 }
 
 TEST_CASE("Networks are drawn apart, the same for every type, and targets begin equal", "[rl]") {
-  const auto wide = Td3Networks<double>(small_config(), 5, 2, 1).networks();
-  const auto narrow = Td3Networks<float>(small_config(), 5, 2, 1).networks();
+  const auto wide = Td3Networks<double>(small_networks(), 5, 2, 1).networks();
+  const auto narrow = Td3Networks<float>(small_networks(), 5, 2, 1).networks();
   CHECK(at::equal(wide.at("critic.l4.weight"), wide.at("critic_target.l4.weight")));
   CHECK_FALSE(at::equal(wide.at("critic.l1.weight"), wide.at("critic.l4.weight")));
   CHECK(at::equal(wide.at("actor.l1.weight").to(at::kFloat), narrow.at("actor.l1.weight")));
 }
 
 TEST_CASE("A learner's steps move the numbers they are asked to", "[rl]") {
-  Td3Networks<double> drawn(small_config(), 5, 2, 1);
+  Td3Networks<double> drawn(small_networks(), 5, 2, 1);
   Learner<double>& actor = drawn.actor;
   const at::Tensor before = actor.network.parameters().clone();
   actor.adam(at::ones_like(before), 1e-2, 1, 2, 5);

@@ -13,7 +13,7 @@ using runs::Plan;
 
 namespace {
 
-Cell cell(const std::string& id, std::vector<std::string> settings = {}) {
+Cell engine_cell(const std::string& id, std::vector<std::string> settings = {}) {
   Cell made;
   made.id = id;
   made.verb = "collect";
@@ -21,7 +21,7 @@ Cell cell(const std::string& id, std::vector<std::string> settings = {}) {
   return made;
 }
 
-Plan plan(std::vector<Cell> cells) {
+Plan engine_plan(std::vector<Cell> cells) {
   Plan made;
   made.cells = std::move(cells);
   return made;
@@ -50,8 +50,8 @@ TEST_CASE(
     "ended") {
   const tests::TemporaryFolder folder;
   const runs::PlanPlace place{folder / "out of $5", fake_program(folder), "configs", "", 2};
-  Plan made =
-      plan({cell("a"), cell("b", {"data={a}/x"}), cell("bad"), cell("c", {"data={bad}/x"}), cell("it's")});
+  Plan made = engine_plan({engine_cell("a"), engine_cell("b", {"data={a}/x"}), engine_cell("bad"),
+                           engine_cell("c", {"data={bad}/x"}), engine_cell("it's")});
   CHECK_THROWS_WITH(runs::run_plan(made, place, "plan"), Catch::Contains("2 of 5 cells are not finished") &&
                                                              Catch::Contains("bad: something broke"));
   CHECK(std::filesystem::exists(place.folder + "/it's/run.json"));
@@ -69,7 +69,7 @@ TEST_CASE(
 TEST_CASE("a plan's folder holds one plan, and is finished when all its cells are") {
   const tests::TemporaryFolder folder;
   const runs::PlanPlace place{folder / "out", fake_program(folder), "configs", "", 1};
-  const Plan made = plan({cell("a"), cell("b")});
+  const Plan made = engine_plan({engine_cell("a"), engine_cell("b")});
   const auto run = [&](const common::Json& settings, const std::string& only) {
     runs::run_plan_in_folder(made, place, "plan run", settings, only);
   };

@@ -39,7 +39,7 @@ struct Counting : runs::ResumableWork {
   }
 };
 
-runs::RunRequest request(const std::string& folder) {
+runs::RunRequest resumable_request(const std::string& folder) {
   runs::RunRequest made;
   made.folder = folder;
   made.verb = "count";
@@ -62,7 +62,7 @@ TEST_CASE("a killed run goes on from its last checkpoint, and its curves repeat 
   for (const bool checkpointed : {false, true}) {
     const std::string path = folder / (checkpointed ? "with" : "without");
     {
-      runs::RunFolder run(request(path));
+      runs::RunFolder run(resumable_request(path));
       Counting work;
       work.dies_at = 4;
       if (checkpointed) {
@@ -73,7 +73,7 @@ TEST_CASE("a killed run goes on from its last checkpoint, and its curves repeat 
       CHECK_THROWS_WITH(runs::run_resumably(run, work, {"counting", "numbers", 1e9}), "killed");
     }
     CHECK(steps(path).back() == 4);
-    runs::RunFolder run(request(path));
+    runs::RunFolder run(resumable_request(path));
     CHECK(run.stage() == runs::RunStage::kResumable);
     Counting work;
     runs::run_resumably(run, work, {"counting", "numbers", 1e9});
@@ -88,7 +88,7 @@ TEST_CASE("a killed run goes on from its last checkpoint, and its curves repeat 
 TEST_CASE("work that is interrupted in a step goes on from its last checkpoint, and says how") {
   const tests::TemporaryFolder folder;
   {
-    runs::RunFolder run(request(folder / "run"));
+    runs::RunFolder run(resumable_request(folder / "run"));
     Counting work;
     work.gives_up_at = 3;
     CHECK_THROWS_WITH(runs::run_resumably(run, work, {"counting", "numbers", 0.0}),
@@ -97,7 +97,7 @@ TEST_CASE("work that is interrupted in a step goes on from its last checkpoint, 
   }
   CHECK(runs::find_run(folder / "run")->checkpoint == 3);
   CHECK(runs::find_run(folder / "run")->note == "3");
-  runs::RunFolder run(request(folder / "run"));
+  runs::RunFolder run(resumable_request(folder / "run"));
   Counting work;
   runs::run_resumably(run, work, {"counting", "numbers", 1e9});
   CHECK(steps(folder / "run") == std::vector<int>{1, 2, 3, 4, 5, 6});
@@ -105,7 +105,7 @@ TEST_CASE("work that is interrupted in a step goes on from its last checkpoint, 
 
 TEST_CASE("checkpoints are written as often as asked for") {
   const tests::TemporaryFolder folder;
-  runs::RunFolder run(request(folder / "run"));
+  runs::RunFolder run(resumable_request(folder / "run"));
   Counting work;
   runs::run_resumably(run, work, {"counting", "numbers", 0.0});
   CHECK(work.saved == 6);

@@ -5,6 +5,7 @@
 
 #include "lodestone/common/clock.h"
 #include "lodestone/control/pose_sensor.h"
+#include "lodestone/geometry/angle.h"
 
 namespace lodestone::tests {
 
@@ -20,7 +21,7 @@ inline void check_pose_sensor(control::PoseSensor& sensor, common::Clock& clock)
     if (estimate.valid) {
       CHECK(std::isfinite(estimate.pose.x_m));
       CHECK(std::isfinite(estimate.pose.y_m));
-      CHECK(std::abs(estimate.pose.heading_rad) <= M_PI);
+      CHECK(std::abs(estimate.pose.heading_rad) <= geometry::kPi);
       CHECK(estimate.position_sigma_m >= 0.0);
       CHECK(estimate.heading_sigma_rad >= 0.0);
       CHECK(estimate.reason.empty());

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "control/fakes.h"
+#include "lodestone/geometry/angle.h"
 #include "lodestone/session/simulated_pose_sensor.h"
 #include "session/pose_sensor_conformance.h"
 
@@ -37,18 +38,18 @@ TEST_CASE("the simulated sensor has the localiser's RMS error") {
     square_rad2 += std::pow(geometry::wrap_angle(estimate.pose.heading_rad - truth.heading_rad), 2);
   }
   CHECK(1e3 * std::sqrt(square_m2 / kCount) == Approx(0.61).epsilon(0.02));
-  CHECK(std::sqrt(square_rad2 / kCount) * 180.0 / M_PI == Approx(0.81).epsilon(0.02));
+  CHECK(std::sqrt(square_rad2 / kCount) * 180.0 / geometry::kPi == Approx(0.81).epsilon(0.02));
 }
 
 TEST_CASE("a calibration error moves, scales and turns the image") {
   session::CalibrationError error;
   error.offset_m = {0.001, -0.002};
   error.scale = 1.01;
-  error.rotation_rad = M_PI / 2.0;
+  error.rotation_rad = geometry::kPi / 2.0;
   const auto seen = error.apply({0.01, 0.02, 3.0});
   CHECK(seen.x_m == Approx(0.001 - 1.01 * 0.02));
   CHECK(seen.y_m == Approx(-0.002 + 1.01 * 0.01));
-  CHECK(seen.heading_rad == Approx(3.0 + M_PI / 2.0 - 2.0 * M_PI));
+  CHECK(seen.heading_rad == Approx(3.0 + geometry::kPi / 2.0 - 2.0 * geometry::kPi));
   const auto first = session::draw_calibration_error({}, 5);
   const auto again = session::draw_calibration_error({}, 5);
   const auto other = session::draw_calibration_error({}, 6);

@@ -39,7 +39,7 @@ struct View {
   common::RandomStream random;
 };
 
-void check_near(const vision::Localisation& found, const geometry::Pose2& pose, double bound_m) {
+void check_pose_near(const vision::Localisation& found, const geometry::Pose2& pose, double bound_m) {
   CAPTURE(found.reason);
   REQUIRE(found.found);
   CHECK((found.pose.position_m() - pose.position_m()).norm() < bound_m);
@@ -52,11 +52,11 @@ TEST_CASE("a needle is found over the whole dish, then near its last place") {
   View view(1);
   geometry::Pose2 pose{-0.02, 0.012, 0.4};
   const vision::Localisation first = view.localiser.locate(view.image({{pose}}));
-  check_near(first, pose, 0.6e-3);
+  check_pose_near(first, pose, 0.6e-3);
   CHECK_FALSE(first.tracked);
   pose = {-0.015, 0.008, 1.0};
   const vision::Localisation second = view.localiser.locate(view.image({{pose}}));
-  check_near(second, pose, 0.6e-3);
+  check_pose_near(second, pose, 0.6e-3);
   CHECK(second.tracked);
 }
 
@@ -65,7 +65,7 @@ TEST_CASE("a needle that jumped is found again over the whole dish") {
   view.localiser.expect({-0.03, -0.02});
   const geometry::Pose2 pose{0.022, 0.015, 2.8};
   const vision::Localisation found = view.localiser.locate(view.image({{pose}}));
-  check_near(found, pose, 0.6e-3);
+  check_pose_near(found, pose, 0.6e-3);
   CHECK_FALSE(found.tracked);
 }
 
@@ -73,7 +73,7 @@ TEST_CASE("a needle under a stain is found a little less well, and says so") {
   View view(3);
   const geometry::Pose2 pose{0.005, -0.01, -2.0};
   const vision::Localisation found = view.localiser.locate(view.image({{pose, {0.0, 0.0}, 0.25}}));
-  check_near(found, pose, 1.5e-3);
+  check_pose_near(found, pose, 1.5e-3);
   CHECK(found.covariance(0, 0) > 0.0);
 }
 

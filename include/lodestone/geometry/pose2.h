@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 
+#include "lodestone/geometry/angle.h"
+
 namespace lodestone::geometry {
 
 using Vector2 = Eigen::Vector2d;
@@ -15,8 +17,5 @@ struct Pose2 {
 
   Vector2 position_m() const { return {x_m, y_m}; }
 };
-
-/// Angle equal to `angle_rad` modulo 2 pi, in (-pi, pi].
-double wrap_angle(double angle_rad);
 
 }  // namespace lodestone::geometry

@@ -9,6 +9,7 @@ namespace lodestone::rig {
 /// Coil order everywhere: +x, -x, +y, -y. Positive current makes a field that points from the dish centre
 /// towards that coil.
 constexpr int kCoilCount = 4;
+constexpr const char* kCoilNames[kCoilCount] = {"+x", "-x", "+y", "-y"};
 
 /// Four currents held for a time by the device itself.
 struct CoilPulse {

@@ -44,6 +44,4 @@ class PulseCheck {
   virtual void check(rig::CoilPulse& pulse, const PulseContext& context) = 0;
 };
 
-constexpr const char* kCoilNames[rig::kCoilCount] = {"+x", "-x", "+y", "-y"};
-
 }  // namespace lodestone::safety
