@@ -46,7 +46,7 @@ void train_segmenter(const CommonOptions& options) {
   vision::SegmenterTrainingResult result = vision::train_segmenter(config, run);
 
   common::ThreadPool pool(static_cast<std::size_t>(config.threads));
-  const auto segmenter = std::make_shared<const vision::Segmenter>(config.segmenter, result.network);
+  const auto segmenter = std::make_shared<const vision::Segmenter>(config.segmenter, *result.network);
   vision::LocaliserConfig localiser;
   localiser.rod = vision::rod_of(config.scenes.bench);
   const vision::SegmenterEvaluation evaluation = vision::evaluate_segmenter(
@@ -55,7 +55,7 @@ void train_segmenter(const CommonOptions& options) {
   common::Json metrics = common::artefact_to_json(evaluation);
   metrics["validation_dice"] = result.validation_dice;
   metrics.update(common::artefact_to_json(result.facts));
-  vision::save_segmenter(run.file("checkpoint"), config.segmenter, result.network,
+  vision::save_segmenter(run.file("checkpoint"), config.segmenter, *result.network,
                          common::config_to_json(config), metrics);
   common::write_json(run.file("evaluation.json"), metrics);
   run.finish();

@@ -63,8 +63,7 @@ NeedleMotion::NeedleMotion(const NeedleConfig& needle, const FluidConfig& fluid,
     : needle_(needle), fluid_(fluid), friction_(friction), dish_(dish), drag_(rod_drag(needle, fluid)) {
   needle.validate();
   friction.validate();
-  for (int i = 0; i < kCells; ++i)
-    cell_position_m_[i] = needle.length_m * ((i + 0.5) / kCells - 0.5);
+  for (int i = 0; i < kCells; ++i) cell_position_m_[i] = needle.length_m * ((i + 0.5) / kCells - 0.5);
   cell_load_N_ = needle.net_weight_N / kCells;
 }
 

@@ -15,13 +15,16 @@ RigDescription read(const char* json) {
 TEST_CASE("a rig that cannot be is refused, with the key that says so") {
   CHECK_NOTHROW(read("{}"));
   CHECK_NOTHROW(read(R"({"dish": {"radius_m": 0.04}})"));
-  CHECK_THROWS_WITH(read(R"({"dish": {"radius_m": 0.01}})"), Catch::StartsWith("rig.json: needle.length_m = 0.0235 must"));
+  CHECK_THROWS_WITH(read(R"({"dish": {"radius_m": 0.01}})"),
+                    Catch::StartsWith("rig.json: needle.length_m = 0.0235 must"));
   CHECK_THROWS_WITH(read(R"({"dish": {"radius_m": 0.051}})"), Catch::Contains("dish.radius_m = 0.051"));
   CHECK_THROWS_AS(read(R"({"needle": {"chain_m": 0.05}})"), common::ConfigError);
   CHECK_THROWS_AS(read(R"({"friction": {"kinetic_coefficient": 0.9}})"), common::ConfigError);
   CHECK_THROWS_AS(read(R"({"coils": {"inner_radius_m": 0.2}})"), common::ConfigError);
-  CHECK_THROWS_WITH(read(R"({"coils": {"polarity": [1, 0, 1, 1]}})"), Catch::Contains("coils.polarity = [1,0,1,1] must hold 1 or -1"));
-  CHECK_THROWS_WITH(read(R"({"coils": {"resistance_20C_ohm": [1, 1, 1]}})"), Catch::Contains("must hold four numbers"));
+  CHECK_THROWS_WITH(read(R"({"coils": {"polarity": [1, 0, 1, 1]}})"),
+                    Catch::Contains("coils.polarity = [1,0,1,1] must hold 1 or -1"));
+  CHECK_THROWS_WITH(read(R"({"coils": {"resistance_20C_ohm": [1, 1, 1]}})"),
+                    Catch::Contains("must hold four numbers"));
   CHECK_THROWS_WITH(read(R"({"coil": {"turns": 500}})"), Catch::Contains("use coils"));
 }
 
