@@ -31,13 +31,3 @@ TEST_CASE("the wall clock goes on, waits no shorter than asked, and not at all f
   CHECK_FALSE(clock.wait_until(start_s, &interruption));
   CHECK_FALSE(clock.wait_until(clock.now_s() + 60.0, &interruption));
 }
-
-TEST_CASE("a paced clock is the simulated one, and takes as long as it says") {
-  SimulatedClock simulated;
-  PacedClock paced(simulated);
-  const SteadyClock wall;
-  const double start_s = wall.now_s();
-  CHECK(paced.wait_until(500.03, nullptr));
-  CHECK(paced.now_s() == 500.03);
-  CHECK(wall.now_s() - start_s >= 0.025);
-}

@@ -44,7 +44,7 @@ TEST_CASE("tasks and rigs are what was asked for") {
   job = experiments::plan_job(config);
   CHECK(job.tasks == std::vector<std::string>{"square"});
   CHECK(job.rigs == std::vector<RigKind>{RigKind::kExplored, RigKind::kUnseen});
-  config.deployment.rig.backend = "serial";
+  config.deployment.rig.backend = rig::Backend::kSerial;
   CHECK(experiments::plan_job(config).rigs == std::vector<RigKind>{RigKind::kReal});
 }
 
@@ -75,7 +75,7 @@ TEST_CASE("what cannot be driven is refused in words") {
   config.controller = "planner";
   CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("dynamics=DIR is missing"));
   config.controller = "baseline";
-  config.deployment.trials.within = "reachable";
+  config.deployment.trials.within = task::Within::kReachable;
   CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("reachable"));
 }
 

@@ -7,7 +7,7 @@ using namespace lodestone::geometry;
 
 TEST_CASE("angles wrap into (-pi, pi]") {
   CHECK(wrap_angle(0.0) == 0.0);
-  CHECK(wrap_angle(3.0 * geometry::kPi) == Approx(geometry::kPi));
-  CHECK(wrap_angle(-geometry::kPi) == Approx(geometry::kPi));
-  CHECK(wrap_angle(-3.5 * geometry::kPi) == Approx(0.5 * geometry::kPi));
+  CHECK(wrap_angle(3.0 * kPi) == Approx(kPi));
+  CHECK(wrap_angle(-kPi) == Approx(kPi));
+  CHECK(wrap_angle(-3.5 * kPi) == Approx(0.5 * kPi));
 }

@@ -26,7 +26,7 @@ TEST_CASE("a circle stays within its polygon's error of the true circle") {
   const Path circle = Path::circle(0.015);
   for (int i = 0; i < 50; ++i) {
     const double radius = circle.at(circle.length_m() * i / 50.0).norm();
-    CHECK(std::abs(radius - 0.015) < 0.015 * (1.0 - std::cos(geometry::kPi / 180.0)) + 1e-12);
+    CHECK(std::abs(radius - 0.015) < 0.015 * (1.0 - std::cos(kPi / 180.0)) + 1e-12);
   }
   CHECK(circle.nearest({0.0, 0.0}).distance_m == Approx(0.015).epsilon(1e-3));
 }

@@ -13,7 +13,7 @@ namespace {
 
 Observation example() {
   Observation observation;
-  observation.pose = {0.0425, -0.02125, geometry::kPi / 2.0};
+  observation.pose = {0.0425, -0.02125, lodestone::geometry::kPi / 2.0};
   observation.target_m = {0.0, 0.02125};
   observation.last_action = {0.25, -1.0};
   observation.last_displacement_m = {0.0025, 0.005};
@@ -32,7 +32,7 @@ std::vector<float> encode(const EncoderConfig& config) {
 TEST_CASE("the paper's observation is x, y, theta and the target") {
   const auto row = encode(lodestone::tests::paper_encoder());
   REQUIRE(row.size() == 5);
-  CHECK(row == std::vector<float>{1.0F, -0.5F, static_cast<float>(geometry::kPi / 2.0), 0.0F, 0.5F});
+  CHECK(row == std::vector<float>{1.0F, -0.5F, static_cast<float>(lodestone::geometry::kPi / 2.0), 0.0F, 0.5F});
 }
 
 TEST_CASE("every option adds its numbers in order") {
