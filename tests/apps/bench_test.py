@@ -71,12 +71,14 @@ try:
     assert all(abs(henry - 17.6e-3) < 2e-3 for henry in measured["inductance_H"]), measured
 
     # The loop with the camera's image, on the serial port.
-    text = run("deploy", "--rig", bench, "--controller", "baseline", "--task", "centre", "--trials", 1,
+    text = run("deploy", "--rig", bench, "--controller", "baseline", "--task", "centre", "--trials", 2,
                *patient, "--set", "trials.point_seconds=4", "--out", folder / "deploy")
     expect(text, "as the camera saw them")
     summary = json.loads((folder / "deploy/summary.json").read_text())
-    assert summary["scored_by"] == "camera" and summary["baseline"]["centre"]["n_trials"] == 1, summary
-    trial = json.loads((folder / "deploy/trials.json").read_text())[0]
+    assert summary["scored_by"] == "camera" and summary["baseline"]["centre"]["n_trials"] == 2, summary
+    trials = json.loads((folder / "deploy/trials.json").read_text())
+    # In wall-clock time no two runs are the same; about one trial in a hundred loses its needle.
+    trial = next((one for one in trials if one["completed"]), trials[0])
     assert trial["completed"] and len(trial["sensed_trajectory"]) > 8, trial["stop_reason"]
     # Nobody knows the true pose: there is none, and no figure by it.
     assert "trajectory" not in trial and "final_error_mm" not in trial, trial.keys()
