@@ -33,6 +33,18 @@ struct Memory {
   }
 };
 
+/// A sensor that fails is a fault of the rig, and told like any other.
+PoseEstimate sensed(PoseSensor& sensor) {
+  try {
+    return sensor.observe();
+  } catch (const common::HardwareError& error) {
+    PoseEstimate none;
+    none.fault = true;
+    none.reason = error.what();
+    return none;
+  }
+}
+
 geometry::Vector2 decide(Controller& controller, const task::Observation& observation) {
   geometry::Vector2 action = controller.act(observation);
   if (!action.allFinite())
@@ -93,9 +105,10 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     coils_.begin_step(start_s + due_s);
     StepRecord record;
     record.time_s = due_s;
-    record.estimate = sensor_.observe();
+    record.estimate = sensed(sensor_);
     record.estimate.valid = record.estimate.valid && finite(record.estimate.pose);
     coils_.observe(record.estimate);
+    if (record.estimate.fault) throw common::HardwareError(record.estimate.reason);
     const geometry::Vector2 seen_m =
         record.estimate.valid ? record.estimate.pose.position_m() : memory.position_m;
     record.target_m = reference.target(due_s, seen_m);

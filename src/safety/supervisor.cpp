@@ -56,14 +56,14 @@ void Supervisor::refuse_if_stopped() {
   if (!requested.empty()) latch(requested);
 }
 
-/// What a check distrusts stops the coils for good.
+/// What a check distrusts stops the coils for good, and so does a device that fails while it is asked.
 template <class Action>
 void Supervisor::guarded(const Action& action) {
   refuse_if_stopped();
   try {
     action();
-  } catch (const Distrust& distrust) {
-    latch(distrust.what());
+  } catch (const std::exception& error) {
+    latch(error.what());
   }
 }
 
@@ -90,6 +90,7 @@ void Supervisor::begin_step(double due_s) {
 void Supervisor::observe(const control::PoseEstimate& estimate) {
   guarded([&] {
     needle_seen_.forget();
+    if (estimate.fault) throw Distrust(estimate.reason);
     if (!estimate.valid) return;
     for (const auto& check : pose_checks_) check->observe(estimate, clock_.now_s());
     needle_seen_.observe(estimate, clock_.now_s());

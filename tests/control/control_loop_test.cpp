@@ -176,3 +176,18 @@ TEST_CASE("any thread may end a run in the middle of its rest, while others watc
     CHECK(std::abs(rig.coils().status().current_A[0]) < 0.2);
   }
 }
+
+TEST_CASE("a sensor that fails is a fault of the rig: nobody drives on after it") {
+  Bench bench;
+  bench.sensor.push(0.0, 0.0);
+  bench.sensor.throws = true;
+  safety::Supervisor coils(bench.device, bench.safety, tests::paper_rig(), bench.clock);
+  control::ControlLoop loop(bench.config, bench.action, coils, bench.sensor, bench.clock);
+  control::PointReference reference({0.01, 0.0}, bench.duration_s);
+  tests::FunctionController controller([](const task::Observation&) { return Vector2(0.5, 0.0); });
+  CHECK_THAT(loop.run(controller, reference).stop_reason, Catch::Contains("camera unplugged"));
+  CHECK(coils.latched());
+  bench.sensor.throws = false;
+  CHECK_THAT(loop.run(controller, reference).stop_reason, Catch::Contains("stopped earlier"));
+  CHECK(bench.device.pulses.empty());
+}

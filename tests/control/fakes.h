@@ -41,13 +41,17 @@ class RecordingCoils final : public rig::Coils {
     ++stops;
     on = false;
   }
-  rig::CoilStatus status() override { return state; }
+  rig::CoilStatus status() override {
+    if (silent) throw common::HardwareError("no answer");
+    return state;
+  }
 
   std::vector<rig::CoilPulse> pulses;
   rig::CoilStatus state;
   int fail_at = -1;
   int stops = 0;
   bool on = false;
+  bool silent = false;
 };
 
 /// Sensor that replays a list of estimates and then repeats the last.

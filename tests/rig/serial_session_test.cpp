@@ -47,7 +47,7 @@ TEST_CASE("after a lost link the next request connects anew") {
 TEST_CASE("a stop from another thread goes ahead of a pulse that is on its way") {
   auto bench = std::make_shared<FirmwareBench>();
   rig::SerialConfig config;
-  config.max_duty = 1.0;
+  config.max_duty = 0.9;
   rig::SerialSession session(config, {}, port_to(bench));
   const wire::PulseRequest pulse{{3000, 0, 0, 0}, 400};
   rig::SerialLink::Bytes body(wire::kPulseRequestSize);

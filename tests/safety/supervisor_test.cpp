@@ -201,3 +201,46 @@ TEST_CASE("a stop that any thread asks for is kept, and no pulse survives it") {
     CHECK_THROWS_AS(coils.apply(kPulse), common::HardwareError);
   }
 }
+
+TEST_CASE(
+    "a device that does not answer and a sensor that fails stop for good, and stay stopped when they are "
+    "back") {
+  Bench bench;
+  bench.step(kPulse);
+  SECTION("coils") {
+    bench.device.silent = true;
+    CHECK_THROWS_WITH(bench.step(kPulse), Catch::Contains("no answer"));
+    bench.device.silent = false;
+  }
+  SECTION("sensor") {
+    control::PoseEstimate none;
+    none.fault = true;
+    none.reason = "camera unplugged";
+    CHECK_THROWS_WITH(bench.coils->observe(none), Catch::Contains("camera unplugged"));
+  }
+  CHECK(bench.coils->latched());
+  CHECK_FALSE(bench.device.on);
+  CHECK_THROWS_WITH(bench.step(kPulse), Catch::Contains("stopped earlier"));
+  CHECK(bench.device.pulses.size() == 1);
+}
+
+TEST_CASE("every bound can trip within its range") {
+  Bench bench;
+  bench.config.max_duty = 0.9;
+  bench.config.duty_window_s = 60.0;
+  bench.start();
+  CHECK_THROWS_WITH(
+      [&] {
+        for (int step = 0; step < 4000; ++step) {
+          bench.coils->begin_step(bench.clock.now_s());
+          bench.coils->observe(bench.pose());
+          bench.coils->apply({{0.5, 0.0, 0.0, 0.0}, 0.2});
+          bench.wait(0.2);
+        }
+      }(),
+      Catch::Contains("90 %"));
+  common::Json beyond = {{"max_duty", 1.0}};
+  CHECK_THROWS_AS(common::config_from_json<safety::SafetyConfig>(beyond, "test"), common::ConfigError);
+  beyond = {{"geofence", 1.6}};
+  CHECK_THROWS_AS(common::config_from_json<safety::SafetyConfig>(beyond, "test"), common::ConfigError);
+}

@@ -13,6 +13,8 @@ struct PoseEstimate {
   double position_sigma_m = 0.0;
   double heading_sigma_rad = 0.0;
   double stamp_s = 0.0;  ///< on the rig's clock
+  bool fault =
+      false;  ///< the sensor itself has failed (a camera that is gone), which no next observation mends
 };
 
 /// Where the needle is. Implementations: simulated (true pose plus the localiser's measured error);

@@ -43,7 +43,7 @@ struct SerialConfig {
     v.retired("inductance_H", "rig.coils.inductance_H");
     v.retired("polarity", "rig.coils.polarity");
     v.field("max_pulse_s", max_pulse_s, "s", "the firmware refuses longer pulses", {0.001, 10.0});
-    v.field("max_duty", max_duty, "", "fraction of time that a coil may be on", {0.01, 1.0});
+    v.field("max_duty", max_duty, "", "fraction of time that a coil may be on", {0.01, 0.9});
     v.field("duty_window_s", duty_window_s, "s", "over about this time", {0.1, 60.0});
     v.field("min_supply_V", min_supply_V, "V", "a supply below this stops the coils", {6.0, 34.0});
     v.field("max_board_C", max_board_C, "C", "a motor controller above this stops the coils", {30.0, 85.0});

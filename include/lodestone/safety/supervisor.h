@@ -19,8 +19,8 @@
 
 namespace lodestone::safety {
 
-/// What the coils may be asked for, and what a run must keep to. Every bound has a range of its own; none can
-/// be switched off.
+/// What the coils may be asked for, and what a run must keep to. Every bound has a range of its own, within
+/// which it can trip: none can be switched off.
 struct SafetyConfig {
   double max_current_A = 20.0;
   double max_pulse_s = 0.25;
@@ -44,12 +44,12 @@ struct SafetyConfig {
     v.field("max_power_W", max_power_W, "W", "currents are scaled down to this power of all coils together",
             {1.0, 5000.0});
     v.field("max_duty", max_duty, "", "fraction of time that a coil may be on; more stops the run",
-            {0.01, 1.0});
+            {0.01, 0.9});
     v.field("duty_window_s", duty_window_s, "s", "over about this time", {0.1, 60.0});
     v.field("temperature_tolerance_K", temperature_tolerance_K, "K",
             "a coil that measures so far from what its pulses explain stops the run", {1.0, 60.0});
     v.field("geofence", geofence, "dish radii",
-            "a needle seen further from the dish centre than this stops the run", {0.5, 5.0});
+            "a needle seen further from the dish centre than this stops the run", {0.5, 1.5});
     v.field("max_pose_age_s", max_pose_age_s, "s", "a pose older than this stops the run", {0.01, 2.0});
     v.field("max_late_s", max_late_s, "s", "a step that begins later than this is a missed deadline",
             {1e-3, 1.0});
@@ -61,9 +61,9 @@ struct SafetyConfig {
 };
 
 /// Stands in front of every Coils, with a list of checks. It stops all coils for good as soon as one of them
-/// does not trust what it sees, or the operator says stop. The reason is kept and logged, and every pulse
-/// after that is refused. One thread drives; stop(), request_stop(), status() and what it tells of itself may
-/// be used from any.
+/// does not trust what it sees, a device or the sensor fails, or the operator says stop. The reason is kept
+/// and logged, and every pulse after that is refused. One thread drives; stop(), request_stop(), status() and
+/// what it tells of itself may be used from any.
 class Supervisor final : public rig::Coils, public control::Guard {
  public:
   /// Whether pulses need a pose: they do, except where a bench is measured without a needle.
