@@ -82,14 +82,14 @@ struct Coils {
   uint16_t resistance_mohm[kCoils];
   uint16_t pending_estimate_mA[kCoils]; /* a steady current that waits for a fresh reading of the supply; 0:
                                            none */
-  /* Switched off, or found with a current that nobody asked for, and not measured without one since. What a motor
-   * controller acknowledges does not end this; only a measured current does. */
+  /* Switched off, or found with a current that nobody asked for, and not measured without one since. What a
+   * motor controller acknowledges does not end this; only a measured current does. */
   bool stopping[kCoils];
   uint32_t stopping_us[kCoils]; /* since when */
-  bool quiet;                   /* nothing is said to the motor controllers, so that they stop by themselves */
-  uint32_t quiet_us;            /* since when */
-  bool contactor_open;          /* a coil would not switch off; until CLEAR */
-  uint32_t closed_us;           /* when the contactor was told to close */
+  bool quiet;          /* nothing is said to the motor controllers, so that they stop by themselves */
+  uint32_t quiet_us;   /* since when */
+  bool contactor_open; /* a coil would not switch off; until CLEAR */
+  uint32_t closed_us;  /* when the contactor was told to close */
 
   uint8_t trace_coil;
   uint8_t trace_count;
@@ -104,7 +104,8 @@ void coils_host_byte(struct Coils* coils, uint8_t byte);
 void coils_controller_byte(struct Coils* coils, uint8_t byte);
 /* Call at least once per millisecond; `now_us` counts up and wraps. */
 void coils_tick(struct Coils* coils, uint32_t now_us, bool emergency_stop);
-/* The contactor in the supply of the coils is to be closed: configured, and no coil has refused to switch off. */
+/* The contactor in the supply of the coils is to be closed: configured, and no coil has refused to switch
+ * off. */
 bool coils_contactor(const struct Coils* coils);
 
 #ifdef __cplusplus

@@ -12,8 +12,8 @@ void coils_latch(struct Coils* coils, uint16_t faults);
 void coils_close_contactor(struct Coils* coils);
 /* A length of 0 switches off. The currents are within the limits. */
 void coils_start_pulse(struct Coils* coils, const int16_t* current_mA, uint16_t length_ms);
-/* A coil that is still not measured without current too long after it was switched off: the controllers are left
- * alone until they stop by themselves, and the contactor opens. */
+/* A coil that is still not measured without current too long after it was switched off: the controllers are
+ * left alone until they stop by themselves, and the contactor opens. */
 void coils_watch_stopping(struct Coils* coils);
 /* A measured current, asked for at `asked_us`: limits and trace. */
 void coils_take_current(struct Coils* coils, uint8_t coil, int16_t measured_mA, uint32_t asked_us);

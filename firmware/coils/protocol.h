@@ -88,15 +88,15 @@ enum StateBit {
   ONE(u8, controllers)
 
 /* CONFIGURE: what the firmware watches. */
-#define COIL_LIMITS_FIELDS(ONE, MANY)                                              \
-  ONE(u16, max_current_mA)                                                         \
-  ONE(u16, max_pulse_ms)                                                           \
-  ONE(u16, max_duty_permille)        /* fraction of time that a coil may be on, */ \
-  ONE(u16, duty_window_ms)           /* over about this time */                    \
-  ONE(u16, min_supply_dV)            /* 0.1 V */                                   \
-  ONE(u16, max_board_dC)             /* 0.1 C */                                   \
-  MANY(u16, resistance_mohm, kCoils) /* of the cold coils */                       \
-  ONE(u16, max_power_W)              /* of all coils together */                   \
+#define COIL_LIMITS_FIELDS(ONE, MANY)                                                          \
+  ONE(u16, max_current_mA)                                                                     \
+  ONE(u16, max_pulse_ms)                                                                       \
+  ONE(u16, max_duty_permille)        /* fraction of time that a coil may be on, */             \
+  ONE(u16, duty_window_ms)           /* over about this time */                                \
+  ONE(u16, min_supply_dV)            /* 0.1 V */                                               \
+  ONE(u16, max_board_dC)             /* 0.1 C */                                               \
+  MANY(u16, resistance_mohm, kCoils) /* of the cold coils */                                   \
+  ONE(u16, max_power_W)              /* of all coils together */                               \
   MANY(u8, opposite, kCoils)         /* which coil may not be on with this; itself: any may */ \
   ONE(u16, max_resistance_permille)  /* of the cold resistance: how a coil that is too hot is known */
 

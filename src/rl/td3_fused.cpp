@@ -82,7 +82,8 @@ at::Tensor FusedTd3<Real>::policy(const at::Tensor& observation) {
   at::Tensor action = at::empty_like(act_work_.output);
   const Real* output = act_work_.output.template data_ptr<Real>();
   // As inference::Actor, and not by LibTorch's own tanh, whose last bit depends on the processor.
-  std::transform(output, output + action.numel(), action.template data_ptr<Real>(), [](Real x) { return std::tanh(x); });
+  std::transform(output, output + action.numel(), action.template data_ptr<Real>(),
+                 [](Real x) { return std::tanh(x); });
   return action;
 }
 
@@ -151,8 +152,8 @@ UpdateResult FusedTd3<Real>::learn(const Batch& batch, const at::Tensor& smoothi
   differences_from_target(batch, result);
   threads_.for_each(kShards, [&](std::size_t k) {
     Learner<Real>& critic = networks_.critics[k];
-    critic.network.backward(critic_input_.template data_ptr<Real>(), q_gradient_[k].template data_ptr<Real>(), critic_work_[k],
-                            FlatNetwork<Real>::Wanted::kParameters);
+    critic.network.backward(critic_input_.template data_ptr<Real>(), q_gradient_[k].template data_ptr<Real>(),
+                            critic_work_[k], FlatNetwork<Real>::Wanted::kParameters);
     critic.adam(critic_work_[k].gradient, learning_rate(), critic_steps(), 0, critic.size());
     // the policy's update reads no target
     if (policy_too) critic.polyak(config().polyak_tau, 0, critic.size());
@@ -172,7 +173,8 @@ void FusedTd3<Real>::policy_gradient(const Batch& batch, Half& half) {
   join(observation, observation_size_, action, action_size_, half.rows, input);
   const FlatNetwork<Real>& critic = networks_.critics[0].network;
   critic.forward(input, half.critic);
-  critic.backward(input, half.q_gradient.template data_ptr<Real>(), half.critic, FlatNetwork<Real>::Wanted::kInput);
+  critic.backward(input, half.q_gradient.template data_ptr<Real>(), half.critic,
+                  FlatNetwork<Real>::Wanted::kInput);
   const Real* passed_on = half.critic.input_gradient.template data_ptr<Real>();
   Real* gradient = half.policy_gradient.template data_ptr<Real>();
   for (std::int64_t row = 0; row < half.rows; ++row) {

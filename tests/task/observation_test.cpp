@@ -32,7 +32,8 @@ std::vector<float> encode(const EncoderConfig& config) {
 TEST_CASE("the paper's observation is x, y, theta and the target") {
   const auto row = encode(lodestone::tests::paper_encoder());
   REQUIRE(row.size() == 5);
-  CHECK(row == std::vector<float>{1.0F, -0.5F, static_cast<float>(lodestone::geometry::kPi / 2.0), 0.0F, 0.5F});
+  CHECK(row ==
+        std::vector<float>{1.0F, -0.5F, static_cast<float>(lodestone::geometry::kPi / 2.0), 0.0F, 0.5F});
 }
 
 TEST_CASE("every option adds its numbers in order") {
