@@ -64,12 +64,16 @@ void write_file_atomically(const std::string& path, std::string_view content) {
       }
       if (::fsync(file.value) != 0) throw IoError("cannot write " + path + ": " + reason());
     }
-    if (::rename(staged.c_str(), path.c_str()) != 0)
-      throw IoError("cannot rename to " + path + ": " + reason());
+    replace_file(staged, path);
   } catch (const IoError&) {
     ::unlink(staged.c_str());
     throw;
   }
+}
+
+void replace_file(const std::string& staged, const std::string& path) {
+  if (::rename(staged.c_str(), path.c_str()) != 0)
+    throw IoError("cannot rename to " + path + ": " + reason());
   sync_path(parent_of(path));
 }
 

@@ -165,7 +165,7 @@ void DeploymentRun::write_trials() const {
     out[rig] << (before[rig] == "[\n" ? "[]\n" : "\n]\n");
     out[rig].close();
     check(out[rig], folder_of(rig) + "/" + runs::kTrialsFile);
-    std::filesystem::rename(folder_of(rig) + "/trials.json.part", folder_of(rig) + "/" + runs::kTrialsFile);
+    common::replace_file(folder_of(rig) + "/trials.json.part", folder_of(rig) + "/" + runs::kTrialsFile);
   }
 }
 

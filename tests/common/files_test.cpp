@@ -66,3 +66,14 @@ TEST_CASE("reading what is not there names it") {
   CHECK_THROWS_WITH(read_file("/nowhere/x"), Catch::Contains("/nowhere/x"));
   CHECK_THROWS_AS(read_file("/"), IoError);
 }
+
+TEST_CASE("a file takes the place of another, or is named in an IoError") {
+  const lodestone::tests::TemporaryFolder folder;
+  write_file_atomically(folder / "a.txt", "old");
+  write_file_atomically(folder / "a.part", "new");
+  replace_file(folder / "a.part", folder / "a.txt");
+  CHECK(read_file(folder / "a.txt") == "new");
+  CHECK_FALSE(fs::exists(folder / "a.part"));
+  CHECK_THROWS_AS(replace_file(folder / "a.part", folder / "a.txt"), IoError);
+  CHECK(read_file(folder / "a.txt") == "new");
+}

@@ -12,6 +12,10 @@ std::string read_file(const std::string& path);
 /// new content, never a part. Throws IoError (disk full, no permission) and leaves `path` as it was.
 void write_file_atomically(const std::string& path, std::string_view content);
 
+/// Gives the file `staged`, which is written and closed, the name `path`, in the place of what had it. Both
+/// must be on one file system. Throws IoError; `path` is then unchanged.
+void replace_file(const std::string& staged, const std::string& path);
+
 /// Replaces folder `path` by folder `staged` in one step (renames; exchanges the two names when `path` exists
 /// and then removes the old content). Both must be on one file system. Throws IoError; `path` is then
 /// unchanged.
