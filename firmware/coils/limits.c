@@ -42,6 +42,7 @@ void coils_latch(struct Coils* coils, uint16_t fault) {
 void coils_close_contactor(struct Coils* coils) {
   coils->contactor_open = false;
   coils->closed_us = coils->now_us;
+  for (uint8_t i = 0; i < kCoils; ++i) coils->stopping_us[i] = coils->now_us;
   for (uint8_t c = 0; c < kControllers; ++c) {
     coils->controllers[c].setup_step = 0;
     coils->controllers[c].seen = 0;
@@ -98,9 +99,9 @@ void coils_take_current(struct Coils* coils, uint8_t coil, int16_t measured_mA, 
     sample->time_100us = since > 0xffff ? 0xffff : (uint16_t)since;
     sample->current_mA = measured_mA;
   }
-  if (!coils->configured) return;
-  if (size_mA > (uint32_t)coils->limits.max_current_mA * 5 / 4 + 500) coils_latch(coils, kFaultOverCurrent);
-  if (coils->duty[coil] == 0) {
+  if (coils->configured && size_mA > (uint32_t)coils->limits.max_current_mA * 5 / 4 + 500)
+    coils_latch(coils, kFaultOverCurrent);
+  if (coils->duty[coil] == 0) { /* looked at before CONFIGURE, too: a new session finds the coils seen off */
     if (size_mA > kStrayCurrent_mA) { /* it does not do what it acknowledged */
       start_stopping(coils, coil);
       coils->controllers[coil / 2].duty_known = false;

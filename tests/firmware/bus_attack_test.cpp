@@ -149,10 +149,25 @@ TEST_CASE("duties that never arrive, each acknowledged by noise, end in silence 
   CHECK((rig.coils.faults & wire::kFaultStrayCurrent) != 0);
 }
 
+TEST_CASE("a coil that a new session switches off is seen to be off before that session is configured") {
+  BusRig rig;
+  rig.connect();
+  rig.run(0.4);
+  REQUIRE(rig.pulse({5000, 0, 0, 0}, 400));
+  rig.run(0.1);
+  rig.hello(2);
+  rig.run(1.0);
+  CHECK(rig.largest_A() < kOn_A);
+  rig.configure();
+  rig.run(0.5);
+  CHECK(rig.coils.faults == 0);
+  CHECK(rig.pulse({1000, 0, 0, 0}, 50));
+}
+
 TEST_CASE("nothing moves before CONFIGURE; opposed coils and too much power are refused") {
   BusRig rig;
   CHECK_FALSE(coils_contactor(&rig.coils));
-  rig.ask(wire::kHello, {wire::kProtocolVersion, 1, 2, 3, 4});
+  rig.hello(1);
   rig.run(0.4);
   CHECK_FALSE(coils_contactor(&rig.coils));
   CHECK_FALSE(rig.pulse({1000, 0, 0, 0}, 50));

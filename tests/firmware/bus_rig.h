@@ -98,13 +98,17 @@ class BusRig {
     for (int i = 0; i < count; ++i) coils_host_byte(&coils, frame[i]);
     return replies.empty() ? std::uint8_t{0} : replies.back().type;
   }
-  void connect() {
-    ask(wire::kHello, {wire::kProtocolVersion, 1, 2, 3, 4});
+  void hello(std::uint8_t session) { ask(wire::kHello, {wire::kProtocolVersion, session, 2, 3, 4}); }
+  void configure() {
     const wire::CoilLimits limits{15000, 2000,         1000, 10000, 200, 800, {1900, 1900, 1900, 1900},
                                   900,   {1, 0, 3, 2}, 1351};
     std::vector<std::uint8_t> body(wire::kCoilLimitsSize);
     wire::put_coil_limits(body.data(), &limits);
     ask(wire::kConfigure, body);
+  }
+  void connect() {
+    hello(1);
+    configure();
   }
   /// True when it was accepted.
   bool pulse(std::array<std::int16_t, 4> current_mA, std::uint16_t length_ms) {
