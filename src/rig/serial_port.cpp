@@ -51,19 +51,22 @@ class LibSerialPort final : public SerialPort {
       throw common::HardwareError("serial port " + name + " cannot be opened: " + reason_for(name, code) +
                                   "; " + known_ports());
     }
+    int handle = -1;
+    sp_get_port_handle(port_, &handle);
+    // Two programs at one bench would each believe that they know what the coils do. The lock comes before
+    // anything is set, and binds root, too; TIOCEXCL keeps out programs that ask for no lock.
+    if (handle < 0 || flock(handle, LOCK_EX | LOCK_NB) != 0 || ioctl(handle, TIOCEXCL) != 0) {
+      close();
+      throw common::HardwareError("serial port " + name + " cannot be opened: another program has it open");
+    }
     const bool set = sp_set_baudrate(port_, baud) == SP_OK && sp_set_bits(port_, 8) == SP_OK &&
                      sp_set_parity(port_, SP_PARITY_NONE) == SP_OK && sp_set_stopbits(port_, 1) == SP_OK &&
                      sp_set_flowcontrol(port_, SP_FLOWCONTROL_NONE) == SP_OK;
-    int handle = -1;
-    sp_get_port_handle(port_, &handle);
-    // Two programs at one bench would each believe that they know what the coils do. The lock binds root,
-    // too, and has no gap; TIOCEXCL keeps out programs that ask for no lock.
-    const bool alone = handle >= 0 && flock(handle, LOCK_EX | LOCK_NB) == 0 && ioctl(handle, TIOCEXCL) == 0;
-    if (!set || !alone) {
-      const std::string why =
-          alone ? "it does not take " + std::to_string(baud) + " baud" : "another program has it open";
+    if (!set) {
+      ioctl(handle, TIOCNXCL);
       close();
-      throw common::HardwareError("serial port " + name + ": " + why);
+      throw common::HardwareError("serial port " + name + ": it does not take " + std::to_string(baud) +
+                                  " baud");
     }
     handle_ = handle;
   }
