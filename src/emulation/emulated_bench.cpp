@@ -9,7 +9,6 @@
 namespace lodestone::emulation {
 
 namespace {
-constexpr double kLineByte_s = 10.0 / 115200.0;
 constexpr double kStep_s = 0.1e-3;      // about one byte on a line
 constexpr double kContactor_s = 20e-3;  // until the contactor has opened or closed
 }  // namespace
@@ -39,11 +38,11 @@ EmulatedBench::EmulatedBench(rig::VirtualRig& rig)
   set_supply_V(rig.config().supply_V);
   arduino_ = std::make_unique<Arduino>(
       [this](std::uint8_t byte) {
-        to_host_.push_back({byte, arduino_->now_s() + start_s_ + kLineByte_s});
+        to_host_.push_back({byte, arduino_->now_s() + start_s_ + RoboClawModel::kByte_s});
       },
       [this](std::uint8_t byte) {
         if (!to_controllers_filter || to_controllers_filter(byte))
-          to_controllers_.push_back({byte, arduino_->now_s() + start_s_ + kLineByte_s});
+          to_controllers_.push_back({byte, arduino_->now_s() + start_s_ + RoboClawModel::kByte_s});
       });
 }
 
@@ -63,7 +62,7 @@ void EmulatedBench::host_write(const std::uint8_t* bytes, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     std::uint8_t byte = bytes[i];
     if (!to_device_filter || to_device_filter(byte)) to_device_.push_back({byte, line_free_s_});
-    line_free_s_ += kLineByte_s;
+    line_free_s_ += RoboClawModel::kByte_s;
   }
 }
 
@@ -114,7 +113,7 @@ void EmulatedBench::inject_to_device(const std::vector<std::uint8_t>& bytes) {
   line_free_s_ = std::max(line_free_s_, now_s_);
   for (const std::uint8_t byte : bytes) {
     to_device_.push_back({byte, line_free_s_});
-    line_free_s_ += kLineByte_s;
+    line_free_s_ += RoboClawModel::kByte_s;
   }
 }
 

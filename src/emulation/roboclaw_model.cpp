@@ -8,7 +8,6 @@ namespace lodestone::emulation {
 
 namespace {
 
-constexpr double kByte_s = 10.0 / 115200.0;
 constexpr double kThink_s = 1e-3;  // from the last byte of a request to the first of its answer
 constexpr double kGap_s = 10e-3;
 constexpr double kFullDuty = 32767.0;

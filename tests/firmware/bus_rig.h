@@ -19,7 +19,6 @@ namespace lodestone::tests {
 class BusRig {
  public:
   static constexpr double kStep_s = 0.1e-3;
-  static constexpr double kByte_s = 10.0 / 115200.0;
 
   enum class Way { kToControllers, kToFirmware };
   /// What becomes of a byte: the bytes that arrive in its place, each so much later. Called once per byte, in
@@ -136,7 +135,7 @@ class BusRig {
 
   void put(Line& line, Way way, std::uint8_t byte) {
     const std::int64_t index = count_[static_cast<std::size_t>(way)]++;
-    line.free_s = std::max(line.free_s, now_s) + kByte_s;
+    line.free_s = std::max(line.free_s, now_s) + emulation::RoboClawModel::kByte_s;
     if (!attack) {
       line.bytes.push_back({byte, line.free_s});
       return;

@@ -11,7 +11,7 @@ using namespace lodestone;
 namespace {
 
 /// Middle of a mask in metres, by the view.
-geometry::Vector2 middle(const imaging::DishView& view, const cv::Mat& mask, const cv::Rect& area) {
+geometry::Vector2 centroid_m(const imaging::DishView& view, const cv::Mat& mask, const cv::Rect& area) {
   geometry::Vector2 sum = geometry::Vector2::Zero();
   double weight = 0.0;
   for (int row = 0; row < mask.rows; ++row) {
@@ -38,7 +38,7 @@ TEST_CASE("a view shows the dish straight, whole or in part, whatever the camera
       const cv::Mat mask = view.cut(frame.tape_mask, area);
       const geometry::Vector2 head =
           pose.position_m() + 0.01025 * geometry::Vector2(std::cos(2.0), std::sin(2.0));
-      CHECK((middle(view, mask, area) - head).norm() < 0.03e-3);
+      CHECK((centroid_m(view, mask, area) - head).norm() < 0.03e-3);
     }
   }
 }

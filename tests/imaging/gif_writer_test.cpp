@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
+#include "imaging/read_film.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "temporary_folder.h"
@@ -27,14 +27,6 @@ cv::Mat scene(int step) {
   return image;
 }
 
-/// Frames as another program (FFmpeg) reads them.
-std::vector<cv::Mat> read_back(const std::string& file) {
-  cv::VideoCapture reader(file, cv::CAP_FFMPEG);
-  std::vector<cv::Mat> frames;
-  for (cv::Mat frame; reader.read(frame);) frames.push_back(frame.clone());
-  return frames;
-}
-
 }  // namespace
 
 TEST_CASE("another program sees what was written, frame by frame") {
@@ -45,7 +37,7 @@ TEST_CASE("another program sees what was written, frame by frame") {
   CHECK(writer.frames() == kFrames);
   writer.finish(0.1);
 
-  const std::vector<cv::Mat> frames = read_back(folder / "a.gif");
+  const std::vector<cv::Mat> frames = lodestone::tests::read_film(folder / "a.gif");
   REQUIRE(frames.size() >= kFrames);
   for (int step = 0; step < kFrames; ++step) {
     cv::Mat difference;

@@ -19,7 +19,7 @@ imaging::Scene scene_with(double noise_grey, std::uint64_t seed = 3) {
 }
 
 /// Middle of a mask, on the dish floor.
-geometry::Vector2 middle_of_image(const cv::Mat& mask, const imaging::CameraModel& camera) {
+geometry::Vector2 centroid_m(const cv::Mat& mask, const imaging::CameraModel& camera) {
   geometry::Vector2 sum = geometry::Vector2::Zero();
   double weight = 0.0;
   for (int v = 0; v < mask.rows; ++v) {
@@ -45,10 +45,10 @@ TEST_CASE("the masks are where the needle and its tape are") {
   const double to_tape_m = 0.5 * (bench.needle_length_m - bench.tape_length_m);
   // The tape makes the head 8 % thicker, which draws the middle of the mask towards it.
   const double pull_m = 0.08 * bench.tape_length_m / bench.needle_length_m * to_tape_m;
-  CHECK((middle_of_image(frame.needle_mask, scene.camera) - (kPose.position_m() + pull_m * forward)).norm() <
+  CHECK((centroid_m(frame.needle_mask, scene.camera) - (kPose.position_m() + pull_m * forward)).norm() <
         0.02e-3);
   const geometry::Vector2 head = kPose.position_m() + to_tape_m * forward;
-  CHECK((middle_of_image(frame.tape_mask, scene.camera) - head).norm() < 0.1e-3);
+  CHECK((centroid_m(frame.tape_mask, scene.camera) - head).norm() < 0.1e-3);
   const double pixel_m = scene.camera.pixel_size_m();
   const double area_m2 = cv::sum(frame.needle_mask)[0] / 255.0 * pixel_m * pixel_m;
   CHECK(area_m2 == Approx(bench.needle_length_m * bench.needle_diameter_m).epsilon(0.05));

@@ -6,8 +6,8 @@
 #include <csignal>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
+#include "imaging/read_film.h"
 #include "lodestone/common/error.h"
 #include "temporary_folder.h"
 
@@ -25,13 +25,6 @@ cv::Mat frame(int index, cv::Size size) {
   cv::rectangle(image, {x, size.height / 4, size.width / 8, size.height / 2}, cv::Scalar(20, 30, 210),
                 cv::FILLED);
   return image;
-}
-
-std::vector<cv::Mat> read_video(const std::string& file) {
-  cv::VideoCapture reader(file, cv::CAP_FFMPEG);
-  std::vector<cv::Mat> images;
-  for (cv::Mat image; reader.read(image); image = cv::Mat()) images.push_back(image);
-  return images;
 }
 
 /// While it lives, files cannot grow beyond `bytes`: what a disk that fills up looks like to a writer.
@@ -70,7 +63,7 @@ TEST_CASE("a video reads back with every frame, its size and what it showed") {
   if (ending == ".avi") CHECK(writer.codec() == "Motion JPEG");
   if (writer.codec() == "H.264") CHECK(writer.file() == folder / "run.mp4");
 
-  const std::vector<cv::Mat> images = read_video(writer.file());
+  const std::vector<cv::Mat> images = lodestone::tests::read_film(writer.file());
   REQUIRE(images.size() == kFrames);
   const cv::Size expected(static_cast<int>(320 * scale), static_cast<int>(240 * scale));
   CHECK(writer.size() == expected);
@@ -90,8 +83,8 @@ TEST_CASE("odd sizes are cut to even ones") {
   writer.write(frame(0, {101, 75}));
   writer.finish();
   CHECK(writer.size() == cv::Size(100, 74));
-  REQUIRE(read_video(writer.file()).size() == 1);
-  CHECK(read_video(writer.file())[0].size() == cv::Size(100, 74));
+  REQUIRE(lodestone::tests::read_film(writer.file()).size() == 1);
+  CHECK(lodestone::tests::read_film(writer.file())[0].size() == cv::Size(100, 74));
 }
 
 TEST_CASE("a video that cannot be written is named") {

@@ -7,23 +7,20 @@
 #include "lodestone/common/files.h"
 #include "lodestone/runs/deployment_results.h"
 #include "lodestone/runs/run_folder.h"
+#include "report/small_run.h"
 #include "temporary_folder.h"
 
 namespace {
 
 using lodestone::common::artefact_to_json;
 using lodestone::common::Json;
+using lodestone::tests::write_with_folders;
 namespace runs = lodestone::runs;
-
-void write(const std::string& path, const std::string& content) {
-  std::filesystem::create_directories(std::filesystem::path(path).parent_path());
-  lodestone::common::write_file_atomically(path, content);
-}
 
 void write_state(const std::string& cell, bool finished) {
   runs::RunState state;
   state.finished = finished;
-  write(cell + "/run.json", artefact_to_json(state).dump());
+  write_with_folders(cell + "/run.json", artefact_to_json(state).dump());
 }
 
 /// Two trials that ended so far from the target; success below 3 mm.
@@ -40,7 +37,7 @@ void write_transfer(const std::string& cell, double one_mm, double other_mm) {
     record.truth->success = error_mm < 3.0;
     trials.push_back(artefact_to_json(record));
   }
-  write(cell + "/trials.json", trials.dump());
+  write_with_folders(cell + "/trials.json", trials.dump());
   write_state(cell, true);
 }
 
@@ -48,11 +45,11 @@ void write_training(const std::string& cell, double seconds, double last_return)
   runs::PolicyResult result;
   result.seconds_to_95_percent = seconds;
   result.train_seconds = 2.0 * seconds;
-  write(cell + "/result.json", artefact_to_json(result).dump());
-  write(cell + "/metrics.jsonl",
-        "{\"step\":0,\"evaluation/episode_return\":-1.0,\"evaluation/success_rate\":0.0}\n"
-        "{\"step\":100,\"evaluation/episode_return\":" +
-            std::to_string(last_return) + ",\"evaluation/success_rate\":0.5}\n");
+  write_with_folders(cell + "/result.json", artefact_to_json(result).dump());
+  write_with_folders(cell + "/metrics.jsonl",
+                     "{\"step\":0,\"evaluation/episode_return\":-1.0,\"evaluation/success_rate\":0.0}\n"
+                     "{\"step\":100,\"evaluation/episode_return\":" +
+                         std::to_string(last_return) + ",\"evaluation/success_rate\":0.5}\n");
   write_state(cell, true);
 }
 

@@ -8,6 +8,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "lodestone/report/error_table.h"
+#include "report/small_run.h"
 #include "temporary_folder.h"
 
 namespace {
@@ -15,12 +16,8 @@ namespace {
 using namespace lodestone::report;
 using lodestone::common::artefact_to_json;
 using lodestone::common::Json;
+using lodestone::tests::write_with_folders;
 namespace runs = lodestone::runs;
-
-void write_file(const std::string& path, const std::string& content) {
-  std::filesystem::create_directories(std::filesystem::path(path).parent_path());
-  lodestone::common::write_file_atomically(path, content);
-}
 
 runs::TaskSummary errors(double mean_mm) {
   runs::TaskSummary summary;
@@ -56,9 +53,9 @@ void write_deployment(const std::string& folder, const std::string& controller) 
   runs::DeploymentSummary summary;
   static_cast<runs::RigSummary&>(summary) = summary.by_rig["explored"] = rig_summary(1.234, controller);
   summary.by_rig["unseen"] = rig_summary(2.345, controller);
-  write_file(folder + "/deploy/summary.json", artefact_to_json(summary).dump());
+  write_with_folders(folder + "/deploy/summary.json", artefact_to_json(summary).dump());
   for (const char* rig : {"explored", "unseen"})
-    write_file(
+    write_with_folders(
         folder + "/deploy/" + rig + "/trials.json",
         Json::array({artefact_to_json(trial(controller, true)), artefact_to_json(trial("baseline", true))})
             .dump());
@@ -76,18 +73,18 @@ runs::DynamicsEvaluation evaluation() {
 }
 
 void write_run(const std::string& folder, const std::string& controller = "policy") {
-  write_file(folder + "/collect/config.json", R"({"transitions": 4321})");
-  write_file(folder + "/dynamics/evaluation.json", artefact_to_json(evaluation()).dump());
-  write_file(
+  write_with_folders(folder + "/collect/config.json", R"({"transitions": 4321})");
+  write_with_folders(folder + "/dynamics/evaluation.json", artefact_to_json(evaluation()).dump());
+  write_with_folders(
       folder + "/dynamics/metrics.jsonl",
       "{\"step\":1,\"train_loss\":0.5,\"validation_loss\":0.6}\n{\"step\":2,\"train_loss\":0.4,\"valida");
   runs::PolicyResult result;
   result.env_steps = 1000;
   result.updates = 100;
   result.train_seconds = 12.5;
-  write_file(folder + "/policy/result.json", artefact_to_json(result).dump());
-  write_file(folder + "/policy/metrics.jsonl",
-             "{\"step\":1000,\"evaluation/episode_return\":3.5,\"evaluation/success_rate\":0.5}\n");
+  write_with_folders(folder + "/policy/result.json", artefact_to_json(result).dump());
+  write_with_folders(folder + "/policy/metrics.jsonl",
+                     "{\"step\":1000,\"evaluation/episode_return\":3.5,\"evaluation/success_rate\":0.5}\n");
   write_deployment(folder, controller);
 }
 
@@ -139,7 +136,7 @@ TEST_CASE("the table sets the paper's figures first, task by task") {
 
 TEST_CASE("what is missing is said, with the command that makes it") {
   const lodestone::tests::TemporaryFolder folder;
-  write_file(folder / "dynamics/evaluation.json", artefact_to_json(evaluation()).dump());
+  write_with_folders(folder / "dynamics/evaluation.json", artefact_to_json(evaluation()).dump());
   write_report(folder.path(), "", folder / "report.html");
   const std::string page = lodestone::common::read_file(folder / "report.html");
   CHECK(page.find("lodestone collect") != std::string::npos);
@@ -157,7 +154,7 @@ TEST_CASE("without a run there is no page, and no folder is made for it") {
 
 TEST_CASE("a damaged file is named") {
   const lodestone::tests::TemporaryFolder folder;
-  write_file(folder / "dynamics/evaluation.json", "{\"position_rms_mm\": ");
+  write_with_folders(folder / "dynamics/evaluation.json", "{\"position_rms_mm\": ");
   CHECK_THROWS_WITH(read_run(folder.path()), Catch::Contains("evaluation.json"));
 }
 
@@ -187,8 +184,9 @@ TEST_CASE("where nobody knows the true pose, there is none in the table, and wha
   runs::TaskSummary task = errors(1.0);
   task.truth.reset();
   summary.tasks.by_task["centre"] = task;
-  write_file(folder / "deploy/summary.json", artefact_to_json(summary).dump());
-  write_file(folder / "deploy/trials.json", Json::array({artefact_to_json(trial("policy", false))}).dump());
+  write_with_folders(folder / "deploy/summary.json", artefact_to_json(summary).dump());
+  write_with_folders(folder / "deploy/trials.json",
+                     Json::array({artefact_to_json(trial("policy", false))}).dump());
   write_report(folder.path(), "", folder / "report.html");
   const std::vector<ErrorRow> rows = error_rows(read_run(folder.path()));
   CHECK(rows.back().rig == "real");

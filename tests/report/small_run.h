@@ -1,11 +1,18 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "lodestone/common/files.h"
 #include "lodestone/report/run_data.h"
 
 namespace lodestone::tests {
+
+inline void write_with_folders(const std::string& path, const std::string& content) {
+  std::filesystem::create_directories(std::filesystem::path(path).parent_path());
+  common::write_file_atomically(path, content);
+}
 
 /// Three observations towards a target at the origin, 0.5 mm from it at the end.
 inline runs::TrialRecord point_trial(const std::string& controller, const std::string& rig,

@@ -5,27 +5,15 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "runs/cells.h"
 #include "temporary_folder.h"
 
 using namespace lodestone;
-using runs::Cell;
 using runs::Plan;
+using tests::cell;
+using tests::plan;
 
 namespace {
-
-Cell engine_cell(const std::string& id, std::vector<std::string> settings = {}) {
-  Cell made;
-  made.id = id;
-  made.verb = "collect";
-  made.settings = std::move(settings);
-  return made;
-}
-
-Plan engine_plan(std::vector<Cell> cells) {
-  Plan made;
-  made.cells = std::move(cells);
-  return made;
-}
 
 /// A program that does what a verb does to its folder, fails where the folder is named "bad", and notes each
 /// start.
@@ -50,8 +38,8 @@ TEST_CASE(
     "ended") {
   const tests::TemporaryFolder folder;
   const runs::PlanPlace place{folder / "out of $5", fake_program(folder), "configs", "", 2};
-  Plan made = engine_plan({engine_cell("a"), engine_cell("b", {"data={a}/x"}), engine_cell("bad"),
-                           engine_cell("c", {"data={bad}/x"}), engine_cell("it's")});
+  Plan made =
+      plan({cell("a"), cell("b", {"data={a}/x"}), cell("bad"), cell("c", {"data={bad}/x"}), cell("it's")});
   CHECK_THROWS_WITH(runs::run_plan(made, place, "plan"), Catch::Contains("2 of 5 cells are not finished") &&
                                                              Catch::Contains("bad: something broke"));
   CHECK(std::filesystem::exists(place.folder + "/it's/run.json"));
@@ -69,7 +57,7 @@ TEST_CASE(
 TEST_CASE("a plan's folder holds one plan, and is finished when all its cells are") {
   const tests::TemporaryFolder folder;
   const runs::PlanPlace place{folder / "out", fake_program(folder), "configs", "", 1};
-  const Plan made = engine_plan({engine_cell("a"), engine_cell("b")});
+  const Plan made = plan({cell("a"), cell("b")});
   const auto run = [&](const common::Json& settings, const std::string& only) {
     runs::run_plan_in_folder(made, place, "plan run", settings, only);
   };

@@ -5,29 +5,13 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "runs/cells.h"
 #include "temporary_folder.h"
 
 using namespace lodestone;
-using runs::Cell;
 using runs::Plan;
-
-namespace {
-
-Cell cell(const std::string& id, std::vector<std::string> settings = {}) {
-  Cell made;
-  made.id = id;
-  made.verb = "collect";
-  made.settings = std::move(settings);
-  return made;
-}
-
-Plan plan(std::vector<Cell> cells) {
-  Plan made;
-  made.cells = std::move(cells);
-  return made;
-}
-
-}  // namespace
+using tests::cell;
+using tests::plan;
 
 TEST_CASE("a plan read from a file has defaults, and says what is wrong with it") {
   const tests::TemporaryFolder folder;

@@ -11,6 +11,8 @@ namespace lodestone::emulation {
 /// with ramps, current limits, and a serial timeout of its own. Time is the caller's and never goes back.
 class RoboClawModel {
  public:
+  static constexpr double kByte_s = 10.0 / 115200.0;  ///< a byte on its line, 115,200 baud 8N1
+
   explicit RoboClawModel(std::uint8_t address) : address_(address) {}
 
   /// One byte from the line. A gap over 10 ms discards what came before.
