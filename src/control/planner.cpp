@@ -7,12 +7,12 @@
 #include <numeric>
 
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/pose2.h"
 #include "lodestone/geometry/saturation.h"
 
 namespace lodestone::control {
 namespace {
 
-constexpr double kMmPerM = 1000.0;
 /// What lying outside the dish costs beyond the distance: more than any way inside.
 constexpr double kOutside_mm = 100.0;
 /// The search never narrows down further than this, or it would stop looking.
@@ -132,7 +132,8 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
       double* state = &state_[row * size];
       if (drive_[2 * row] != 0.0 || drive_[2 * row + 1] != 0.0) std::copy_n(&next_[row * size], size, state);
       const geometry::Vector2 position_m(state[0], state[1]);
-      double cost_mm = kMmPerM * std::max(config_.goal_radius_m, (position_m - observation.target_m).norm());
+      double cost_mm =
+          geometry::kMmPerM * std::max(config_.goal_radius_m, (position_m - observation.target_m).norm());
       if (observation.target_heading_rad && size == 3)
         cost_mm += config_.heading_cost_mm *
                    std::abs(geometry::wrap_angle(state[2] - *observation.target_heading_rad));

@@ -31,7 +31,6 @@ const std::vector<std::string> kLogColumns = {"camera_frame_number",
                                               "localization_y",
                                               "localization_angle"};
 
-constexpr double kMmPerM = 1000.0;
 constexpr double kFullDrivePercent = 100.0;
 // A measured current may overshoot the set one a little; further off the row is taken for a fault.
 constexpr double kCurrentMargin = 1.2;
@@ -107,14 +106,14 @@ void leave_out_impossible(CsvImportResult& result, const Recording& recording, d
   const auto found = separate_impossible(result.dataset, recording.lines(), limit_m);
   if (static_cast<double>(found.size()) > kMostImpossible * static_cast<double>(result.rows))
     throw DataError(path + ": " + std::to_string(found.size()) + " of " + std::to_string(result.rows) +
-                    " positions lie more than " + std::to_string(limit_m * kMmPerM) +
+                    " positions lie more than " + std::to_string(limit_m * geometry::kMmPerM) +
                     " mm from the centre, the first one in line " + std::to_string(found.front().line) +
                     ": correct position_unit, centre_x and centre_y, or the rig's dish");
   for (const ImpossiblePosition& position : found)
     result.impossible.push_back(path + ":" + std::to_string(position.line) + ": a position " +
-                                std::to_string(position.radius_m * kMmPerM) +
+                                std::to_string(position.radius_m * geometry::kMmPerM) +
                                 " mm from the centre, where nothing can be (limit " +
-                                std::to_string(limit_m * kMmPerM) + " mm)");
+                                std::to_string(limit_m * geometry::kMmPerM) + " mm)");
 }
 
 /// Distances from the centre, of all observations.
@@ -142,7 +141,7 @@ void read_pulses(CsvTable& table, const CsvImportConfig& config, const std::stri
     const double percent = table.number(drive);
     if (percent < 0.0 || percent > kFullDrivePercent) table.fail(drive, "a percentage between 0 and 100");
     std::array<double, 4> at{};
-    for (std::size_t i = 0; i < 4; ++i) at[i] = table.number(position[i]) / kMmPerM;
+    for (std::size_t i = 0; i < 4; ++i) at[i] = table.number(position[i]) / geometry::kMmPerM;
 
     const std::vector<double>& seen = recording.seen();
     if (seen.empty() || seen[seen.size() - 2] != at[0] || seen[seen.size() - 1] != at[1]) {
@@ -187,7 +186,7 @@ class LogReader {
     row.frame = table_.number(columns_[0]);
     if (row.frame != std::floor(row.frame)) table_.fail(columns_[0], "a whole number");
     row.drive = {signed_drive(3, 4), signed_drive(1, 2)};
-    const double metres = config_.position_unit == PositionUnit::kMm ? 1.0 / kMmPerM : 1.0;
+    const double metres = config_.position_unit == PositionUnit::kMm ? 1.0 / geometry::kMmPerM : 1.0;
     const double radians = config_.angle_unit == AngleUnit::kDeg ? geometry::kPi / 180.0 : 1.0;
     const double up = config_.y_down ? -1.0 : 1.0;
     row.pose[0] = (table_.number(columns_[5]) - config_.centre_x) * metres;

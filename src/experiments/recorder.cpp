@@ -6,12 +6,11 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/geometry/pose2.h"
 
 namespace lodestone::experiments {
 
 namespace {
-
-constexpr double kMm = 1000.0;
 
 std::string heading(bool true_poses) {
   return std::string("rig,controller,task,trial,t_s,") +
@@ -21,10 +20,12 @@ std::string heading(bool true_poses) {
 }
 
 runs::PoseMm pose_mm(const geometry::Pose2& pose) {
-  return {kMm * pose.x_m, kMm * pose.y_m, pose.heading_rad};
+  return {geometry::kMmPerM * pose.x_m, geometry::kMmPerM * pose.y_m, pose.heading_rad};
 }
 
-runs::PointMm point_mm(const geometry::Vector2& point_m) { return {kMm * point_m.x(), kMm * point_m.y()}; }
+runs::PointMm point_mm(const geometry::Vector2& point_m) {
+  return {geometry::kMmPerM * point_m.x(), geometry::kMmPerM * point_m.y()};
+}
 
 /// The first rows of a file that may end in the middle of one.
 std::string first_rows(const std::string& path, std::int64_t rows) {

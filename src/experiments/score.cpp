@@ -5,12 +5,11 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/statistics.h"
+#include "lodestone/geometry/pose2.h"
 
 namespace lodestone::experiments {
 
 namespace {
-
-constexpr double kMmPerM = 1000.0;
 
 double distance_m(const ScoredSample& sample) { return (sample.position_m - sample.target_m).norm(); }
 
@@ -40,7 +39,7 @@ runs::TrialFigures score_point(const std::vector<ScoredSample>& samples, const S
   LODESTONE_CHECK(!samples.empty(), "at least one sample to score");
   runs::TrialFigures score;
   const double final_error_m = distance_m(samples.back());
-  score.final_error_mm = kMmPerM * final_error_m;
+  score.final_error_mm = geometry::kMmPerM * final_error_m;
   score.errors_mm = {score.final_error_mm};
   score.success = final_error_m <= config.success_radius_m;
   note_reach(samples, config.success_radius_m, score);
@@ -55,7 +54,7 @@ runs::TrialFigures score_point(const std::vector<ScoredSample>& samples, const S
       sum_m += distance_m(sample);
       ++count;
     }
-    score.hold_error_mm = kMmPerM * (sum_m / static_cast<double>(count));
+    score.hold_error_mm = geometry::kMmPerM * (sum_m / static_cast<double>(count));
   }
   return score;
 }
@@ -74,11 +73,11 @@ runs::TrialFigures score_path(const std::vector<ScoredSample>& samples, const ge
     if (!sample.approach) add(sample);
   const bool followed = !errors_m.empty();
   if (!followed) add(samples.back());
-  for (const double error_m : errors_m) score.errors_mm.push_back(kMmPerM * error_m);
+  for (const double error_m : errors_m) score.errors_mm.push_back(geometry::kMmPerM * error_m);
   const double cross_track_rms_m = common::root_mean_square(errors_m);
-  score.final_error_mm = kMmPerM * distance_m(samples.back());
-  score.cross_track_rms_mm = kMmPerM * cross_track_rms_m;
-  score.time_rms_error_mm = kMmPerM * common::root_mean_square(time_errors_m);
+  score.final_error_mm = geometry::kMmPerM * distance_m(samples.back());
+  score.cross_track_rms_mm = geometry::kMmPerM * cross_track_rms_m;
+  score.time_rms_error_mm = geometry::kMmPerM * common::root_mean_square(time_errors_m);
   score.success = followed && cross_track_rms_m <= config.success_radius_m;
   note_reach(samples, config.success_radius_m, score);
   return score;

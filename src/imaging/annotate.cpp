@@ -6,6 +6,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "drawing.h"
 #include "lodestone/common/error.h"
 #include "lodestone/geometry/angle.h"
 
@@ -23,7 +24,6 @@ const cv::Scalar kYellow(66, 228, 240);
 const cv::Scalar kWhite(255, 255, 255);
 const cv::Scalar kBlack(0, 0, 0);
 
-constexpr int kShift = 4;  // OpenCV's fixed-point pixels: 1/16 px
 constexpr int kFont = cv::FONT_HERSHEY_DUPLEX;
 
 /// One frame being drawn into.

@@ -4,13 +4,13 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "drawing.h"
 #include "lodestone/common/error.h"
 
 namespace lodestone::imaging {
 
 namespace {
 
-constexpr int kOverlayShift = 4;
 constexpr double kGrid_m = 0.010;
 const cv::Scalar kGridColour(200, 200, 200);
 // Okabe and Ito (2008), blue, green, red.
@@ -29,7 +29,7 @@ class Overlay {
       const double angle = 2.0 * 3.14159265358979323846 * i / 180.0;
       points.push_back(at({radius_m * std::cos(angle), radius_m * std::sin(angle), height_m}));
     }
-    cv::polylines(image_, points, true, colour, 1, cv::LINE_AA, kOverlayShift);
+    cv::polylines(image_, points, true, colour, 1, cv::LINE_AA, kShift);
   }
 
   /// Straight on the floor, bent in the image by the lens.
@@ -40,18 +40,18 @@ class Overlay {
       const geometry::Vector2 point = from + i / 20.0 * (to - from);
       points.push_back(at({point.x(), point.y(), 0.0}));
     }
-    cv::polylines(image_, points, false, colour, width, cv::LINE_AA, kOverlayShift);
+    cv::polylines(image_, points, false, colour, width, cv::LINE_AA, kShift);
   }
 
   void text(const geometry::Vector2& place, const std::string& words, const cv::Scalar& colour) {
     const cv::Point pixel = at({place.x(), place.y(), 0.0});
-    cv::putText(image_, words, {(pixel.x >> kOverlayShift) - 12, (pixel.y >> kOverlayShift) + 6},
-                cv::FONT_HERSHEY_SIMPLEX, 0.7, colour, 2, cv::LINE_AA);
+    cv::putText(image_, words, {(pixel.x >> kShift) - 12, (pixel.y >> kShift) + 6}, cv::FONT_HERSHEY_SIMPLEX,
+                0.7, colour, 2, cv::LINE_AA);
   }
 
  private:
   cv::Point at(const Eigen::Vector3d& point_m) const {
-    const Eigen::Vector2d pixel = camera_.project(point_m) * (1 << kOverlayShift);
+    const Eigen::Vector2d pixel = camera_.project(point_m) * (1 << kShift);
     return {static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))};
   }
 

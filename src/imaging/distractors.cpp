@@ -4,13 +4,12 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "drawing.h"
 #include "lodestone/geometry/angle.h"
 
 namespace lodestone::imaging {
 
 namespace {
-
-constexpr int kDistractorShift = 4;  ///< drawing coordinates are in sixteenths of a pixel
 
 class Painter {
  public:
@@ -21,7 +20,7 @@ class Painter {
     const Colour blood = tone({0.10F, 0.08F, 0.45F}, 0.5, 1.3);
     const cv::Mat before = layers_.under.clone();
     cv::fillPoly(layers_.under, std::vector<std::vector<cv::Point>>{blob(random_.uniform(0.001, 0.006))},
-                 lit(blood), cv::LINE_AA, kDistractorShift);
+                 lit(blood), cv::LINE_AA, kShift);
     const double strength = random_.uniform(0.3, 0.85);
     cv::addWeighted(layers_.under, strength, before, 1.0 - strength, 0.0, layers_.under);
   }
@@ -33,7 +32,7 @@ class Painter {
     const geometry::Vector2 to = from + length_m * geometry::Vector2(std::cos(angle), std::sin(angle));
     const auto value = static_cast<float>(scene_.floor_grey * random_.uniform(0.8, 1.25));
     cv::line(layers_.under, at(from), at(to), lit({value, value, value}),
-             1 + static_cast<int>(random_.below(2)), cv::LINE_AA, kDistractorShift);
+             1 + static_cast<int>(random_.below(2)), cv::LINE_AA, kShift);
   }
 
   /// Suture thread: a smooth curve through four points, in one of the usual colours.
@@ -53,26 +52,23 @@ class Painter {
     const int width_px =
         std::max(1, static_cast<int>(std::lround(random_.uniform(0.15e-3, 0.45e-3) / pixel_m_)));
     if (random_.uniform() < 0.5) {
-      cv::polylines(layers_.under, points, false, lit(colour), width_px, cv::LINE_AA, kDistractorShift);
+      cv::polylines(layers_.under, points, false, lit(colour), width_px, cv::LINE_AA, kShift);
     } else {
-      cv::polylines(layers_.over, points, false, lit(colour), width_px, cv::LINE_AA, kDistractorShift);
-      cv::polylines(layers_.over_alpha, points, false, cv::Scalar(255), width_px, cv::LINE_AA,
-                    kDistractorShift);
+      cv::polylines(layers_.over, points, false, lit(colour), width_px, cv::LINE_AA, kShift);
+      cv::polylines(layers_.over_alpha, points, false, cv::Scalar(255), width_px, cv::LINE_AA, kShift);
     }
   }
 
   void bubble() {
     const cv::Point centre = at(anywhere());
     const double radius_m = random_.uniform(0.3e-3, 2.0e-3);
-    const auto radius = static_cast<int>(radius_m / pixel_m_ * (1 << kDistractorShift));
+    const auto radius = static_cast<int>(radius_m / pixel_m_ * (1 << kShift));
     const auto rim = static_cast<float>(scene_.floor_grey * random_.uniform(0.3, 0.7));
-    cv::circle(layers_.over, centre, radius, lit({rim, rim, rim}), 2, cv::LINE_AA, kDistractorShift);
-    cv::circle(layers_.over_alpha, centre, radius, cv::Scalar(200), 2, cv::LINE_AA, kDistractorShift);
+    cv::circle(layers_.over, centre, radius, lit({rim, rim, rim}), 2, cv::LINE_AA, kShift);
+    cv::circle(layers_.over_alpha, centre, radius, cv::Scalar(200), 2, cv::LINE_AA, kShift);
     const cv::Point spark(centre.x - radius / 3, centre.y - radius / 3);
-    cv::circle(layers_.over, spark, radius / 4, lit({1.0F, 1.0F, 1.0F}), cv::FILLED, cv::LINE_AA,
-               kDistractorShift);
-    cv::circle(layers_.over_alpha, spark, radius / 4, cv::Scalar(255), cv::FILLED, cv::LINE_AA,
-               kDistractorShift);
+    cv::circle(layers_.over, spark, radius / 4, lit({1.0F, 1.0F, 1.0F}), cv::FILLED, cv::LINE_AA, kShift);
+    cv::circle(layers_.over_alpha, spark, radius / 4, cv::Scalar(255), cv::FILLED, cv::LINE_AA, kShift);
   }
 
  private:
@@ -83,7 +79,7 @@ class Painter {
   }
 
   cv::Point at(const geometry::Vector2& floor_m) const {
-    const Eigen::Vector2d pixel = scene_.camera.project_floor(floor_m) * (1 << kDistractorShift);
+    const Eigen::Vector2d pixel = scene_.camera.project_floor(floor_m) * (1 << kShift);
     return {static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))};
   }
 

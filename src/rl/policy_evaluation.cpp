@@ -8,11 +8,6 @@
 #include "lodestone/runs/curves.h"
 
 namespace lodestone::rl {
-namespace {
-
-constexpr float kSaturatedAction = 0.95F;
-
-}  // namespace
 
 common::Scalars scalars_of(const PolicyScore& score) {
   return {{runs::curves::kReturn, score.episode_return},

@@ -8,12 +8,11 @@
 #include <ATen/ops/tensor.h>
 
 #include "lodestone/common/error.h"
+#include "lodestone/rl/policy_evaluation.h"
 #include "lodestone/runs/curves.h"
 
 namespace lodestone::rl {
 namespace {
-
-constexpr float kSaturated = 0.95F;  // an action component beyond this counts as saturated
 
 std::int64_t buffer_capacity(const LearningConfig& learning, std::int64_t environments) {
   // the last step may exceed env_steps by a part of a batch
@@ -59,7 +58,7 @@ std::vector<float> PolicyLearner::choose_actions() {
   if (env_steps_ < learning_.warm_up_steps) return noise_.uniform_actions();
   std::vector<float> action = td3_->act(observation_);
   const auto saturated =
-      std::count_if(action.begin(), action.end(), [](float a) { return std::abs(a) > kSaturated; });
+      std::count_if(action.begin(), action.end(), [](float a) { return std::abs(a) > kSaturatedAction; });
   saturation_.add(static_cast<float>(saturated) / static_cast<float>(action.size()));
   const double done = static_cast<double>(env_steps_) / static_cast<double>(learning_.env_steps);
   const auto scale = static_cast<float>(1.0 - (1.0 - learning_.final_noise) * std::min(1.0, done));

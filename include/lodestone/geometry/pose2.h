@@ -8,6 +8,8 @@ namespace lodestone::geometry {
 
 using Vector2 = Eigen::Vector2d;
 
+constexpr double kMmPerM = 1000.0;
+
 /// Pose in the dish frame: origin at the dish centre, x towards coil +x, y towards coil +y, heading
 /// counter-clockwise from +x, pointing from tail to head.
 struct Pose2 {

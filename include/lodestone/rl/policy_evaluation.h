@@ -10,6 +10,9 @@ namespace lodestone::rl {
 
 using runs::PolicyScore;
 
+/// An action component beyond this, in [-1, 1], counts as saturated.
+constexpr float kSaturatedAction = 0.95F;
+
 /// Under the keys evaluation/...
 common::Scalars scalars_of(const PolicyScore& score);
 
