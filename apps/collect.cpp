@@ -139,7 +139,7 @@ void collect(const CommonOptions& options) {
   choose_segmenter(config.collection.sensor);
   runs::RunRequest request{options.out, "collect", common::config_to_json(config), config.collection.seed,
                            options.resume};
-  request.free_keys = {"threads", "rig.serial.port"};
+  request.free_keys = {"threads", "checkpoint_every_s", "rig.serial.port"};
   runs::RunFolder run(request);
   if (run.finished()) {
     common::log_info("collect: " + run.path() + " is finished already");
@@ -148,8 +148,11 @@ void collect(const CommonOptions& options) {
     const Sessions sessions = make_sessions(config, run.path(), window);
     experiments::CollectionRun work(config.collection, sessions, config.repeatable(), config.threads,
                                     run.path());
-    runs::run_resumably(run, work, {"collect", "transitions", config.repeatable() ? 10.0 : 0.0});
+    runs::run_resumably(
+        run, work,
+        {"collect", "transitions", config.repeatable() ? config.collection.checkpoint_every_s : 0.0});
   }
+  data::fold_journal(run.file(experiments::kRecording));
   const data::Dataset dataset = data::read_dataset(run.file(experiments::kRecording));
   const data::Coverage coverage = data::measure_coverage(dataset);
   common::write_artefact(run.file(data::Coverage::kFile), coverage);

@@ -77,6 +77,11 @@ void replace_file(const std::string& staged, const std::string& path) {
   sync_path(parent_of(path));
 }
 
+void remove_file(const std::string& path) {
+  if (::unlink(path.c_str()) != 0 && errno != ENOENT)
+    throw IoError("cannot remove " + path + ": " + reason());
+}
+
 void replace_folder(const std::string& staged, const std::string& path) {
   if (!fs::exists(path)) {
     if (::rename(staged.c_str(), path.c_str()) != 0)

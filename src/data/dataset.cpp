@@ -39,8 +39,6 @@ void check_size(std::size_t found, std::size_t expected, const char* array, std:
 
 }  // namespace
 
-int state_size(StateLayout layout) { return layout == StateLayout::kPose ? 3 : 2; }
-
 std::int64_t Dataset::transitions() const {
   return std::accumulate(episodes.begin(), episodes.end(), std::int64_t{0},
                          [](std::int64_t sum, const Episode& e) { return sum + e.length(); });

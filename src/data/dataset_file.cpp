@@ -1,15 +1,14 @@
 #include "lodestone/data/dataset_file.h"
 
-#include <fcntl.h>
-
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
+#include <sstream>
 
 #include "hdf5_handle.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "lodestone/data/csv_import.h"
+#include "lodestone/data/episode_bytes.h"
+#include "lodestone/data/journal.h"
 
 namespace lodestone::data {
 namespace {
@@ -18,77 +17,81 @@ using common::DataError;
 using common::IoError;
 
 constexpr const char* kFormat = "lodestone-transitions";
-constexpr std::int64_t kFormatVersion = 1;
+/// Version 1 had no row of infos for the reset, and no checksums.
+constexpr std::int64_t kFormatVersion = 2;
 constexpr const char* kImpossible = "impossible";
-// Room for the object headers and index nodes of one episode beside its numbers.
-constexpr std::int64_t kMetadataBytes = 64 * 1024;
-constexpr std::int64_t kReserveAhead = 1024 * 1024;
+constexpr const char* kChecksum = "checksum";
+constexpr std::size_t kImageStep = 1 << 20;  // bytes by which the image of a file grows
 
 std::string because(const std::string& detail) { return detail.empty() ? "" : " (" + detail + ")"; }
-
-Handle file_access() {
-  Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  // 1.8's format: it has no "open for writing" mark, which a killed run would leave behind, locking the file.
-  H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
-  return access;
-}
 
 Handle open_group(hid_t parent, const std::string& name) {
   return Handle(H5Gopen2(parent, name.c_str(), H5P_DEFAULT), H5Gclose);
 }
 
-bool write_info(hid_t root, const DatasetInfo& info) {
-  const bool pose = info.layout == StateLayout::kPose;
-  return write_attribute(root, "format", std::string(kFormat)) &&
-         write_attribute(root, "format_version", kFormatVersion) &&
-         write_attribute(root, "layout", std::string(pose ? "pose" : "position")) &&
-         write_attribute(root, "observation_columns",
-                         std::string(pose ? "x_m,y_m,heading_rad" : "x_m,y_m")) &&
-         write_attribute(root, "action_columns", std::string("drive_x,drive_y")) &&
-         write_attribute(root, "action_unit", info.action_unit) &&
-         write_attribute(root, "action_scale", info.action_scale) &&
-         write_attribute(root, "workspace_radius_m", info.workspace_radius_m) &&
-         write_attribute(root, "one_axis_at_a_time", std::int64_t{info.one_axis_at_a_time}) &&
-         write_attribute(root, "control_period_s", info.control_period_s) &&
-         write_attribute(root, "seed", info.seed) && write_attribute(root, "source", info.source) &&
-         write_attribute(root, "rig", info.rig.dump());
+bool write_value(hid_t root, const char* name, const common::Json& value) {
+  if (value.is_string()) return write_attribute(root, name, value.get<std::string>());
+  if (value.is_boolean()) return write_attribute(root, name, std::int64_t{value.get<bool>()});
+  if (value.is_number_integer()) return write_attribute(root, name, value.get<std::int64_t>());
+  if (value.is_number()) return write_attribute(root, name, value.get<double>());
+  return write_attribute(root, name, value.dump());
 }
 
-template <class Value>
-void require(hid_t root, const char* name, Value& value, const std::string& path) {
-  if (!read_attribute(root, name, value))
-    throw DataError(path + ": attribute '" + name +
-                    "' is missing or of another type: this is not a dataset written by lodestone");
+/// The attribute as a value of the type that `value` has.
+bool read_value(hid_t root, const char* name, common::Json& value) {
+  std::string text;
+  std::int64_t whole = 0;
+  double number = 0.0;
+  bool found = false;
+  if (value.is_boolean() || value.is_number_integer()) {
+    found = read_attribute(root, name, whole);
+    value = value.is_boolean() ? common::Json(whole != 0) : common::Json(whole);
+  } else if (value.is_number()) {
+    found = read_attribute(root, name, number);
+    value = number;
+  } else if (value.is_string()) {
+    found = read_attribute(root, name, text);
+    value = text;
+  } else {
+    found = read_attribute(root, name, text);
+    value = common::Json::parse(text, nullptr, false);
+  }
+  return found && !value.is_discarded();
+}
+
+bool write_info(hid_t root, const DatasetInfo& info) {
+  const common::Json json = info_to_json(info);
+  bool written =
+      write_attribute(root, "format", std::string(kFormat)) &&
+      write_attribute(root, "format_version", kFormatVersion) &&
+      write_attribute(root, "observation_columns",
+                      std::string(info.layout == StateLayout::kPose ? "x_m,y_m,heading_rad" : "x_m,y_m")) &&
+      write_attribute(root, "action_columns", std::string("drive_x,drive_y"));
+  for (const auto& [name, value] : json.items()) written = written && write_value(root, name.c_str(), value);
+  return written;
+}
+
+[[noreturn]] void fail_without(const std::string& name, const std::string& path) {
+  throw DataError(path + ": attribute '" + name +
+                  "' is missing or of another type: this is not a dataset written by lodestone");
+}
+
+void check_version(hid_t root, const std::string& path) {
+  std::string format;
+  std::int64_t version = 0;
+  if (!read_attribute(root, "format", format)) fail_without("format", path);
+  if (!read_attribute(root, "format_version", version)) fail_without("format_version", path);
+  if (format != kFormat || version < 1 || version > kFormatVersion)
+    throw DataError(path + ": format \"" + format + "\" version " + std::to_string(version) +
+                    "; this program reads \"" + kFormat + "\" up to version " +
+                    std::to_string(kFormatVersion));
 }
 
 DatasetInfo read_info(hid_t root, const std::string& path) {
-  std::string format;
-  std::int64_t version = 0;
-  require(root, "format", format, path);
-  require(root, "format_version", version, path);
-  if (format != kFormat || version != kFormatVersion)
-    throw DataError(path + ": format \"" + format + "\" version " + std::to_string(version) +
-                    "; this program reads \"" + kFormat + "\" version " + std::to_string(kFormatVersion));
-  DatasetInfo info;
-  std::string layout;
-  std::string rig;
-  std::int64_t one_axis = 0;
-  require(root, "layout", layout, path);
-  if (layout != "pose" && layout != "position")
-    throw DataError(path + ": layout \"" + layout + "\" must be pose or position");
-  info.layout = layout == "pose" ? StateLayout::kPose : StateLayout::kPosition;
-  require(root, "action_unit", info.action_unit, path);
-  require(root, "action_scale", info.action_scale, path);
-  require(root, "workspace_radius_m", info.workspace_radius_m, path);
-  require(root, "one_axis_at_a_time", one_axis, path);
-  info.one_axis_at_a_time = one_axis != 0;
-  require(root, "control_period_s", info.control_period_s, path);
-  require(root, "seed", info.seed, path);
-  require(root, "source", info.source, path);
-  require(root, "rig", rig, path);
-  info.rig = common::Json::parse(rig, nullptr, false);
-  if (info.rig.is_discarded()) throw DataError(path + ": attribute 'rig' is not JSON");
-  return info;
+  common::Json json = info_to_json(DatasetInfo());
+  for (auto& [name, value] : json.items())
+    if (!read_value(root, name.c_str(), value)) fail_without(name, path);
+  return info_from_json(json, path);
 }
 
 /// Reads a dataset of an episode and returns its number of rows.
@@ -111,6 +114,15 @@ std::size_t read_array(hid_t group, const char* name, hid_t memory_type, hsize_t
   return shape[0];
 }
 
+/// Throws DataError when the episode is not the one that was written.
+void compare_checksum(hid_t group, const Episode& episode, const std::string& place) {
+  std::string expected;
+  if (!read_attribute(group, kChecksum, expected)) return;  // of version 1
+  if (checksum(to_bytes(episode)) != expected)
+    throw DataError(place +
+                    ": its checksum is not that of its numbers: the file is damaged; take it from a backup");
+}
+
 Episode read_episode(hid_t root, const std::string& name, StateLayout layout, const std::string& path) {
   const std::string place = path + ": " + name;
   const Handle group = open_group(root, name);
@@ -124,20 +136,22 @@ Episode read_episode(hid_t root, const std::string& name, StateLayout layout, co
   read_array(group.get(), "terminations", H5T_NATIVE_UINT8, 1, episode.terminations, place);
   read_array(group.get(), "truncations", H5T_NATIVE_UINT8, 1, episode.truncations, place);
   read_array(group.get(), "infos/zero_current", H5T_NATIVE_UINT8, 1, episode.zero_current, place);
+  if (rows == steps + 1 && episode.zero_current.size() == rows)
+    episode.zero_current.erase(episode.zero_current.begin());  // the reset's
   if (rows != steps + 1 || episode.terminations.size() != steps || episode.truncations.size() != steps ||
       episode.zero_current.size() != steps)
     throw DataError(place + ": " + std::to_string(rows) + " observations do not fit " +
                     std::to_string(steps) +
                     " actions: T actions need T+1 observations and T flags of each kind");
+  compare_checksum(group.get(), episode, place);
   return episode;
 }
 
-Handle open_file(const std::string& path, unsigned mode) {
+Handle open_file(const std::string& path) {
   silence_hdf5();
   if (!std::filesystem::exists(path))
     throw DataError("cannot read dataset " + path + ": there is no such file");
-  const Handle access = file_access();
-  Handle file(H5Fopen(path.c_str(), mode, access.get()), H5Fclose);
+  Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.valid())
     throw DataError("cannot open dataset " + path + ": not an HDF5 file, or cut short or damaged" +
                     because(last_hdf5_error()));
@@ -161,23 +175,62 @@ std::vector<Episode> read_episodes(hid_t group, hsize_t others, StateLayout layo
   return episodes;
 }
 
-bool write_episode(hid_t parent, const std::string& name, const Episode& episode, StateLayout layout) {
+bool write_episode(hid_t parent, std::int64_t index, const Episode& episode, StateLayout layout) {
   const auto steps = static_cast<hsize_t>(episode.length());
   const auto s = static_cast<hsize_t>(state_size(layout));
   const std::vector<double> rewards(steps, 0.0);
-  const Handle group(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
-  const Handle infos(H5Gcreate2(group.get(), "infos", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  std::vector<std::uint8_t> zero_current = episode.zero_current;
+  zero_current.insert(zero_current.begin(), 0);  // infos have a row for the reset, too
+  const Handle group = create_group(parent, episode_name(index).c_str());
+  const Handle infos = create_group(group.get(), "infos");
   const auto numbers = [&](const char* key, const std::vector<double>& values, std::vector<hsize_t> shape) {
     return write_array(group.get(), key, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values.data(), shape);
   };
   const auto flags = [&](hid_t in, const char* key, const std::vector<std::uint8_t>& values) {
-    return write_array(in, key, H5T_STD_U8LE, H5T_NATIVE_UINT8, values.data(), {steps});
+    return write_array(in, key, H5T_STD_U8LE, H5T_NATIVE_UINT8, values.data(), {values.size()});
   };
-  return group.valid() && infos.valid() && numbers("observations", episode.observations, {steps + 1, s}) &&
+  return group.valid() && infos.valid() && write_attribute(group.get(), "id", index) &&
+         write_attribute(group.get(), "total_steps", episode.length()) &&
+         write_attribute(group.get(), kChecksum, checksum(to_bytes(episode))) &&
+         numbers("observations", episode.observations, {steps + 1, s}) &&
          numbers("actions", episode.actions, {steps, kActionSize}) && numbers("rewards", rewards, {steps}) &&
          flags(group.get(), "terminations", episode.terminations) &&
          flags(group.get(), "truncations", episode.truncations) &&
-         flags(infos.get(), "zero_current", episode.zero_current);
+         flags(infos.get(), "zero_current", zero_current);
+}
+
+bool write_episodes(hid_t parent, const std::vector<Episode>& episodes, StateLayout layout) {
+  for (std::size_t i = 0; i < episodes.size(); ++i)
+    if (!write_episode(parent, static_cast<std::int64_t>(i), episodes[i], layout)) return false;
+  return true;
+}
+
+bool write_all(hid_t root, const Dataset& dataset) {
+  if (!write_info(root, dataset.info) ||
+      !write_attribute(root, "total_episodes", static_cast<std::int64_t>(dataset.episodes.size())) ||
+      !write_attribute(root, "total_steps", dataset.transitions()) ||
+      !write_episodes(root, dataset.episodes, dataset.info.layout))
+    return false;
+  if (dataset.impossible.empty()) return true;
+  const Handle group = create_group(root, kImpossible);
+  return group.valid() && write_episodes(group.get(), dataset.impossible, dataset.info.layout);
+}
+
+/// The bytes of a file with this dataset. HDF5 makes them in memory, so that no fault of a disk reaches it.
+std::string file_image(const Dataset& dataset, const std::string& path) {
+  silence_hdf5();
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fapl_core(access.get(), kImageStep, false);
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);  // what every reader knows
+  const Handle file = create_file(path, access.get());
+  if (file.valid() && write_all(file.get(), dataset) && H5Fflush(file.get(), H5F_SCOPE_LOCAL) >= 0) {
+    // From the memory itself: H5Fget_file_image leaves a superblock of this version without its checksum.
+    void* memory = nullptr;
+    const ssize_t size = H5Fget_file_image(file.get(), nullptr, 0);
+    if (size > 0 && H5Fget_vfd_handle(file.get(), H5P_DEFAULT, &memory) >= 0)
+      return {*static_cast<char**>(memory), static_cast<std::size_t>(size)};
+  }
+  throw IoError("cannot make dataset " + path + ": HDF5 reports a fault" + because(last_hdf5_error()));
 }
 
 bool ends_with(const std::string& text, const std::string& ending) {
@@ -188,8 +241,17 @@ bool ends_with(const std::string& text, const std::string& ending) {
 }  // namespace
 
 Dataset read_dataset(const std::string& path) {
-  const Handle file = open_file(path, H5F_ACC_RDONLY);
   Dataset dataset;
+  const std::string journal = journal_beside(path);
+  if (std::filesystem::exists(journal)) {
+    JournalContent content = read_journal(journal);
+    dataset.info = std::move(content.info);
+    dataset.episodes = std::move(content.episodes);
+    check_dataset(dataset, journal);
+    return dataset;
+  }
+  const Handle file = open_file(path);
+  check_version(file.get(), path);
   dataset.info = read_info(file.get(), path);
   const bool glitches = H5Lexists(file.get(), kImpossible, H5P_DEFAULT) > 0;
   dataset.episodes = read_episodes(file.get(), glitches ? 1 : 0, dataset.info.layout, path);
@@ -204,49 +266,6 @@ Dataset read_any_dataset(const std::string& path) {
   if (ends_with(path, ".csv") || ends_with(path, ".CSV")) return import_csv(path, CsvImportConfig{}).dataset;
   return read_dataset(path);
 }
-
-struct DatasetWriter::State {
-  std::string path;
-  DatasetInfo info;
-  Handle file;
-  std::int64_t episodes = 0;
-  std::int64_t transitions = 0;
-  std::int64_t reserved = 0;  // the disk space up to this byte is ours
-  bool flush_each = true;
-
-  [[noreturn]] void fail(const std::string& detail) const {
-    throw IoError("cannot write episode " + std::to_string(episodes) + " to " + path + ": " + detail +
-                  "; the episodes before it are kept");
-  }
-
-  /// Claims disk space for an episode before HDF5 touches the file, so that a full disk cannot leave it
-  /// half-updated. Claims more than asked for while there is plenty: it costs as much as a small write.
-  void reserve(std::int64_t bytes) {
-    void* handle = nullptr;
-    hsize_t size = 0;
-    if (H5Fget_vfd_handle(file.get(), H5P_DEFAULT, &handle) < 0 || H5Fget_filesize(file.get(), &size) < 0)
-      fail("the file is not open" + because(last_hdf5_error()));
-    const auto used = static_cast<std::int64_t>(size);
-    if (used + bytes <= reserved) return;
-    const int descriptor = *static_cast<int*>(handle);
-    int error = posix_fallocate(descriptor, used, bytes + kReserveAhead);
-    const bool ahead = error == 0;
-    if (!ahead) error = posix_fallocate(descriptor, used, bytes);
-    if (error != 0 && error != EOPNOTSUPP && error != EINVAL) fail(std::strerror(error));
-    reserved = used + bytes + (ahead ? kReserveAhead : 0);
-  }
-
-  /// Gives back what was claimed and not used.
-  void close_file() noexcept {
-    hsize_t used = 0;
-    const bool known =
-        file.valid() && H5Fflush(file.get(), H5F_SCOPE_LOCAL) >= 0 && H5Fget_filesize(file.get(), &used) >= 0;
-    file.reset();
-    std::error_code ignored;
-    if (known && std::filesystem::file_size(path, ignored) > used)
-      std::filesystem::resize_file(path, used, ignored);
-  }
-};
 
 Dataset read_recordings(const std::string& paths) {
   Dataset all;
@@ -273,94 +292,28 @@ Dataset read_recordings(const std::string& paths) {
   return all;
 }
 
-DatasetWriter::DatasetWriter(const std::string& path, const DatasetInfo& info, bool append)
-    : state_(std::make_unique<State>()) {
-  silence_hdf5();
-  state_->path = path;
-  state_->info = info;
-  if (append && std::filesystem::exists(path)) {
-    state_->file = open_file(path, H5F_ACC_RDWR);
-    if (read_info(state_->file.get(), path).layout != info.layout)
-      throw DataError(path + ": holds another state layout than the episodes to append");
-    if (!read_attribute(state_->file.get(), "total_episodes", state_->episodes) ||
-        !read_attribute(state_->file.get(), "total_steps", state_->transitions))
-      throw DataError(path + ": attributes total_episodes and total_steps are missing: cannot append");
-    return;
-  }
-  const Handle access = file_access();
-  state_->file = Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose);
-  if (!state_->file.valid())
-    throw IoError("cannot create dataset " + path + because(last_hdf5_error()) +
-                  ": check that the folder exists and can be written to");
-  const hid_t root = state_->file.get();
-  state_->reserve(kMetadataBytes);
-  if (!write_info(root, info) || !write_attribute(root, "total_episodes", std::int64_t{0}) ||
-      !write_attribute(root, "total_steps", std::int64_t{0}) || H5Fflush(root, H5F_SCOPE_LOCAL) < 0)
-    throw IoError("cannot write to dataset " + path + because(last_hdf5_error()));
-}
-
-DatasetWriter::~DatasetWriter() { state_->close_file(); }
-
-void DatasetWriter::write(const Episode& episode) {
-  Dataset one;
-  one.info = state_->info;
-  one.episodes = {episode};
-  check_dataset(one, state_->path + ", episode " + std::to_string(state_->episodes) + " to be written");
-
-  const hid_t root = state_->file.get();
-  const auto steps = static_cast<hsize_t>(episode.length());
-  const auto s = static_cast<hsize_t>(state_size(state_->info.layout));
-  state_->reserve(static_cast<std::int64_t>(steps * (8 * s + 8 * kActionSize + 8 + 3)) + kMetadataBytes);
-
-  const bool written = write_episode(root, episode_name(state_->episodes), episode, state_->info.layout) &&
-                       write_attribute(root, "total_episodes", state_->episodes + 1) &&
-                       write_attribute(root, "total_steps", state_->transitions + episode.length()) &&
-                       (!state_->flush_each || H5Fflush(root, H5F_SCOPE_LOCAL) >= 0);
-  if (!written) state_->fail("HDF5 reports a fault" + because(last_hdf5_error()));
-  ++state_->episodes;
-  state_->transitions += episode.length();
-}
-
-void DatasetWriter::write_impossible(const std::vector<Episode>& steps) {
-  const hid_t root = state_->file.get();
-  state_->reserve(static_cast<std::int64_t>(steps.size() + 1) * kMetadataBytes);
-  const Handle group(H5Gcreate2(root, kImpossible, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
-  bool written = group.valid();
-  for (std::size_t i = 0; written && i < steps.size(); ++i)
-    written =
-        write_episode(group.get(), episode_name(static_cast<std::int64_t>(i)), steps[i], state_->info.layout);
-  if (!written) state_->fail("HDF5 reports a fault" + because(last_hdf5_error()));
-}
-
-void DatasetWriter::set_flush_each(bool flush_each) { state_->flush_each = flush_each; }
-
-void DatasetWriter::flush() {
-  if (H5Fflush(state_->file.get(), H5F_SCOPE_LOCAL) < 0)
-    state_->fail("HDF5 reports a fault" + because(last_hdf5_error()));
-}
-
-std::int64_t DatasetWriter::episodes() const { return state_->episodes; }
-std::int64_t DatasetWriter::transitions() const { return state_->transitions; }
-
 void write_dataset(const std::string& path, const Dataset& dataset) {
-  const std::string part = path + ".part";
-  try {
-    {
-      DatasetWriter writer(part, dataset.info);
-      writer.set_flush_each(false);
-      for (const Episode& episode : dataset.episodes) writer.write(episode);
-      if (!dataset.impossible.empty()) writer.write_impossible(dataset.impossible);
-      writer.flush();
-    }
-    common::sync_path(part);
-    std::error_code fault;
-    std::filesystem::rename(part, path, fault);
-    if (fault) throw IoError("cannot write dataset " + path + ": " + fault.message());
-  } catch (...) {
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    throw;
-  }
+  check_dataset(dataset, path + " to be written");
+  common::write_file_atomically(path, file_image(dataset, path));
+}
+
+void fold_journal(const std::string& path) {
+  const std::string journal = journal_beside(path);
+  if (!std::filesystem::exists(journal)) return;
+  write_dataset(path, read_dataset(path));
+  common::remove_file(journal);
+}
+
+void unfold_dataset(const std::string& path) {
+  const std::string journal = journal_beside(path);
+  if (std::filesystem::exists(journal) || !std::filesystem::exists(path)) return;
+  const Dataset dataset = read_dataset(path);
+  const std::string part = journal + ".part";
+  common::remove_file(part);
+  JournalWriter writer(part, dataset.info, AfterDamage::kRefuse);
+  for (const Episode& episode : dataset.episodes) writer.write(episode);
+  writer.sync();
+  common::replace_file(part, journal);
 }
 
 }  // namespace lodestone::data

@@ -76,6 +76,18 @@ bool read_attribute(hid_t object, const char* name, std::int64_t& value) {
   return read_scalar(object, name, H5T_INTEGER, H5T_NATIVE_INT64, &value);
 }
 
+Handle create_group(hid_t parent, const char* name) {
+  const Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+  H5Pset_obj_track_times(creation.get(), false);
+  return Handle(H5Gcreate2(parent, name, H5P_DEFAULT, creation.get(), H5P_DEFAULT), H5Gclose);
+}
+
+Handle create_file(const std::string& path, hid_t access) {
+  const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+  H5Pset_obj_track_times(creation.get(), false);
+  return Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access), H5Fclose);
+}
+
 bool write_array(hid_t group, const char* name, hid_t file_type, hid_t memory_type, const void* values,
                  const std::vector<hsize_t>& shape) {
   hsize_t count = 1;
@@ -83,7 +95,6 @@ bool write_array(hid_t group, const char* name, hid_t file_type, hid_t memory_ty
   const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
   const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   if (count * H5Tget_size(file_type) <= kCompactBytes) H5Pset_layout(creation.get(), H5D_COMPACT);
-  // No time stamps: the same seed gives the same file.
   H5Pset_obj_track_times(creation.get(), false);
   const Handle dataset(
       H5Dcreate2(group, name, file_type, space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT), H5Dclose);

@@ -49,6 +49,10 @@ bool read_attribute(hid_t object, const char* name, std::string& value);
 bool read_attribute(hid_t object, const char* name, double& value);
 bool read_attribute(hid_t object, const char* name, std::int64_t& value);
 
+/// A new group or file without times in it: the same seed gives the same file.
+Handle create_group(hid_t parent, const char* name);
+Handle create_file(const std::string& path, hid_t access);
+
 /// Writes a new dataset of `shape`; false on a fault.
 bool write_array(hid_t group, const char* name, hid_t file_type, hid_t memory_type, const void* values,
                  const std::vector<hsize_t>& shape);

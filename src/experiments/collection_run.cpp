@@ -1,10 +1,10 @@
 #include "lodestone/experiments/collection_run.h"
 
-#include <filesystem>
 #include <utility>
 
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
+#include "lodestone/data/dataset_file.h"
 
 namespace lodestone::experiments {
 namespace {
@@ -35,38 +35,40 @@ CollectionRun::CollectionRun(const CollectionConfig& config, const Sessions& ses
       sessions_(sessions),
       repeatable_(repeatable),
       pool_(static_cast<std::size_t>(threads)),
-      file_(folder + "/" + kRecording) {}
+      recording_(folder + "/" + kRecording) {}
 
 runs::Progress CollectionRun::progress() const {
   return {transitions_, config_.transitions, transitions_ >= config_.transitions,
           std::to_string(episodes_) + " episodes"};
 }
 
-void CollectionRun::open_file() {
-  const bool there = std::filesystem::exists(file_);
-  if (there && !repeatable_) {
-    // Nobody can drive it again: what is on disk counts.
-    const data::Dataset saved = data::read_dataset(file_);
-    episodes_ = static_cast<std::int64_t>(saved.episodes.size());
-    transitions_ = saved.transitions();
+void CollectionRun::open_journal() {
+  data::unfold_dataset(recording_);  // begun by a version that kept no journal
+  // Episodes that can be driven again need not be on the disk, nor whole behind the last checkpoint.
+  const auto after_damage = repeatable_ ? data::AfterDamage::kDrop : data::AfterDamage::kRefuse;
+  journal_ = std::make_unique<data::JournalWriter>(data::journal_beside(recording_), dataset_info(config_),
+                                                   after_damage);
+  stored_ = journal_->episodes();
+  if (!repeatable_) {
+    episodes_ = stored_;
+    transitions_ = journal_->transitions();
   }
-  writer_ = std::make_unique<data::DatasetWriter>(file_, dataset_info(config_), there);
   // The file may hold episodes that the state does not know yet: they are explored again, which gives the
   // same numbers, and not written twice.
-  stored_ = writer_->episodes();
   if (stored_ < episodes_)
-    throw common::DataError(file_ + " holds " + std::to_string(stored_) + " episodes, the state says " +
-                            std::to_string(episodes_) + "; start again in another folder");
+    throw common::DataError(data::journal_beside(recording_) + " holds " + std::to_string(stored_) +
+                            " episodes, the state says " + std::to_string(episodes_) +
+                            "; start again in another folder");
 }
 
 void CollectionRun::step(common::MetricsLog& /*metrics*/) {
-  if (!writer_) open_file();
+  if (!journal_) open_journal();
   if (progress().finished) return;
   for (data::Episode& episode : explore()) {
     if (transitions_ >= config_.transitions) break;
     if (transitions_ + episode.length() > config_.transitions)
       episode = data::first_steps(episode, config_.transitions - transitions_);
-    if (episodes_ >= stored_) writer_->write(episode);
+    if (episodes_ >= stored_) journal_->write(episode);
     ++episodes_;
     transitions_ += episode.length();
   }
@@ -86,6 +88,7 @@ std::vector<data::Episode> CollectionRun::explore() {
 }
 
 void CollectionRun::save(const std::string& folder) {
+  if (journal_) journal_->sync();  // before the state that names its episodes
   CollectionState state{episodes_, transitions_, {}};
   for (const auto& session : sessions_) state.sessions.push_back(session->save());
   common::write_artefact(folder + CollectionState::kFile, state);

@@ -67,5 +67,8 @@ policy = ("train-policy", "--config", source / "configs/quickstart/policy.json",
           "training.updates_per_step=0.005", "--set", "training.checkpoint_every_s=0.1")
 deploy = ("deploy", "--models", source / "models/target", "--task", "point", "--trials", "3", "--seed", "4", "--sensor",
           "simulated")
+collect = ("collect", "--sensor", "simulated", "--set", "transitions=120", "--set", "episode_steps=8", "--set", "sessions=2",
+           "--set", "checkpoint_every_s=0")
+sweep("collect", collect, ["transitions.h5", "coverage.json"])
 sweep("train-policy", policy, ["checkpoint/manifest.json"])
 sweep("deploy", deploy, ["summary.json", "trials.json", "trajectories.csv"])

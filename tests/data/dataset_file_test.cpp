@@ -1,38 +1,23 @@
 #include "lodestone/data/dataset_file.h"
 
-#include <signal.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <thread>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+#include "lodestone/data/journal.h"
+#include "same_episode.h"
 #include "synthetic.h"
 #include "temporary_folder.h"
 
 using namespace lodestone;
 using Catch::Matchers::Contains;
 
-namespace {
-
-void write_all(const std::string& path, const data::Dataset& dataset, bool append = false) {
-  data::DatasetWriter writer(path, dataset.info, append);
-  for (const data::Episode& episode : dataset.episodes) writer.write(episode);
-}
-
-void check_equal(const data::Episode& a, const data::Episode& b) {
-  CHECK(a.observations == b.observations);
-  CHECK(a.actions == b.actions);
-  CHECK(a.terminations == b.terminations);
-  CHECK(a.truncations == b.truncations);
-  CHECK(a.zero_current == b.zero_current);
-}
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("a dataset comes back from its file bit for bit") {
   const tests::TemporaryFolder folder;
@@ -44,7 +29,7 @@ TEST_CASE("a dataset comes back from its file bit for bit") {
   dataset.info.seed = 42;
   dataset.info.source = "x.csv";
   dataset.info.rig = {{"dish", {{"radius_m", 0.0425}}}};
-  write_all(folder / "a.h5", dataset);
+  data::write_dataset(folder / "a.h5", dataset);
   const data::Dataset back = data::read_any_dataset(folder / "a.h5");
   CHECK(back.info.layout == data::StateLayout::kPose);
   CHECK(back.info.action_unit == "percent");
@@ -56,14 +41,15 @@ TEST_CASE("a dataset comes back from its file bit for bit") {
   CHECK(back.info.source == "x.csv");
   CHECK(back.info.rig == dataset.info.rig);
   REQUIRE(back.episodes.size() == 12);
-  for (std::size_t e = 0; e < 12; ++e) check_equal(back.episodes[e], dataset.episodes[e]);
+  for (std::size_t e = 0; e < 12; ++e) tests::check_equal(back.episodes[e], dataset.episodes[e]);
 }
 
 TEST_CASE("the same episodes give the same file") {
   const tests::TemporaryFolder folder;
   const data::Dataset dataset = tests::random_dataset(3, 4);
-  write_all(folder / "a.h5", dataset);
-  write_all(folder / "b.h5", dataset);
+  data::write_dataset(folder / "a.h5", dataset);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5's times are in seconds
+  data::write_dataset(folder / "b.h5", dataset);
   const auto bytes = [](const std::string& path) {
     std::ifstream stream(path, std::ios::binary);
     return std::string(std::istreambuf_iterator<char>(stream), {});
@@ -71,68 +57,38 @@ TEST_CASE("the same episodes give the same file") {
   CHECK(bytes(folder / "a.h5") == bytes(folder / "b.h5"));
 }
 
-TEST_CASE("a killed writer leaves every finished episode, and another goes on after them") {
+TEST_CASE("a number that changed on the disk is noticed, and which episode it is in") {
   const tests::TemporaryFolder folder;
-  const std::string path = folder / "a.h5";
-  const data::Dataset dataset = tests::random_dataset(6, 200);
-  int ready[2];
-  REQUIRE(pipe(ready) == 0);
-  const pid_t child = fork();
-  if (child == 0) {
-    data::DatasetWriter writer(path, dataset.info);
-    for (int e = 0; e < 4; ++e) writer.write(dataset.episodes[static_cast<std::size_t>(e)]);
-    const char byte = 1;
-    if (::write(ready[1], &byte, 1) != 1) _exit(1);
-    pause();
-    _exit(0);
+  for (const int steps : {7, 1500}) {  // in the header of its array, or in a block of its own
+    const data::Dataset dataset = tests::random_dataset(3, steps);
+    data::write_dataset(folder / "a.h5", dataset);
+    std::string bytes = common::read_file(folder / "a.h5");
+    const double changed = dataset.episodes[1].actions[5];
+    const std::size_t at = bytes.find(std::string(reinterpret_cast<const char*>(&changed), sizeof changed));
+    REQUIRE(at != std::string::npos);
+    bytes[at] = static_cast<char>(bytes[at] ^ 1);
+    common::write_file_atomically(folder / "a.h5", bytes);
+    CHECK_THROWS_WITH(data::read_dataset(folder / "a.h5"), Contains("episode_1") && Contains("damaged"));
   }
-  char byte = 0;
-  REQUIRE(read(ready[0], &byte, 1) == 1);
-  REQUIRE(kill(child, SIGKILL) == 0);
-  int status = 0;
-  waitpid(child, &status, 0);
-  close(ready[0]);
-  close(ready[1]);
-
-  CHECK(data::read_dataset(path).episodes.size() == 4);
-  {
-    data::DatasetWriter writer(path, dataset.info, true);
-    CHECK(writer.episodes() == 4);
-    CHECK(writer.transitions() == 800);
-    writer.write(dataset.episodes[4]);
-    writer.write(dataset.episodes[5]);
-  }
-  const data::Dataset back = data::read_dataset(path);
-  REQUIRE(back.episodes.size() == 6);
-  for (std::size_t e = 0; e < 6; ++e) check_equal(back.episodes[e], dataset.episodes[e]);
 }
 
-TEST_CASE("a full disk is an IoError and keeps the episodes before it") {
+TEST_CASE("an unfinished recording is read from its journal, and folded into a dataset at its end") {
   const tests::TemporaryFolder folder;
+  const data::Dataset dataset = tests::random_dataset(6, 20);
   const std::string path = folder / "a.h5";
-  const data::Dataset dataset = tests::random_dataset(40, 200);
-  const pid_t child = fork();
-  if (child == 0) {
-    // A limit on file size fails writes as a full disk does.
-    signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit{200000, 200000};
-    setrlimit(RLIMIT_FSIZE, &limit);
-    try {
-      write_all(path, dataset);
-    } catch (const common::IoError& error) {
-      _exit(std::string(error.what()).find("the episodes before it are kept") != std::string::npos ? 17 : 1);
-    } catch (...) {
-    }
-    _exit(1);
+  {
+    data::JournalWriter journal(folder / "a.journal", dataset.info, data::AfterDamage::kRefuse);
+    for (const data::Episode& episode : dataset.episodes) journal.write(episode);
   }
-  int status = 0;
-  waitpid(child, &status, 0);
-  REQUIRE(WIFEXITED(status));
-  REQUIRE(WEXITSTATUS(status) == 17);
-  const data::Dataset back = data::read_dataset(path);
-  REQUIRE(back.episodes.size() >= 2);
-  CHECK(back.episodes.size() < 40);
-  check_equal(back.episodes.back(), dataset.episodes[back.episodes.size() - 1]);
+  CHECK(data::read_dataset(path).episodes.size() == 6);
+  data::fold_journal(path);
+  CHECK_FALSE(std::filesystem::exists(folder / "a.journal"));
+  data::write_dataset(folder / "b.h5", dataset);
+  CHECK(common::read_file(path) == common::read_file(folder / "b.h5"));
+  data::fold_journal(path);  // again: nothing
+
+  data::unfold_dataset(path);
+  CHECK(data::read_journal(folder / "a.journal").episodes.size() == 6);
 }
 
 TEST_CASE("a whole dataset is written in one piece or not at all") {
@@ -151,8 +107,7 @@ TEST_CASE("NaN is neither written nor read") {
   const tests::TemporaryFolder folder;
   data::Dataset dataset = tests::random_dataset(2, 3);
   dataset.episodes[1].observations[4] = std::numeric_limits<double>::quiet_NaN();
-  CHECK_THROWS_WITH(write_all(folder / "a.h5", dataset), Contains("row 1") && Contains("y_m"));
-  CHECK(data::read_dataset(folder / "a.h5").episodes.size() == 1);
+  CHECK_THROWS_WITH(data::write_dataset(folder / "a.h5", dataset), Contains("row 1") && Contains("y_m"));
 }
 
 TEST_CASE("files that are no dataset are refused by name") {
@@ -161,9 +116,10 @@ TEST_CASE("files that are no dataset are refused by name") {
   std::ofstream(folder / "text.h5") << "hello";
   CHECK_THROWS_WITH(data::read_dataset(folder / "text.h5"),
                     Contains("text.h5") && Contains("not an HDF5 file"));
-  CHECK_THROWS_AS(data::DatasetWriter(folder / "no/such/folder.h5", data::DatasetInfo{}), common::IoError);
+  CHECK_THROWS_AS(data::write_dataset(folder / "no/such/folder.h5", tests::random_dataset(1, 2)),
+                  common::IoError);
 
-  write_all(folder / "short.h5", tests::random_dataset(20, 200));
+  data::write_dataset(folder / "short.h5", tests::random_dataset(20, 200));
   std::filesystem::resize_file(folder / "short.h5", std::filesystem::file_size(folder / "short.h5") / 2);
   CHECK_THROWS_AS(data::read_dataset(folder / "short.h5"), common::DataError);
 }
@@ -172,14 +128,14 @@ TEST_CASE("several recordings of one rig are read as one") {
   const tests::TemporaryFolder folder;
   const data::Dataset one = tests::random_dataset(3, 5, 1);
   data::Dataset two = tests::random_dataset(2, 4, 2);
-  write_all(folder / "one.h5", one);
-  write_all(folder / "two.h5", two);
+  data::write_dataset(folder / "one.h5", one);
+  data::write_dataset(folder / "two.h5", two);
   const data::Dataset both = data::read_recordings(folder / "one.h5" + "," + (folder / "two.h5"));
   REQUIRE(both.episodes.size() == 5);
-  check_equal(both.episodes[0], one.episodes[0]);
-  check_equal(both.episodes[4], two.episodes[1]);
+  tests::check_equal(both.episodes[0], one.episodes[0]);
+  tests::check_equal(both.episodes[4], two.episodes[1]);
   two.info.action_scale = 3.0;
-  write_all(folder / "three.h5", two);
+  data::write_dataset(folder / "three.h5", two);
   CHECK_THROWS_WITH(data::read_recordings(folder / "one.h5" + "," + (folder / "three.h5")),
                     Contains("three.h5"));
 }

@@ -16,6 +16,9 @@ void write_file_atomically(const std::string& path, std::string_view content);
 /// must be on one file system. Throws IoError; `path` is then unchanged.
 void replace_file(const std::string& staged, const std::string& path);
 
+/// Nothing where there is none. Throws IoError.
+void remove_file(const std::string& path);
+
 /// Replaces folder `path` by folder `staged` in one step (renames; exchanges the two names when `path` exists
 /// and then removes the old content). Both must be on one file system. Throws IoError; `path` is then
 /// unchanged.

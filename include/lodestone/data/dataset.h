@@ -4,18 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "lodestone/common/config.h"
+#include "lodestone/data/dataset_info.h"
 
 namespace lodestone::data {
-
-/// What one observation row holds.
-enum class StateLayout {
-  kPosition,  ///< x_m, y_m (a sphere: the recorded pulses)
-  kPose,      ///< x_m, y_m, heading_rad (a needle)
-};
-
-/// 2 or 3 numbers a row.
-int state_size(StateLayout layout);
 
 /// Actions are always two signed axis drives: positive means the + coil of that axis, negative the - coil.
 constexpr int kActionSize = 2;
@@ -29,19 +20,6 @@ struct Episode {
   std::vector<std::uint8_t> zero_current;  ///< [T] 1: nothing was applied (kept, but not for training)
 
   std::int64_t length() const { return static_cast<std::int64_t>(terminations.size()); }
-};
-
-/// Where a dataset comes from and what its numbers mean; stored as attributes.
-struct DatasetInfo {
-  StateLayout layout = StateLayout::kPose;
-  std::string action_unit = "A";    ///< "A" or "percent"
-  double action_scale = 15.0;       ///< action that [-1, 1] maps to: the largest current or drive
-  double workspace_radius_m = 0.0;  ///< reach of the state: the dish radius, or the radius the data covers
-  bool one_axis_at_a_time = false;  ///< true when no row ever drives both axes (the recorded sphere)
-  double control_period_s = 0.3;
-  std::int64_t seed = 0;
-  std::string source;                         ///< "virtual rig", or the imported file's name
-  common::Json rig = common::Json::object();  ///< parameters of the rig as configured
 };
 
 struct Dataset {

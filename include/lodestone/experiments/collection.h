@@ -22,6 +22,7 @@ struct CollectionConfig {
   std::int64_t transitions = 34742;  // section V-A
   std::int64_t episode_steps = 25;
   std::int64_t sessions = 1;
+  double checkpoint_every_s = 10.0;
   control::ControlLoopConfig loop;
   safety::SafetyConfig safety;
   control::ExplorerConfig explorer;
@@ -42,6 +43,9 @@ struct CollectionConfig {
             "real "
             "bench has them one after the other",
             {1, 64});
+    v.field("checkpoint_every_s", checkpoint_every_s, "s",
+            "how often a virtual exploration can be gone on with; a real one can after every episode",
+            {0, 3600});
     v.group("loop", loop, "timing of the control loop");
     v.group("safety", safety, "limits of the supervisor");
     v.group("explorer", explorer, "how the rig is explored");

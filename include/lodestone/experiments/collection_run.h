@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lodestone/common/thread_pool.h"
-#include "lodestone/data/dataset_file.h"
+#include "lodestone/data/journal.h"
 #include "lodestone/experiments/collection.h"
 #include "lodestone/runs/resumable_run.h"
 
@@ -14,9 +14,9 @@ namespace lodestone::experiments {
 
 using Sessions = std::vector<std::unique_ptr<Collection>>;
 
-/// Phase 1 as resumable work: several explorations of one rig side by side, into `transitions.h5` of the
-/// run's folder, flushed after each episode. All sessions explore some episodes, which are written in the
-/// order of the sessions, so that the file does not depend on threads.
+/// Phase 1 as resumable work: several explorations of one rig side by side, into the journal of
+/// `transitions.h5` in the run's folder; the caller folds it at the end. All sessions explore some episodes,
+/// which are written in the order of the sessions, so that the file does not depend on threads.
 class CollectionRun : public runs::ResumableWork {
  public:
   /// `repeatable`: what was lost with a killed process can be driven again exactly as it was; else each
@@ -30,7 +30,7 @@ class CollectionRun : public runs::ResumableWork {
   void load(const std::string& folder) override;
 
  private:
-  void open_file();
+  void open_journal();
   /// Episodes of one round, in the order of the sessions.
   std::vector<data::Episode> explore();
 
@@ -38,9 +38,9 @@ class CollectionRun : public runs::ResumableWork {
   const Sessions& sessions_;
   bool repeatable_;
   common::ThreadPool pool_;
-  std::string file_;
-  std::unique_ptr<data::DatasetWriter> writer_;
-  std::int64_t stored_ = 0;  ///< episodes in the file when it was opened
+  std::string recording_;
+  std::unique_ptr<data::JournalWriter> journal_;
+  std::int64_t stored_ = 0;  ///< episodes in the journal when it was opened
   std::int64_t episodes_ = 0;
   std::int64_t transitions_ = 0;
 };

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "lodestone/data/dataset.h"
+
+namespace lodestone::data {
+
+/// The numbers of an episode, little-endian, one array after another: what a journal holds of it, and what
+/// its checksum is taken of.
+std::string to_bytes(const Episode& episode);
+
+/// Nothing when so many bytes make no episode.
+std::optional<Episode> from_bytes(std::string_view bytes, StateLayout layout);
+
+/// 128 bits of a SHA-256, as 32 hex digits.
+std::string checksum(std::string_view bytes);
+
+}  // namespace lodestone::data

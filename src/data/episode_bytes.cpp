@@ -1,0 +1,54 @@
+#include "lodestone/data/episode_bytes.h"
+
+#include <cstring>
+
+#include "lodestone/common/files.h"
+
+namespace lodestone::data {
+namespace {
+
+constexpr std::size_t kChecksumDigits = 32;
+
+template <class Value>
+void append(std::string& bytes, const std::vector<Value>& values) {
+  bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
+}
+
+template <class Value>
+std::vector<Value> take(std::string_view& bytes, std::size_t count) {
+  std::vector<Value> values(count);
+  if (count > 0) std::memcpy(values.data(), bytes.data(), count * sizeof(Value));
+  bytes.remove_prefix(count * sizeof(Value));
+  return values;
+}
+
+}  // namespace
+
+std::string to_bytes(const Episode& episode) {
+  std::string bytes;
+  append(bytes, episode.observations);
+  append(bytes, episode.actions);
+  append(bytes, episode.terminations);
+  append(bytes, episode.truncations);
+  append(bytes, episode.zero_current);
+  return bytes;
+}
+
+std::optional<Episode> from_bytes(std::string_view bytes, StateLayout layout) {
+  const auto s = static_cast<std::size_t>(state_size(layout));
+  const std::size_t first_row = s * sizeof(double);
+  const std::size_t step = (s + kActionSize) * sizeof(double) + 3;
+  if (bytes.size() < first_row || (bytes.size() - first_row) % step != 0) return std::nullopt;
+  const std::size_t steps = (bytes.size() - first_row) / step;
+  Episode episode;
+  episode.observations = take<double>(bytes, s * (steps + 1));
+  episode.actions = take<double>(bytes, kActionSize * steps);
+  episode.terminations = take<std::uint8_t>(bytes, steps);
+  episode.truncations = take<std::uint8_t>(bytes, steps);
+  episode.zero_current = take<std::uint8_t>(bytes, steps);
+  return episode;
+}
+
+std::string checksum(std::string_view bytes) { return common::sha256(bytes).substr(0, kChecksumDigits); }
+
+}  // namespace lodestone::data

@@ -1,0 +1,21 @@
+#include "lodestone/data/episode_bytes.h"
+
+#include <catch2/catch.hpp>
+
+#include "same_episode.h"
+#include "synthetic.h"
+
+using namespace lodestone;
+
+TEST_CASE("an episode comes back from its bytes; no other number of bytes makes one") {
+  const data::Episode episode = tests::random_dataset(1, 9).episodes[0];
+  const std::string bytes = data::to_bytes(episode);
+  CHECK(bytes.size() == 10 * 3 * 8 + 9 * (2 * 8 + 3));
+  const auto back = data::from_bytes(bytes, data::StateLayout::kPose);
+  REQUIRE(back);
+  tests::check_equal(*back, episode);
+  CHECK_FALSE(data::from_bytes(bytes.substr(1), data::StateLayout::kPose));
+  CHECK_FALSE(data::from_bytes("", data::StateLayout::kPose));
+  CHECK(data::checksum(bytes).size() == 32);
+  CHECK(data::checksum(bytes) != data::checksum(bytes.substr(1)));
+}
