@@ -19,6 +19,7 @@ void add_calibrate(Verb& program);
 void add_rig(Verb& program);
 void add_bench(Verb& program);
 void add_report(Verb& program);
+void add_check(Verb& program);
 void add_status(Verb& program);
 void add_plan(Verb& program);
 void add_config(Verb& program);

@@ -179,8 +179,7 @@ std::string video_file(const std::string& folder, RigKind kind, const Controller
 }
 
 TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& config, const TrialPlan& plan,
-                           const ControllerSource& source, const TruePose& truth,
-                           const control::ControlLoop::Observer& watch) {
+                           const ControllerSource& source, const TruePose& truth, const TrialWatch& watch) {
   control::ControlLoop loop(config.loop, source.action, bench.coils(), bench.sensor(), bench.clock());
   const std::unique_ptr<control::Controller> controller = source.make();
   TrialResult result = run_trial(plan, loop, *controller, truth, config.score, watch,
@@ -244,9 +243,10 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   if (filmed)
     video.emplace(video_file(video_folder, kind, source, plan), config_.record, config_.loop.period_s(),
                   sensing_.bench(), source.action.scale, plan);
-  const auto watch = [&](const control::StepRecord& step) {
+  const auto watch = [&](const TrialSample& sample) {
     const session::CameraPoseSensor* camera = sensor->camera();
-    if (video && camera->calibration()) video->show(camera->frame(), camera->calibration()->camera, step);
+    if (video && camera->calibration())
+      video->show(camera->frame(), camera->calibration()->camera, sample.step);
   };
   TrialResult result = run_trial(
       plan, loop, *controller, [&rig] { return rig.true_pose(); }, config_.score, watch,

@@ -58,9 +58,22 @@ void DeploymentRun::step(common::MetricsLog& /*metrics*/) {
   });
   const ControllerSource& source = job_.sources[part->source];
   note_ = source.name + " " + job_.tasks[part->task];
-  const std::vector<TrialResult> results = driver_.drive(next_plans(*part), job_.rigs[part->rig], source);
+  const std::vector<TrialResult> results = drive(*part, source);
   if (common::interrupted()) throw common::Interrupted("trials were cut short");
+  for (const TrialResult& result : results) recorder_->write(result, std::exchange(live_rows_, 0));
+  recorder_->sync();  // before the journal that names its rows
   for (const TrialResult& result : results) keep(*part, result);
+  common::sync_path(folder_ + kJournal);
+}
+
+std::vector<TrialResult> DeploymentRun::drive(const Part& part, const ControllerSource& source) {
+  const RigKind rig = job_.rigs[part.rig];
+  const std::vector<TrialPlan> plans = next_plans(part);
+  live_rows_ = 0;
+  return driver_.drive(plans, rig, source, [&](const TrialSample& sample) {
+    recorder_->write(plans.front(), to_string(rig), source.name, sample);
+    ++live_rows_;
+  });
 }
 
 std::vector<TrialPlan> DeploymentRun::next_plans(const Part& part) const {
@@ -75,7 +88,6 @@ std::vector<TrialPlan> DeploymentRun::next_plans(const Part& part) const {
 
 void DeploymentRun::keep(Part& part, const TrialResult& result) {
   runs::TrialRecord record = record_of(result);
-  recorder_->write(result);  // first: rows without their line in the journal are dropped again
   journal_ << common::artefact_to_json(record).dump() << std::endl;
   check(journal_, folder_ + kJournal);
   if (!record.completed)

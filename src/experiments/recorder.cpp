@@ -1,6 +1,7 @@
 #include "lodestone/experiments/recorder.h"
 
 #include <cmath>
+#include <filesystem>
 #include <iomanip>
 #include <optional>
 
@@ -27,14 +28,35 @@ runs::PointMm point_mm(const geometry::Vector2& point_m) {
   return {geometry::kMmPerM * point_m.x(), geometry::kMmPerM * point_m.y()};
 }
 
-/// The first rows of a file that may end in the middle of one.
-std::string first_rows(const std::string& path, std::int64_t rows) {
-  std::ifstream file(path);
-  std::string kept;
-  std::string line;
-  for (std::int64_t i = 0; i <= rows && std::getline(file, line); ++i)
-    kept += line + "\n";  // and the heading
-  return kept;
+/// The rows of a file that may end in the middle of one, and how many of its bytes are the first of them.
+struct Rows {
+  std::string text;
+  std::size_t kept_bytes = 0;
+};
+
+Rows read_rows(const std::string& path, std::int64_t keep) {
+  Rows rows;
+  if (!std::filesystem::exists(path)) return rows;
+  rows.text = common::read_file(path);
+  rows.text.resize(rows.text.rfind('\n') + 1);
+  for (std::int64_t i = 0; i <= keep; ++i) {  // and the heading
+    const std::size_t end = rows.text.find('\n', rows.kept_bytes);
+    if (end == std::string::npos && keep == 0) break;
+    if (end == std::string::npos)
+      throw common::DataError(path + " holds fewer rows than the " + std::to_string(keep) +
+                              " of the trials that have ended; start again in another folder");
+    rows.kept_bytes = end + 1;
+  }
+  return rows;
+}
+
+/// Appends what a trial that was cut short has left.
+void set_aside(const std::string& file, const std::string& heading, const std::string& rows) {
+  const std::filesystem::path path(file);
+  const std::string aside =
+      path.parent_path() / (path.stem().string() + "_cut_short" + path.extension().string());
+  const std::string before = std::filesystem::exists(aside) ? common::read_file(aside) : heading;
+  common::write_file_atomically(aside, before + rows);
 }
 
 void write_pose(std::ostream& out, const std::optional<geometry::Pose2>& pose) {
@@ -48,27 +70,46 @@ void write_pose(std::ostream& out, const std::optional<geometry::Pose2>& pose) {
 
 Recorder::Recorder(const std::string& file, bool true_poses, std::int64_t keep_rows)
     : path_(file), true_poses_(true_poses) {
-  common::write_file_atomically(file, keep_rows > 0 ? first_rows(file, keep_rows) : heading(true_poses));
+  const Rows rows = read_rows(file, keep_rows);
+  if (!true_poses && rows.text.size() > rows.kept_bytes)
+    set_aside(file, heading(true_poses), rows.text.substr(rows.kept_bytes));
+  common::write_file_atomically(
+      file, rows.kept_bytes > 0 ? rows.text.substr(0, rows.kept_bytes) : heading(true_poses));
   file_.open(file, std::ios::app);
-  if (!file_) throw common::IoError("cannot write " + path_ + ": check the folder and the space on the disk");
+  flush();
   file_ << std::setprecision(9);
 }
 
-void Recorder::write(const TrialResult& result) {
-  for (const TrialSample& sample : result.samples) {
-    const control::StepRecord& step = sample.step;
-    file_ << result.rig << ',' << result.controller << ',' << result.plan.task << ',' << result.plan.index
-          << ',' << step.time_s << ',';
-    if (true_poses_) write_pose(file_, sample.true_pose);
-    file_ << (step.estimate.valid ? 1 : 0) << ',';
-    write_pose(file_, step.estimate.valid ? std::optional(step.estimate.pose) : std::nullopt);
-    file_ << step.target_m.x() << ',' << step.target_m.y() << ',' << (sample.approach ? 1 : 0) << ','
-          << step.action.x() << ',' << step.action.y();
-    for (const double current_A : step.current_A) file_ << ',' << current_A;
-    file_ << '\n';
-  }
+void Recorder::write(const TrialPlan& plan, const std::string& rig, const std::string& controller,
+                     const TrialSample& sample) {
+  write_row(plan, rig, controller, sample);
+  flush();
+}
+
+void Recorder::write(const TrialResult& result, std::size_t first_sample) {
+  for (std::size_t i = first_sample; i < result.samples.size(); ++i)
+    write_row(result.plan, result.rig, result.controller, result.samples[i]);
+  flush();
+}
+
+void Recorder::sync() { common::sync_path(path_); }
+
+void Recorder::write_row(const TrialPlan& plan, const std::string& rig, const std::string& controller,
+                         const TrialSample& sample) {
+  const control::StepRecord& step = sample.step;
+  file_ << rig << ',' << controller << ',' << plan.task << ',' << plan.index << ',' << step.time_s << ',';
+  if (true_poses_) write_pose(file_, sample.true_pose);
+  file_ << (step.estimate.valid ? 1 : 0) << ',';
+  write_pose(file_, step.estimate.valid ? std::optional(step.estimate.pose) : std::nullopt);
+  file_ << step.target_m.x() << ',' << step.target_m.y() << ',' << (sample.approach ? 1 : 0) << ','
+        << step.action.x() << ',' << step.action.y();
+  for (const double current_A : step.current_A) file_ << ',' << current_A;
+  file_ << '\n';
+}
+
+void Recorder::flush() {
   file_.flush();
-  if (!file_) throw common::IoError("cannot write " + path_ + ": check the space on the disk");
+  if (!file_) throw common::IoError("cannot write " + path_ + ": check the folder and the space on the disk");
 }
 
 runs::TrialRecord record_of(const TrialResult& result) {

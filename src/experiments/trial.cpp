@@ -54,8 +54,8 @@ runs::TrialFigures score_trial(const TrialResult& result, bool truth, const Scor
 }  // namespace
 
 TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control::Controller& controller,
-                      const TruePose& true_pose, const ScoreConfig& score,
-                      const control::ControlLoop::Observer& watch, const CoilTemperatures& temperatures) {
+                      const TruePose& true_pose, const ScoreConfig& score, const TrialWatch& watch,
+                      const CoilTemperatures& temperatures) {
   TrialResult result;
   result.plan = plan;
   control::PointReference point(plan.target_m, plan.duration_s, plan.target_heading_rad);
@@ -66,7 +66,7 @@ TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control
   const control::LoopOutcome outcome = loop.run(controller, reference, [&](const control::StepRecord& step) {
     result.samples.push_back({step, truth(), path && path->approaching(), {}});
     if (temperatures) result.samples.back().temperature_C = temperatures();
-    if (watch) watch(step);
+    if (watch) watch(result.samples.back());
   });
   result.completed = outcome.completed;
   result.stop_reason = outcome.stop_reason;

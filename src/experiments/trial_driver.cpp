@@ -6,17 +6,20 @@
 namespace lodestone::experiments {
 namespace {
 
-/// One trial on the connected rig, filmed where that is asked for.
+/// One trial on the connected rig, watched, and filmed where that is asked for.
 TrialResult drive_one(session::RigSession& rig, const DeploymentConfig& config, const TrialPlan& plan,
-                      const ControllerSource& source, const std::string& video_folder) {
+                      const ControllerSource& source, const std::string& video_folder,
+                      const TrialWatch& watch) {
   std::optional<TrialVideo> video;
   const RecordingConfig& record = config.record;
   if (!video_folder.empty() && plan.index < record.trials)
     video.emplace(video_file(video_folder, RigKind::kReal, source, plan), record, config.loop.period_s(),
                   rig::bench_of(config.rig), source.action.scale, plan);
-  TrialResult result = run_on_session(rig, config, plan, source, {}, [&](const control::StepRecord& step) {
+  TrialResult result = run_on_session(rig, config, plan, source, {}, [&](const TrialSample& sample) {
     const session::CameraPoseSensor* camera = rig.camera();
-    if (video && camera->calibration()) video->show(camera->frame(), camera->calibration()->camera, step);
+    if (watch) watch(sample);
+    if (video && camera->calibration())
+      video->show(camera->frame(), camera->calibration()->camera, sample.step);
   });
   if (video) video->finish();
   return result;
@@ -29,7 +32,8 @@ TrialDriver virtual_driver(const DeploymentConfig& config, std::int64_t threads,
   const auto deployment = std::make_shared<const Deployment>(config);
   const auto pool = std::make_shared<common::ThreadPool>(realtime ? 1 : static_cast<std::size_t>(threads));
   TrialDriver driver;
-  driver.drive = [=](const std::vector<TrialPlan>& plans, RigKind kind, const ControllerSource& source) {
+  driver.drive = [=](const std::vector<TrialPlan>& plans, RigKind kind, const ControllerSource& source,
+                     const TrialWatch&) {
     return deployment->run(plans, kind, source, *pool, realtime, video_folder);
   };
   driver.fits = [deployment](const geometry::Pose2& pose) { return deployment->fits(pose); };
@@ -42,11 +46,12 @@ TrialDriver session_driver(session::RigSession& rig, const DeploymentConfig& con
                            const std::string& video_folder) {
   TrialDriver driver;
   driver.drive = [&rig, config, ask_to_place, video_folder](const std::vector<TrialPlan>& plans, RigKind,
-                                                            const ControllerSource& source) {
+                                                            const ControllerSource& source,
+                                                            const TrialWatch& watch) {
     std::vector<TrialResult> results;
     for (const TrialPlan& plan : plans) {
       if (ask_to_place) rig.place(plan.start);
-      results.push_back(drive_one(rig, config, plan, source, video_folder));
+      results.push_back(drive_one(rig, config, plan, source, video_folder, watch));
     }
     return results;
   };

@@ -39,8 +39,8 @@ experiments::TrialResult drive_one(const experiments::TrialPlan& plan, experimen
 experiments::TrialDriver fake_driver(int dies_at = -1, const std::string& stopped = "") {
   experiments::TrialDriver driver;
   driver.drive = [dies_at, count = 0](const std::vector<experiments::TrialPlan>& plans,
-                                      experiments::RigKind kind,
-                                      const experiments::ControllerSource& source) mutable {
+                                      experiments::RigKind kind, const experiments::ControllerSource& source,
+                                      const experiments::TrialWatch&) mutable {
     std::vector<experiments::TrialResult> results;
     for (const experiments::TrialPlan& plan : plans) {
       if (count++ == dies_at) throw std::runtime_error("killed");

@@ -1,6 +1,7 @@
 #include "lodestone/experiments/recorder.h"
 
 #include <catch2/catch.hpp>
+#include <fstream>
 #include <sstream>
 
 #include "lodestone/common/files.h"
@@ -62,6 +63,28 @@ TEST_CASE("where nobody knows the true pose there are no columns for it") {
   CHECK_FALSE(record.trajectory);
   CHECK_FALSE(record.truth);
   CHECK(record.sensed.final_error_mm == Approx(8.0));
+}
+
+TEST_CASE("rows of a real rig's trial that was cut short are set aside, not lost") {
+  const tests::TemporaryFolder folder;
+  const experiments::TrialResult result = trial(false);
+  const auto record = [&](std::int64_t keep_rows, std::size_t samples) {
+    experiments::Recorder recorder(folder / "t.csv", false, keep_rows);
+    for (std::size_t i = 0; i < samples; ++i)
+      recorder.write(result.plan, result.rig, result.controller, result.samples[i]);
+  };
+  record(0, 2);  // killed in its first trial
+  CHECK(lines(folder / "t.csv").size() == 1 + 2);
+  record(0, 3);
+  record(3, 1);  // killed in its second
+  std::ofstream(folder / "t.csv", std::ios::app) << "real,baseline,poi";
+  record(3, 3);
+  CHECK(lines(folder / "t.csv").size() == 1 + 3 + 3);
+  const auto aside = lines(folder / "t_cut_short.csv");
+  REQUIRE(aside.size() == 1 + 2 + 1);
+  CHECK(aside[0] == lines(folder / "t.csv")[0]);
+  CHECK(aside[2] == lines(folder / "t.csv")[2]);
+  CHECK_THROWS_WITH(record(100, 0), Catch::Matchers::Contains("fewer rows than the 100"));
 }
 
 TEST_CASE("a file is gone on with after the rows that count") {

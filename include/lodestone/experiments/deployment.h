@@ -146,10 +146,10 @@ struct RigDrive {
 };
 using MakeDrive = std::function<RigDrive(rig::VirtualRig& rig)>;
 
-/// One trial on a bench, from where the needle lies. `watch` sees every observation before its pulse.
+/// One trial on a bench, from where the needle lies.
 TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& config, const TrialPlan& plan,
                            const ControllerSource& source, const TruePose& truth = {},
-                           const control::ControlLoop::Observer& watch = {});
+                           const TrialWatch& watch = {});
 
 /// Name of a trial's video, without ending.
 std::string video_file(const std::string& folder, RigKind kind, const ControllerSource& source,

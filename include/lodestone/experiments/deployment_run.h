@@ -39,6 +39,8 @@ class DeploymentRun : public runs::ResumableWork {
     std::vector<runs::TrialRecord> ended;
   };
   std::vector<TrialPlan> next_plans(const Part& part) const;
+  /// The next trials of a part. Those of a connected rig are recorded while they are driven.
+  std::vector<TrialResult> drive(const Part& part, const ControllerSource& source);
   void keep(Part& part, const TrialResult& result);
   Part& part_of(const runs::TrialRecord& record);
   runs::RigSummary summary_of(std::size_t rig) const;
@@ -51,7 +53,8 @@ class DeploymentRun : public runs::ResumableWork {
   TrialDriver driver_;
   std::vector<Part> parts_;
   std::int64_t done_ = 0;
-  std::int64_t rows_ = 0;  ///< of trajectories.csv that belong to trials that have ended
+  std::int64_t rows_ = 0;      ///< of trajectories.csv that belong to trials that have ended
+  std::size_t live_rows_ = 0;  ///< of the trial that is being driven, in trajectories.csv already
   std::string note_;
   std::optional<Recorder> recorder_;
   std::ofstream journal_;

@@ -44,17 +44,18 @@ struct TrialResult {
   runs::TrialFigures sensed;
 };
 
+/// Sees every sample as it is made, before its pulse.
+using TrialWatch = std::function<void(const TrialSample&)>;
+
 /// Where the needle truly is: for scoring only, and empty where nobody knows.
 using TruePose = std::function<geometry::Pose2()>;
 
 /// What the coils reported last; nothing before they did.
 using CoilTemperatures = std::function<std::optional<std::array<double, rig::kCoilCount>>()>;
 
-/// Runs one trial and scores it. `watch`, when given, sees every observation before its pulse;
-/// `temperatures`, when given, is asked at each.
+/// Runs one trial and scores it. `temperatures`, when given, is asked at every sample.
 TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control::Controller& controller,
-                      const TruePose& true_pose, const ScoreConfig& score,
-                      const control::ControlLoop::Observer& watch = {},
+                      const TruePose& true_pose, const ScoreConfig& score, const TrialWatch& watch = {},
                       const CoilTemperatures& temperatures = {});
 
 }  // namespace lodestone::experiments

@@ -12,7 +12,9 @@ namespace lodestone::experiments {
 /// Where trials are driven: on virtual rigs, several at a time, or on one that is connected, one after the
 /// other.
 struct TrialDriver {
-  std::function<std::vector<TrialResult>(const std::vector<TrialPlan>&, RigKind, const ControllerSource&)>
+  /// Trials that are driven one after the other are seen by the watch while they are.
+  std::function<std::vector<TrialResult>(const std::vector<TrialPlan>&, RigKind, const ControllerSource&,
+                                         const TrialWatch&)>
       drive;
   std::function<bool(const geometry::Pose2&)> fits;  ///< whether a start lies inside the dish
   std::function<std::string()> stopped;              ///< why nothing more can be driven; empty when it can
