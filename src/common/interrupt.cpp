@@ -79,7 +79,7 @@ void use_signal_stack() {
   if (sigaltstack(nullptr, &before) == 0 && (before.ss_flags & SS_DISABLE) != 0) sigaltstack(&stack, nullptr);
 }
 
-/// Once; handlers that somebody else has set stay.
+/// Once; handlers that somebody else has set stay. A file that may not grow was only an error until now.
 void install_fatal_handlers() {
   static const bool installed = [] {
     for (const int signal_number :
@@ -87,7 +87,7 @@ void install_fatal_handlers() {
           SIGPROF, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ, SIGPOLL}) {
       struct sigaction before {};
       sigaction(signal_number, nullptr, &before);
-      if (before.sa_handler != SIG_DFL) continue;
+      if (before.sa_handler != SIG_DFL && signal_number != SIGXFSZ) continue;
       struct sigaction action {};
       action.sa_handler = on_fatal_signal;
       action.sa_flags = SA_ONSTACK;
@@ -107,6 +107,7 @@ void install_interrupt_handler() {
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 bool interrupted() noexcept { return g_interrupted != 0; }

@@ -1,6 +1,8 @@
 #include "lodestone/common/metrics.h"
 
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <sstream>
 
@@ -45,7 +47,7 @@ void MetricsLog::write(std::int64_t step, const Scalars& scalars) {
   Json line = {{"step", step}, {"wall_s", std::round(wall_s * 1e3) / 1e3}};
   for (const auto& [name, value] : scalars) line[name] = value;
   lines_ << line.dump() << std::endl;
-  if (!lines_) throw IoError("cannot write " + path + ": check the folder and the space on the disk");
+  if (!lines_) throw IoError("cannot write " + path + ": " + std::strerror(errno));
   events().write(step, scalars);
 }
 

@@ -1,6 +1,8 @@
 #include "lodestone/experiments/deployment_run.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <sstream>
 #include <utility>
@@ -18,7 +20,7 @@ constexpr const char* kJournal = "/trials.jsonl";
 constexpr const char* kTrajectories = "/trajectories.csv";
 
 void check(const std::ostream& out, const std::string& path) {
-  if (!out) throw common::IoError("cannot write " + path + ": check the folder and the space on the disk");
+  if (!out) throw common::IoError("cannot write " + path + ": " + std::strerror(errno));
 }
 
 /// Long deployments need no memory for them.

@@ -1,6 +1,8 @@
 #include "lodestone/experiments/recorder.h"
 
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <iomanip>
 #include <optional>
@@ -109,7 +111,7 @@ void Recorder::write_row(const TrialPlan& plan, const std::string& rig, const st
 
 void Recorder::flush() {
   file_.flush();
-  if (!file_) throw common::IoError("cannot write " + path_ + ": check the folder and the space on the disk");
+  if (!file_) throw common::IoError("cannot write " + path_ + ": " + std::strerror(errno));
 }
 
 runs::TrialRecord record_of(const TrialResult& result) {

@@ -6,6 +6,7 @@
 namespace lodestone::common {
 
 /// From here on Ctrl-C and SIGTERM set a flag instead of ending the program; a second Ctrl-C ends it at once.
+/// A file that may not grow is an error of its write, and no signal, unless there is a device to switch off.
 void install_interrupt_handler();
 
 /// True once the user asked to stop. Long loops look, save a checkpoint and throw Interrupted.
