@@ -22,6 +22,7 @@ namespace {
 constexpr int kBuffers = 8;
 constexpr int kLoopbackPacketBytes = 9000;  // smaller ones arrive late and are dropped
 constexpr guint kFrameRetention_us = 200000;
+constexpr double kForgetsTheDead_s = 4.0;  // GigE Vision's heartbeat is 3 s
 
 /// How a pixel format becomes BGR, in the order of preference. OpenCV names a Bayer pattern by its second
 /// row, so the codes are taken by its newer names, which begin with the first.
@@ -108,6 +109,7 @@ struct AravisCamera::Device {
   }
 
   void open(const CameraSourceConfig& config);
+  void take_control() const;
   void set_format(const CameraSourceConfig& config);
   void set_region(const CameraSourceConfig& config);
   void set_exposure(const CameraSourceConfig& config);
@@ -131,12 +133,29 @@ void AravisCamera::Device::open(const CameraSourceConfig& config) {
       "check power, cable and address, that no other program holds it, and what arv-tool-0.8 lists";
   outcome.expect("cannot open " + name, remedy);
   if (camera == nullptr) throw common::HardwareError("cannot open " + name + ": not found; " + remedy);
+  take_control();
   if (config.serial.empty()) return;
   const char* const serial = arv_camera_get_device_serial_number(camera, outcome.out());
   if (serial == nullptr || config.serial != serial)
     throw common::HardwareError(name + " has the serial number " + (serial != nullptr ? serial : "(none)") +
                                 ", rig.camera.serial asks for " + config.serial +
                                 ": it looks at another bench; correct source or serial");
+}
+
+/// A GigE camera obeys the first program that asks; others may only look at its registers. The hold of a
+/// program that was killed ends when the camera has not heard of it for a while.
+void AravisCamera::Device::take_control() const {
+  ArvDevice* const device = arv_camera_get_device(camera);
+  if (!ARV_IS_GV_DEVICE(device)) return;
+  const common::SteadyClock clock;
+  const double until_s = clock.now_s() + kForgetsTheDead_s;
+  while (arv_gv_device_take_control(ARV_GV_DEVICE(device), Outcome().out()) == 0) {
+    if (clock.now_s() >= until_s)
+      throw common::HardwareError("cannot open " + name + ": another program has it open; close that one");
+    g_usleep(100000);
+  }
+  // It may still send its images to the dead.
+  arv_camera_stop_acquisition(camera, Outcome().out());
 }
 
 void AravisCamera::Device::set_format(const CameraSourceConfig& config) {

@@ -110,6 +110,16 @@ TEST_CASE("a GenICam camera over GigE Vision keeps the contract of Camera, and s
   tests::check_silent_camera(*camera);
 }
 
+TEST_CASE("a GigE camera that another program has open says so, and is free again when that one closes it",
+          "[slow]") {
+  FakeGigeCamera fake;
+  auto first = rig::open_camera(fake_source());
+  CHECK_THROWS_WITH(rig::open_camera(fake_source()), Contains("another program has it open"));
+  CHECK_FALSE(first->grab(2.0).image.empty());
+  first.reset();
+  CHECK_FALSE(rig::open_camera(fake_source())->grab(2.0).image.empty());
+}
+
 TEST_CASE("colours of a GenICam camera arrive as BGR in every pixel format it offers", "[slow]") {
   FakeGigeCamera fake;
   rig::CameraSourceConfig config = fake_source();
