@@ -37,6 +37,10 @@ class Handle {
 /// Keeps HDF5 from printing its own error stack: faults are reported once, as one line.
 void silence_hdf5();
 
+/// Access properties, H5P_GROUP_ACCESS or H5P_DATASET_ACCESS, with which a link into another file cannot be
+/// opened: a recording is one file, and the other may be a device, or nobody's business.
+Handle within_file(hid_t property_class);
+
 /// What HDF5 said last, innermost message first; empty when it said nothing.
 std::string last_hdf5_error();
 
@@ -48,6 +52,9 @@ bool write_attribute(hid_t object, const char* name, std::int64_t value);
 bool read_attribute(hid_t object, const char* name, std::string& value);
 bool read_attribute(hid_t object, const char* name, double& value);
 bool read_attribute(hid_t object, const char* name, std::int64_t& value);
+
+/// Whether a dataset lies in its own file, and no chunk of it is larger than 64 MiB.
+bool is_stored_plainly(hid_t dataset);
 
 /// Writes a new dataset of `shape`; false on a fault.
 bool write_array(hid_t group, const char* name, hid_t file_type, hid_t memory_type, const void* values,

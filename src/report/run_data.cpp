@@ -69,9 +69,9 @@ std::vector<Json> read_lines(const std::string& path) {
   for (std::string line; std::getline(stream, line);) {
     ++number;
     if (line.empty()) continue;
-    Json json = Json::parse(line, nullptr, false);
-    if (json.is_object()) {
-      lines.push_back(std::move(json));
+    std::optional<Json> json = common::find_json(line);
+    if (json && json->is_object()) {
+      lines.push_back(std::move(*json));
     } else if (stream.peek() != std::istringstream::traits_type::eof()) {
       throw DataError(path + ":" + std::to_string(number) + ": not a JSON object");
     }

@@ -39,7 +39,8 @@ Json completed(const Json& cell, const std::string& where) {
   const Json known = common::artefact_to_json(defaults);
   if (!cell.is_object()) throw ConfigError(where + " must be a JSON object {...}");
   for (const auto& [key, value] : cell.items())
-    if (!known.contains(key)) throw ConfigError(where + ": unknown key " + key + " = " + value.dump());
+    if (!known.contains(key))
+      throw ConfigError(where + ": unknown key " + key + " = " + common::shown_json(value));
   Json whole = common::artefact_to_json(Cell{});
   whole.update(cell);
   return whole;
@@ -86,7 +87,8 @@ Plan read_plan(const std::string& path) {
   if (!json.is_object() || !json.contains("cells") || !json["cells"].is_array())
     throw ConfigError(path + ": a plan is an object with a list \"cells\"");
   for (const auto& [key, value] : json.items())
-    if (!whole.contains(key)) throw ConfigError(path + ": unknown key " + key + " = " + value.dump());
+    if (!whole.contains(key))
+      throw ConfigError(path + ": unknown key " + key + " = " + common::shown_json(value));
   for (Json& cell : json["cells"]) cell = completed(cell, path + ": a cell");
   whole.update(json);
   return common::artefact_from_json<Plan>(whole, path);
