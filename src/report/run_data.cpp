@@ -43,7 +43,9 @@ void read_deployment(const std::string& folder, RunData& run) {
     run.rigs.push_back({rig, of_rig, runs::find_trials(folder + "/" + rig)});
   if (!run.rigs.empty()) return;
   std::string rig = summary->scored_by ? "real" : "explored";
-  if (!summary->scored_by && run.deploy.config.is_object()) rig = run.deploy.config.value("on_rig", rig);
+  if (!summary->scored_by && run.deploy.config.is_object() && run.deploy.config.contains("on_rig") &&
+      run.deploy.config["on_rig"].is_string())
+    rig = run.deploy.config["on_rig"].get<std::string>();
   run.rigs.push_back({rig, *summary, runs::find_trials(folder)});
 }
 

@@ -130,8 +130,8 @@ std::vector<StatusRow> status_of(const std::string& folder) {
     add(folder, folder);
   } else if (fs::is_directory(folder)) {
     std::vector<std::string> found;
-    for (auto entry = fs::recursive_directory_iterator(folder); entry != fs::recursive_directory_iterator();
-         ++entry) {
+    for (auto entry = fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied);
+         entry != fs::recursive_directory_iterator(); ++entry) {
       if (!entry->is_directory() || !find_run(entry->path().string())) continue;
       found.push_back(entry->path().string());
       entry.disable_recursion_pending();

@@ -194,7 +194,11 @@ T artefact_from_json(const Json& json, const std::string& source) {
   T value{};
   ArtefactReader reader(json, source);
   value.visit(reader);
-  detail::validate(value, 0);
+  try {
+    detail::validate(value, 0);
+  } catch (const DataError& error) {
+    throw DataError(source + ": " + error.what());
+  }
   return value;
 }
 
