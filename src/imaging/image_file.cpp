@@ -7,6 +7,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/imaging/quiet_stderr.h"
 
 namespace lodestone::imaging {
 namespace {
@@ -34,6 +35,7 @@ void write_image(const std::string& path, const cv::Mat& image) {
 cv::Mat read_image(const std::string& path) {
   const std::string bytes = common::read_file(path, kLargestImage);
   cv::Mat image;
+  const QuietStderr quiet;
   try {
     const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
     if (!bytes.empty()) image = cv::imdecode(raw, cv::IMREAD_UNCHANGED);

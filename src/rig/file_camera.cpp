@@ -14,6 +14,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "lodestone/imaging/image_file.h"
+#include "lodestone/imaging/quiet_stderr.h"
 
 namespace lodestone::rig {
 namespace {
@@ -73,6 +74,12 @@ struct FileCamera::Source {
   double frame_rate_hz = 0.0;
   std::int64_t handed_out = 0;
 
+  bool open_video() {
+    common::check_is_file(name);
+    const imaging::QuietStderr quiet;
+    return video.open(name, cv::CAP_FFMPEG);
+  }
+
   void open() {
     if (fs::is_directory(name)) {
       files = images_of_folder(name);
@@ -82,7 +89,7 @@ struct FileCamera::Source {
       files = images_of_pattern(name);
     } else if (is_image(name)) {
       files = {name};
-    } else if (!video.open(name, cv::CAP_FFMPEG)) {
+    } else if (!open_video()) {
       throw common::IoError("cannot read " + name +
                             " as a video; give images, or a video such as .mp4 or .avi");
     }

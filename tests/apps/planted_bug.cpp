@@ -1,5 +1,5 @@
-// Preloaded into the program: opening a file whose name holds "planted-bug" throws what no verb expects, as a bug
-// would (exit_codes_test.py).
+// Preloaded into the program: opening a file whose name holds "planted-bug" throws what no verb expects, as a
+// bug would (exit_codes_test.py).
 #include <dlfcn.h>
 #include <fcntl.h>
 

@@ -25,7 +25,8 @@ TEST_CASE("a spoiled recording in CSV is imported or refused by name", "[soak]")
       soak,
       [&] {
         const bool of_pulses = spoiler.below(2) == 0;
-        tests::write_bytes(folder / "a.csv", spoiler.bytes(of_pulses ? pulses : log, of_pulses ? log : pulses));
+        tests::write_bytes(folder / "a.csv",
+                           spoiler.bytes(of_pulses ? pulses : log, of_pulses ? log : pulses));
         config.on_error = spoiler.below(2) == 0 ? data::OnError::kAbort : data::OnError::kSkip;
         config.impossible = spoiler.below(2) == 0 ? data::Impossible::kKeep : data::Impossible::kLeaveOut;
       },

@@ -18,7 +18,8 @@ TEST_CASE("a spoiled image is decoded or refused by name", "[soak]") {
     good.push_back(imaging::encoded_image(image, extension));
   tests::Spoiler spoiler(soak.seed(), "images");
   const std::int64_t accepted = tests::fuzz(
-      soak, [&] { tests::write_bytes(folder / "a", spoiler.bytes(spoiler.one_of(good), spoiler.one_of(good))); },
+      soak,
+      [&] { tests::write_bytes(folder / "a", spoiler.bytes(spoiler.one_of(good), spoiler.one_of(good))); },
       [&] { imaging::read_image(folder / "a"); });
   CHECK(accepted > soak.count() / 100);
   CHECK(accepted < soak.count());

@@ -1,7 +1,7 @@
 #pragma once
-// Fuzzing without a tool: good input is spoiled by a seeded stream, and what reads it may only accept it or throw
-// an error that the user is told (common::Error). Any other exception fails the case; a signal, or 20 s for one
-// input, ends the process, and the input is left in its file.
+// Fuzzing without a tool: good input is spoiled by a seeded stream, and what reads it may only accept it or
+// throw an error that the user is told (common::Error). Any other exception fails the case; a signal, or 20 s
+// for one input, ends the process, and the input is left in its file.
 #include <unistd.h>
 
 #include <algorithm>
@@ -80,9 +80,24 @@ class Spoiler {
 
   /// Puts a number that readers stumble over into the place of a written one, the first behind `at`.
   std::string with_number(std::string text, std::size_t at) {
-    static const std::vector<std::string> kNumbers = {
-        "-1",  "0",    "-0",         "1e300", "1e999",      "-1e999", "NaN",  "inf",  "2147483648",
-        "0.5", "null", "4294967296", "1e-320", "9223372036854775808", "18446744073709551616", "\"\"", "[]", "+-1"};
+    static const std::vector<std::string> kNumbers = {"-1",
+                                                      "0",
+                                                      "-0",
+                                                      "1e300",
+                                                      "1e999",
+                                                      "-1e999",
+                                                      "NaN",
+                                                      "inf",
+                                                      "2147483648",
+                                                      "0.5",
+                                                      "null",
+                                                      "4294967296",
+                                                      "1e-320",
+                                                      "9223372036854775808",
+                                                      "18446744073709551616",
+                                                      "\"\"",
+                                                      "[]",
+                                                      "+-1"};
     const std::size_t first = text.find_first_of("0123456789", at);
     if (first == std::string::npos) return text;
     const std::size_t last = std::min(text.size(), text.find_first_not_of("0123456789.eE+-", first));
@@ -91,8 +106,17 @@ class Spoiler {
 
   /// Overwrites four or eight bytes with a length or a place that cannot be.
   std::string with_word(std::string text, std::size_t at) {
-    static const std::vector<std::uint64_t> kWords = {0, 1, 0x7f, 0xff, 0xffff, 0x7fffffff, 0x80000000, 0xffffffff,
-                                                      0x7fffffffffffffff, 0x8000000000000000, 0xffffffffffffffff};
+    static const std::vector<std::uint64_t> kWords = {0,
+                                                      1,
+                                                      0x7f,
+                                                      0xff,
+                                                      0xffff,
+                                                      0x7fffffff,
+                                                      0x80000000,
+                                                      0xffffffff,
+                                                      0x7fffffffffffffff,
+                                                      0x8000000000000000,
+                                                      0xffffffffffffffff};
     const std::uint64_t word = below(4) == 0 ? random_.below(UINT64_MAX) : one_of(kWords);
     for (std::size_t i = 0; i < (below(2) == 0 ? 4U : 8U) && at + i < text.size(); ++i)
       text[at + i] = static_cast<char>(word >> (8 * i));
@@ -120,10 +144,15 @@ class Spoiler {
   }
 
   common::Json odd() {
-    static const common::Json kOdd = {nullptr,     true,       0,          -1,        1,     2147483648, 1e300,
-                                      -1e300,      1e-300,     0.5,        "",        "\n",  "../x",     "/dev/zero",
-                                      {},          {{"a", 1}}, {{1, 2}},   {0, 0, 0}, {-1},  {nullptr},  9223372036854775807,
-                                      1e12,        "centre",   "point",    8192,      {1e12}, 18446744073709551615U};
+    static const common::Json kOdd = {nullptr,    true,        0,
+                                      -1,         1,           2147483648,
+                                      1e300,      -1e300,      1e-300,
+                                      0.5,        "",          "\n",
+                                      "../x",     "/dev/zero", {},
+                                      {{"a", 1}}, {{1, 2}},    {0, 0, 0},
+                                      {-1},       {nullptr},   9223372036854775807,
+                                      1e12,       "centre",    "point",
+                                      8192,       {1e12},      18446744073709551615U};
     if (below(40) == 0) return std::string(10'000, 'x');
     if (below(40) == 0) return std::vector<int>(1000, 7);
     return kOdd[below(kOdd.size())];
@@ -132,8 +161,8 @@ class Spoiler {
   common::RandomStream random_;
 };
 
-/// Feeds `count` inputs to `read`; `spoil(i)` makes the i-th. Counts those that are accepted, so that a case can
-/// say that some are.
+/// Feeds `count` inputs to `read`; `spoil(i)` makes the i-th. Counts those that are accepted, so that a case
+/// can say that some are.
 template <class Spoil, class Read>
 std::int64_t fuzz(const Soak& soak, const Spoil& spoil, const Read& read) {
   constexpr unsigned kLongest_s = 20;

@@ -9,8 +9,8 @@ using namespace lodestone;
 
 namespace {
 
-/// A checkpoint whose manifest and parts are spoiled in turn. Most often they are sealed again: a seal that is
-/// wrong hides what lies behind it.
+/// A checkpoint whose manifest and parts are spoiled in turn. Most often they are sealed again: a seal that
+/// is wrong hides what lies behind it.
 class SpoiledCheckpoint {
  public:
   SpoiledCheckpoint(std::string folder, const tests::Soak& soak)

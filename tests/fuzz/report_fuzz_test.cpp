@@ -26,10 +26,10 @@ std::vector<std::pair<std::string, common::Json>> files_of_a_run() {
   coverage.position_counts = {25, 25, 50, 0};
   coverage.heading_counts = {1, 2, 3};
   coverage.drive_counts = {4, 5};
-  const common::Json trials = common::Json::array(
-      {common::artefact_to_json(tests::point_trial("policy", "explored")),
-       common::artefact_to_json(tests::path_trial("policy", "explored")),
-       common::artefact_to_json(tests::point_trial("baseline", "explored"))});
+  const common::Json trials =
+      common::Json::array({common::artefact_to_json(tests::point_trial("policy", "explored")),
+                           common::artefact_to_json(tests::path_trial("policy", "explored")),
+                           common::artefact_to_json(tests::point_trial("baseline", "explored"))});
   return {{"deploy/summary.json", common::artefact_to_json(summary)},
           {"deploy/trials.json", trials},
           {"deploy/config.json", {{"on_rig", "explored"}, {"seed", 1}}},

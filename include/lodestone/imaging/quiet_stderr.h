@@ -2,8 +2,8 @@
 
 namespace lodestone::imaging {
 
-/// While it lives, standard error goes nowhere: image libraries print lines of their own on it before they say
-/// that something failed, and we say it once, with the file's name.
+/// While it lives, standard error goes nowhere: image libraries print lines of their own on it before they
+/// say that something failed, and we say it once, with the file's name.
 class QuietStderr {
  public:
   QuietStderr();
