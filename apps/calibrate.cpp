@@ -2,7 +2,6 @@
 #include <cstdio>
 #include <ctime>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
 
 #include "common_options.h"
 #include "lodestone/common/log.h"
@@ -11,6 +10,7 @@
 #include "lodestone/imaging/calibration_overlay.h"
 #include "lodestone/imaging/charuco.h"
 #include "lodestone/imaging/frame_guard.h"
+#include "lodestone/imaging/image_file.h"
 #include "lodestone/imaging/scene_renderer.h"
 #include "lodestone/rig/camera_source.h"
 #include "lodestone/rig/rendered_camera.h"
@@ -148,8 +148,7 @@ imaging::DishFit fit(const CalibrateConfig& config, const CalibrateOptions& opti
   if (options.board_files.empty()) return imaging::fit_dish(images, config.scene.bench, start, config.fit);
   std::vector<cv::Mat> boards;
   for (const std::string& file : options.board_files) {
-    boards.push_back(cv::imread(file));
-    if (boards.back().empty()) throw common::IoError("--board " + file + " is no image that can be read");
+    boards.push_back(imaging::read_image(file));
   }
   const imaging::CharucoFit lens = imaging::fit_charuco(boards, config.board);
   common::log_info("board: " + std::to_string(lens.used.size()) + " images, residual " +
@@ -192,8 +191,8 @@ void calibrate(const CalibrateOptions& options) {
   run.begin();
   const imaging::Calibration& calibration = found.calibration;
   imaging::write_calibration(options.out + "/calibration.json", calibration);
-  cv::imwrite(options.out + "/overlay.png",
-              imaging::calibration_overlay(images.front(), calibration.camera, config.scene.bench));
+  imaging::write_image(options.out + "/overlay.png",
+                       imaging::calibration_overlay(images.front(), calibration.camera, config.scene.bench));
   run.finish();
   for (const imaging::EdgeUse& edge : found.edges)
     if (edge.expected > 0)

@@ -2,7 +2,9 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <iostream>
 #include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/logger.hpp>
 
 #include "lodestone/common/blas_kernels.h"
 #include "lodestone/common/build_facts.h"
@@ -51,6 +53,13 @@ int run(int argc, char** argv) {
   return 0;
 }
 
+/// What was printed must have arrived: that a disk is full shows only when it is handed over.
+void check_output() {
+  std::cout.flush();
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout.good())
+    throw common::IoError("the results could not be written to standard output: check where it goes to");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -58,8 +67,11 @@ int main(int argc, char** argv) {
   common::install_interrupt_handler();
   // Threads are for trials, scenes and shards; an image's own operations are too short to be split.
   cv::setNumThreads(1);
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // faults are told once, by us
   try {
-    return run(argc, argv);
+    const int code = run(argc, argv);
+    check_output();
+    return code;
   } catch (const common::Error& error) {
     common::log_error(error.what());
     return error.exit_code();

@@ -10,8 +10,6 @@
 namespace lodestone::apps {
 namespace {
 
-constexpr int kUsageError = 2;
-
 /// Adds the option to the parser, by the type of its target.
 struct Adder {
   CLI::App& app;
@@ -112,7 +110,8 @@ Parsed parse(Verb& program, int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return {nullptr, app.exit(error) == 0 ? 0 : kUsageError};
+    if (error.get_exit_code() != 0) throw common::ConfigError(std::string(error.what()) + " (see --help)");
+    return {nullptr, app.exit(error)};
   }
   return chosen(app, program);
 }

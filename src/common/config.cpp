@@ -8,10 +8,14 @@
 #include <sstream>
 
 #include "lodestone/common/files.h"
+#include "lodestone/common/shown.h"
 #include "lodestone/common/spelling.h"
 
 namespace lodestone::common {
 namespace {
+
+constexpr std::size_t kLargestConfig = 4 << 20;  // bytes of a file
+constexpr std::ptrdiff_t kDeepestKey = 32;       // steps of a dotted path
 
 std::string bounds_text(const Bounds& bounds) {
   if (std::isinf(bounds.min) && std::isinf(bounds.max)) return "";
@@ -40,8 +44,8 @@ ConfigReader::ConfigReader(const Json& object, ConfigSources sources, std::strin
     : object_(object), sources_(std::move(sources)), prefix_(std::move(prefix)) {
   if (!object_.is_object()) {
     const std::string name = prefix_.empty() ? "the configuration" : prefix_.substr(0, prefix_.size() - 1);
-    throw ConfigError(sources_.of(prefix_.empty() ? prefix_ : name) + ": " + name + " = " + object_.dump() +
-                      " must be a JSON object {...}");
+    throw ConfigError(sources_.of(prefix_.empty() ? prefix_ : name) + ": " + name + " = " +
+                      shown_json(object_) + " must be a JSON object {...}");
   }
 }
 
@@ -52,8 +56,8 @@ const Json* ConfigReader::find(const char* key) {
 }
 
 void ConfigReader::fail(const std::string& key, const Json& value, const std::string& expectation) const {
-  throw ConfigError(sources_.of(prefix_ + key) + ": " + prefix_ + key + " = " + value.dump() + " must be " +
-                    expectation);
+  throw ConfigError(sources_.of(prefix_ + key) + ": " + prefix_ + key + " = " + shown_json(value) +
+                    " must be " + expectation);
 }
 
 void ConfigReader::refuse(const InvalidConfig& error) const {
@@ -77,6 +81,9 @@ std::int64_t ConfigReader::whole_number(const char* key, const Json& whole, cons
     const double value = item.get<double>();
     if (!(std::abs(value) < 9e15 && std::floor(value) == value)) fail(key, whole, expectation);
   }
+  constexpr auto kLargest = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+  if (item.is_number_unsigned() && item.get<std::uint64_t>() > kLargest)
+    fail(key, whole, "a whole number of at most " + std::to_string(kLargest));
   const double value = number(key, whole, item, expectation, bounds);
   return item.is_number_integer() ? item.get<std::int64_t>() : static_cast<std::int64_t>(value);
 }
@@ -139,7 +146,7 @@ void ConfigReader::field(const char* key, Range& value, const char*, const char*
 void ConfigReader::retired(const char* key, const char* successor) const {
   const auto found = object_.find(key);
   if (found == object_.end()) return;
-  throw ConfigError(sources_.of(prefix_ + key) + ": " + prefix_ + key + " = " + found->dump() +
+  throw ConfigError(sources_.of(prefix_ + key) + ": " + prefix_ + key + " = " + shown_json(*found) +
                     " is no longer a key: use " + successor);
 }
 
@@ -147,8 +154,8 @@ void ConfigReader::finish() const {
   for (const auto& [key, value] : object_.items()) {
     if (known_.count(key) != 0) continue;
     const std::string hint = spelling_hint(key, {known_.begin(), known_.end()}, "known keys", prefix_);
-    throw ConfigError(sources_.of(prefix_ + key) + ": unknown key " + prefix_ + key + " = " + value.dump() +
-                      "; " + hint);
+    throw ConfigError(sources_.of(prefix_ + key) + ": unknown key " + shown(prefix_ + key) + " = " +
+                      shown_json(value) + "; " + hint);
   }
 }
 
@@ -176,40 +183,35 @@ Json config_to_json(const std::vector<ConfigRow>& rows) {
 }
 
 Json read_json_file(const std::string& path) {
-  if (!std::filesystem::is_regular_file(path))
+  if (!std::filesystem::exists(path))
     throw ConfigError("configuration file " + path +
                       " does not exist: check the path, or list presets under configs/");
-  const std::string text = read_file(path);
   try {
-    return Json::parse(text, nullptr, true, true);
-  } catch (const Json::parse_error& error) {
-    const auto end = text.begin() +
-                     static_cast<std::ptrdiff_t>(std::min(error.byte > 0 ? error.byte - 1 : 0, text.size()));
-    const auto line = 1 + std::count(text.begin(), end, '\n');
-    const auto last_break = std::find(std::make_reverse_iterator(end), text.rend(), '\n');
-    const auto column = 1 + std::distance(last_break.base(), end);
-    std::string what = error.what();
-    const std::size_t colon = what.rfind("; ");
-    throw ConfigError(path + ":" + std::to_string(line) + ":" + std::to_string(column) +
-                      ": not JSON: " + (colon == std::string::npos ? what : what.substr(colon + 2)));
+    return parse_json(read_file(path, kLargestConfig), path, JsonComments::kAllowed);
+  } catch (const DataError& error) {
+    throw ConfigError(error.what());
+  } catch (const IoError& error) {
+    throw ConfigError(std::string("configuration file: ") + error.what());
   }
 }
 
 void apply_override(Json& config, const std::string& assignment) {
+  const std::string what = "--set " + shown(assignment);
   const std::size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0)
-    throw ConfigError("--set " + assignment + " must have the form key.subkey=value");
+    throw ConfigError(what + " must have the form key.subkey=value");
   const std::string path = assignment.substr(0, equals);
+  if (std::count(path.begin(), path.end(), '.') >= kDeepestKey)
+    throw ConfigError(what + " names a key of more than " + std::to_string(kDeepestKey) + " steps");
   const std::string text = assignment.substr(equals + 1);
-  Json value = Json::parse(text, nullptr, false);
-  if (value.is_discarded()) value = text;
+  const Json value = find_json(text).value_or(Json(text));
   Json* node = &config;
   std::istringstream steps(path);
   for (std::string step; std::getline(steps, step, '.');) {
-    if (step.empty()) throw ConfigError("--set " + assignment + " has an empty step in its key");
+    if (step.empty()) throw ConfigError(what + " has an empty step in its key");
     if (node->is_null()) *node = Json::object();
     if (!node->is_object())
-      throw ConfigError("--set " + assignment + ": " + step + " lies below a key that is no object");
+      throw ConfigError(what + ": " + shown(step) + " lies below a key that is no object");
     node = &(*node)[step];
   }
   *node = value;

@@ -5,20 +5,27 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <set>
+
+#include "lodestone/common/files.h"
+#include "lodestone/common/shown.h"
 
 namespace lodestone::common {
 namespace {
+
+constexpr std::uintmax_t kLargestFile = 256 << 20;  // bytes: millions of rows
 
 std::string trimmed(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t");
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-/// Cells of one line; quotes hold commas, and a doubled quote inside them is one quote.
-std::vector<std::string> split_cells(const std::string& line) {
+/// Cells of one line; quotes hold commas, and a doubled quote inside them is one quote. `quoted`: the last
+/// one is not closed.
+std::vector<std::string> split_cells(const std::string& line, bool& quoted) {
   std::vector<std::string> cells(1);
-  bool quoted = false;
+  quoted = false;
   for (std::size_t i = 0; i < line.size(); ++i) {
     const char c = line[i];
     if (c == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') {
@@ -37,14 +44,21 @@ std::vector<std::string> split_cells(const std::string& line) {
 
 }  // namespace
 
-CsvTable::CsvTable(const std::string& path) : path_(path), stream_(path, std::ios::binary) {
+CsvTable::CsvTable(const std::string& path) : path_(path) {
+  if (std::filesystem::exists(path)) check_is_file(path);  // before it is opened: a pipe would be waited for
+  std::error_code fault;
+  if (const auto size = std::filesystem::file_size(path, fault); !fault && size > kLargestFile)
+    throw DataError(
+        fmt::format("cannot read {}: it holds {} bytes, at most {} are read", path, size, kLargestFile));
+  stream_.open(path, std::ios::binary);
   if (!stream_ || stream_.peek() == std::ifstream::traits_type::eof())
     throw DataError("cannot read " + path + ": there is no such file, or it is empty");
   if (!read_line(header_)) throw DataError(path + ": holds no header line");
+  if (open_quote_) throw DataError(fmt::format("{}:{}: a quote is opened and not closed", path, line_));
   std::set<std::string> seen;
   for (const std::string& name : header_)
     if (!name.empty() && !seen.insert(name).second)
-      throw DataError(fmt::format("{}:{}: column {} appears twice in the header", path, line_, name));
+      throw DataError(fmt::format("{}:{}: column {} appears twice in the header", path, line_, shown(name)));
 }
 
 bool CsvTable::has_columns(const std::vector<std::string>& names) const {
@@ -65,7 +79,7 @@ bool CsvTable::read_line(std::vector<std::string>& cells) {
     if (line_ == 1 && line.rfind("\xEF\xBB\xBF", 0) == 0) line.erase(0, 3);
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (trimmed(line).empty()) continue;
-    cells = split_cells(line);
+    cells = split_cells(line, open_quote_);
     return true;
   }
   if (stream_.bad()) throw DataError(fmt::format("{}:{}: the file cannot be read further", path_, line_));
@@ -75,10 +89,11 @@ bool CsvTable::read_line(std::vector<std::string>& cells) {
 bool CsvTable::next() { return read_line(cells_); }
 
 void CsvTable::check_width() const {
+  if (open_quote_) throw RowError(fmt::format("{}:{}: a quote is opened and not closed", path_, line_));
   if (cells_.size() == header_.size()) return;
   const std::size_t first = std::min(cells_.size(), header_.size());
   const std::string where =
-      first < header_.size() ? " (" + header_[first] + ") is missing" : " is one too many";
+      first < header_.size() ? " (" + shown(header_[first]) + ") is missing" : " is one too many";
   throw RowError(fmt::format("{}:{}: column {}{}: the row has {} cells, the header {}", path_, line_,
                              first + 1, where, cells_.size(), header_.size()));
 }
@@ -86,7 +101,8 @@ void CsvTable::check_width() const {
 double CsvTable::number(std::size_t column) const {
   const std::string& cell = cells_.at(column);
   if (cell.empty()) fail(column, "a number (the cell is empty)");
-  const char* first = cell.data() + (cell[0] == '+' ? 1 : 0);
+  const bool plus = cell[0] == '+' && cell.size() > 1 && cell[1] != '-';
+  const char* first = cell.data() + (plus ? 1 : 0);
   const char* last = cell.data() + cell.size();
   double value = 0.0;
   const auto [end, error] = std::from_chars(first, last, value);
@@ -97,7 +113,8 @@ double CsvTable::number(std::size_t column) const {
 
 void CsvTable::fail(std::size_t column, const std::string& expectation) const {
   throw RowError(path_ + ":" + std::to_string(line_) + ": column " + std::to_string(column + 1) + " (" +
-                 header_.at(column) + "): \"" + cells_.at(column) + "\" must be " + expectation);
+                 shown(header_.at(column)) + "): \"" + shown(cells_.at(column)) + "\" must be " +
+                 expectation);
 }
 
 }  // namespace lodestone::common

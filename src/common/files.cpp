@@ -11,8 +11,6 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "lodestone/common/error.h"
 
@@ -35,13 +33,45 @@ struct Descriptor {
   }
 };
 
+void check_is_file(const struct stat& status, const std::string& path) {
+  if (S_ISREG(status.st_mode)) return;
+  const char* what = S_ISDIR(status.st_mode)    ? "a folder"
+                     : S_ISFIFO(status.st_mode) ? "a pipe"
+                     : S_ISSOCK(status.st_mode) ? "a socket"
+                                                : "a device";
+  throw IoError("cannot read " + path + ": it is " + what + ", not a file");
+}
+
 }  // namespace
 
-std::string read_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file || fs::is_directory(path))
-    throw IoError("cannot read " + path + ": " + (file ? "it is a folder" : reason()));
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+void check_is_file(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) throw IoError("cannot read " + path + ": " + reason());
+  check_is_file(status, path);
+}
+
+std::string read_file(const std::string& path, std::size_t largest_bytes) {
+  // Not waiting: somebody may have put a pipe there.
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
+  struct stat status {};
+  if (file.value < 0 || ::fstat(file.value, &status) != 0)
+    throw IoError("cannot read " + path + ": " + reason());
+  check_is_file(status, path);
+  const auto size = static_cast<std::size_t>(status.st_size);
+  if (size > largest_bytes)
+    throw IoError(
+        fmt::format("cannot read {}: it holds {} bytes, at most {} are read", path, size, largest_bytes));
+  std::string content(size, '\0');
+  std::size_t done = 0;
+  while (done < size) {
+    const ssize_t n = ::read(file.value, content.data() + done, size - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) throw IoError("cannot read " + path + ": " + reason());
+    if (n == 0) break;  // cut short since
+    done += static_cast<std::size_t>(n);
+  }
+  content.resize(done);
+  return content;
 }
 
 void sync_path(const std::string& path) {

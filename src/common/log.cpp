@@ -5,6 +5,8 @@
 
 #include <cstdlib>
 
+#include "lodestone/common/shown.h"
+
 namespace lodestone::common {
 namespace {
 
@@ -24,8 +26,8 @@ spdlog::logger& logger() {
 
 }  // namespace
 
-void log_info(const std::string& message) { logger().info(message); }
-void log_warning(const std::string& message) { logger().warn(message); }
-void log_error(const std::string& message) { logger().error(message); }
+void log_info(const std::string& message) { logger().info(escaped(message)); }
+void log_warning(const std::string& message) { logger().warn(escaped(message)); }
+void log_error(const std::string& message) { logger().error(escaped(message)); }
 
 }  // namespace lodestone::common

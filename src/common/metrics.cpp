@@ -22,8 +22,13 @@ void trim(const std::string& path, std::int64_t last_step) {
   std::istringstream lines(content);
   std::string kept;
   for (std::string line; std::getline(lines, line);) {
-    const Json row = Json::parse(line, nullptr, /*allow_exceptions=*/false);
-    if (row.is_object() && row.value("step", kEveryStep) <= last_step) kept += line + "\n";
+    const std::optional<Json> row = find_json(line);
+    if (!row || !row->is_object()) continue;
+    const auto step = row->find("step");
+    const bool keep = step == row->end()
+                          ? last_step == kEveryStep
+                          : step->is_number() && step->get<double>() <= static_cast<double>(last_step);
+    if (keep) kept += line + "\n";
   }
   if (kept != content) write_file_atomically(path, kept);
 }

@@ -1,5 +1,7 @@
 #include "lodestone/data/coverage.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -81,9 +83,14 @@ Coverage measure_coverage(const Dataset& dataset, const CoverageConfig& config) 
 }
 
 void Coverage::validate() const {
-  if (static_cast<std::int64_t>(position_counts.size()) != position_cells * position_cells)
+  constexpr std::int64_t kMostCells = 200;  // along a diameter, as CoverageConfig allows
+  if (position_cells < 0 || position_cells > kMostCells ||
+      static_cast<std::int64_t>(position_counts.size()) != position_cells * position_cells)
     throw common::DataError("coverage: position_counts holds " + std::to_string(position_counts.size()) +
                             " numbers, expected position_cells squared");
+  if (!(workspace_radius_m >= 0.0 && workspace_radius_m <= 1.0))
+    throw common::DataError("coverage: workspace_radius_m is " + fmt::format("{:g}", workspace_radius_m) +
+                            ", must be within 0 .. 1");
 }
 
 }  // namespace lodestone::data

@@ -1,5 +1,7 @@
 #include "lodestone/data/csv_import.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +9,7 @@
 
 #include "impossible_rows.h"
 #include "lodestone/common/csv_table.h"
+#include "lodestone/common/shown.h"
 #include "lodestone/common/spelling.h"
 #include "lodestone/common/statistics.h"
 #include "lodestone/geometry/angle.h"
@@ -43,6 +46,14 @@ constexpr double kMostImpossible = 0.05;
 // The recorded sphere's dish is not known: the workspace is the radius that this fraction of positions lies
 // in.
 constexpr double kWorkspaceQuantile = 0.995;
+constexpr double kLargestAngle = 1e6;  // rad or degrees; more turns than a log could count
+
+/// A number of a cell with a bound to both sides, beyond which it is garbage.
+double number_within(const CsvTable& table, std::size_t column, double bound) {
+  const double value = table.number(column);
+  if (std::abs(value) > bound) table.fail(column, fmt::format("within {:g} .. {:g}", -bound, bound));
+  return value;
+}
 
 /// Runs `read` on every row, and settles what a malformed one does.
 template <class Read, class OnSkip>
@@ -106,14 +117,13 @@ void leave_out_impossible(CsvImportResult& result, const Recording& recording, d
   const auto found = separate_impossible(result.dataset, recording.lines(), limit_m);
   if (static_cast<double>(found.size()) > kMostImpossible * static_cast<double>(result.rows))
     throw DataError(path + ": " + std::to_string(found.size()) + " of " + std::to_string(result.rows) +
-                    " positions lie more than " + std::to_string(limit_m * geometry::kMmPerM) +
+                    " positions lie more than " + fmt::format("{:g}", limit_m * geometry::kMmPerM) +
                     " mm from the centre, the first one in line " + std::to_string(found.front().line) +
                     ": correct position_unit, centre_x and centre_y, or the rig's dish");
   for (const ImpossiblePosition& position : found)
-    result.impossible.push_back(path + ":" + std::to_string(position.line) + ": a position " +
-                                std::to_string(position.radius_m * geometry::kMmPerM) +
-                                " mm from the centre, where nothing can be (limit " +
-                                std::to_string(limit_m * geometry::kMmPerM) + " mm)");
+    result.impossible.push_back(
+        fmt::format("{}:{}: a position {:.6g} mm from the centre, where nothing can be (limit {:.6g} mm)",
+                    path, position.line, position.radius_m * geometry::kMmPerM, limit_m * geometry::kMmPerM));
 }
 
 /// Distances from the centre, of all observations.
@@ -141,7 +151,8 @@ void read_pulses(CsvTable& table, const CsvImportConfig& config, const std::stri
     const double percent = table.number(drive);
     if (percent < 0.0 || percent > kFullDrivePercent) table.fail(drive, "a percentage between 0 and 100");
     std::array<double, 4> at{};
-    for (std::size_t i = 0; i < 4; ++i) at[i] = table.number(position[i]) / geometry::kMmPerM;
+    for (std::size_t i = 0; i < 4; ++i)
+      at[i] = number_within(table, position[i], kFarthestGlitch_m * geometry::kMmPerM) / geometry::kMmPerM;
 
     const std::vector<double>& seen = recording.seen();
     if (seen.empty() || seen[seen.size() - 2] != at[0] || seen[seen.size() - 1] != at[1]) {
@@ -189,9 +200,10 @@ class LogReader {
     const double metres = config_.position_unit == PositionUnit::kMm ? 1.0 / geometry::kMmPerM : 1.0;
     const double radians = config_.angle_unit == AngleUnit::kDeg ? geometry::kPi / 180.0 : 1.0;
     const double up = config_.y_down ? -1.0 : 1.0;
-    row.pose[0] = (table_.number(columns_[5]) - config_.centre_x) * metres;
-    row.pose[1] = up * (table_.number(columns_[6]) - config_.centre_y) * metres;
-    row.pose[2] = geometry::wrap_angle(up * table_.number(columns_[7]) * radians);
+    const double farthest = kFarthestGlitch_m / metres;
+    row.pose[0] = (number_within(table_, columns_[5], farthest) - config_.centre_x) * metres;
+    row.pose[1] = up * (number_within(table_, columns_[6], farthest) - config_.centre_y) * metres;
+    row.pose[2] = geometry::wrap_angle(up * number_within(table_, columns_[7], kLargestAngle) * radians);
     return row;
   }
 
@@ -268,7 +280,7 @@ CsvImportResult import_csv(const std::string& path, const CsvImportConfig& confi
     result.layout = "lab log";
     read_log(table, config, path, result);
   } else {
-    throw DataError(path + ":1: the header (" + joined(table.header()) +
+    throw DataError(path + ":1: the header (" + common::shown(joined(table.header())) +
                     ") fits no known layout; known are pulses (" + joined(kPulseColumns) + ") and lab log (" +
                     joined(kLogColumns) + ")");
   }

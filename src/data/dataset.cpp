@@ -1,11 +1,14 @@
 #include "lodestone/data/dataset.h"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <cmath>
 #include <numeric>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/random.h"
+#include "lodestone/common/shown.h"
 
 namespace lodestone::data {
 namespace {
@@ -15,18 +18,15 @@ using common::DataError;
 constexpr std::array<const char*, 3> kStateColumns = {"x_m", "y_m", "heading_rad"};
 constexpr std::array<const char*, 2> kActionColumns = {"drive_x", "drive_y"};
 
+// Beyond these a number is in another unit, or garbage, and nothing can be learned from it.
+constexpr double kFarthest_m = 1.0;            // a dish is a few centimetres wide
+constexpr double kLargestHeading_rad = 100.0;  // some turns, where headings are not wrapped
+constexpr double kLargestDrive = 10.0;         // action scales: a measured current overshoots the one set
+constexpr double kLargestScale = 1e3;          // A or percent
+constexpr double kLongestPeriod_s = 60.0;
+
 [[noreturn]] void fail(const std::string& source, std::size_t episode, const std::string& what) {
   throw DataError(source + ": episode " + std::to_string(episode) + ": " + what);
-}
-
-template <std::size_t N>
-void check_finite(const std::vector<double>& values, std::size_t columns, const char* array,
-                  const std::array<const char*, N>& names, std::size_t episode, const std::string& source) {
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (!std::isfinite(values[i]))
-      fail(source, episode,
-           std::string(array) + " row " + std::to_string(i / columns) + ", column " + names[i % columns] +
-               " is " + std::to_string(values[i]) + "; every number must be finite");
 }
 
 void check_size(std::size_t found, std::size_t expected, const char* array, std::size_t episode,
@@ -35,6 +35,41 @@ void check_size(std::size_t found, std::size_t expected, const char* array, std:
     fail(source, episode,
          std::string(array) + " holds " + std::to_string(found) + " numbers, expected " +
              std::to_string(expected) + " from the number of steps");
+}
+
+/// Every number is finite, and none of a column lies beyond its bound.
+template <std::size_t N>
+void check_numbers(const std::vector<double>& values, std::size_t columns, const char* array,
+                   const std::array<const char*, N>& names, const std::array<double, N>& bounds,
+                   std::size_t episode, const std::string& source) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!(std::abs(values[i]) <= bounds[i % columns]))
+      fail(source, episode,
+           fmt::format("{} row {}, column {} is {:g}; every number must be finite, and here at most {:g}",
+                       array, i / columns, names[i % columns], values[i], bounds[i % columns]));
+}
+
+void check_flags(const std::vector<std::uint8_t>& flags, std::size_t steps, const char* array,
+                 std::size_t episode, const std::string& source) {
+  check_size(flags.size(), steps, array, episode, source);
+  for (std::size_t i = 0; i < steps; ++i)
+    if (flags[i] > 1)
+      fail(source, episode, fmt::format("{} row {} is {}; a flag is 0 or 1", array, i, flags[i]));
+}
+
+void check_episode(const Episode& episode, const DatasetInfo& info, double farthest_m, std::size_t index,
+                   const std::string& source) {
+  const auto s = static_cast<std::size_t>(state_size(info.layout));
+  const std::size_t steps = episode.terminations.size();
+  check_size(episode.observations.size(), (steps + 1) * s, "observations", index, source);
+  check_size(episode.actions.size(), steps * kActionSize, "actions", index, source);
+  check_flags(episode.terminations, steps, "terminations", index, source);
+  check_flags(episode.truncations, steps, "truncations", index, source);
+  check_flags(episode.zero_current, steps, "zero_current", index, source);
+  check_numbers<3>(episode.observations, s, "observations", kStateColumns,
+                   {farthest_m, farthest_m, kLargestHeading_rad}, index, source);
+  const double drive = kLargestDrive * info.action_scale;
+  check_numbers<2>(episode.actions, kActionSize, "actions", kActionColumns, {drive, drive}, index, source);
 }
 
 }  // namespace
@@ -123,25 +158,27 @@ Split split_by_episode(const Dataset& dataset, double validation_fraction, doubl
   return split;
 }
 
+void check_info(const DatasetInfo& info, const std::string& source) {
+  const auto check = [&source](const char* name, double value, double largest) {
+    if (!(value > 0.0 && value <= largest))
+      throw DataError(
+          fmt::format("{}: {} is {:g}, must be above 0 and at most {:g}", source, name, value, largest));
+  };
+  check("action_scale", info.action_scale, kLargestScale);
+  check("workspace_radius_m", info.workspace_radius_m, kFarthest_m);
+  check("control_period_s", info.control_period_s, kLongestPeriod_s);
+  if (info.action_unit != "A" && info.action_unit != "percent")
+    throw DataError(source + ": action_unit is \"" + common::shown(info.action_unit) +
+                    "\", must be A or percent");
+}
+
 void check_dataset(const Dataset& dataset, const std::string& source) {
   if (dataset.transitions() == 0) throw DataError(source + ": holds no transition");
-  if (!(dataset.info.action_scale > 0.0) || !std::isfinite(dataset.info.action_scale))
-    throw DataError(source + ": action_scale is " + std::to_string(dataset.info.action_scale) +
-                    ", must be above 0");
-  if (!(dataset.info.workspace_radius_m > 0.0) || !std::isfinite(dataset.info.workspace_radius_m))
-    throw DataError(source + ": workspace_radius_m is " + std::to_string(dataset.info.workspace_radius_m) +
-                    ", must be above 0");
-  const auto s = static_cast<std::size_t>(state_size(dataset.info.layout));
-  for (std::size_t e = 0; e < dataset.episodes.size(); ++e) {
-    const Episode& episode = dataset.episodes[e];
-    const std::size_t steps = episode.terminations.size();
-    check_size(episode.observations.size(), (steps + 1) * s, "observations", e, source);
-    check_size(episode.actions.size(), steps * kActionSize, "actions", e, source);
-    check_size(episode.truncations.size(), steps, "truncations", e, source);
-    check_size(episode.zero_current.size(), steps, "zero_current", e, source);
-    check_finite(episode.observations, s, "observations", kStateColumns, e, source);
-    check_finite(episode.actions, kActionSize, "actions", kActionColumns, e, source);
-  }
+  check_info(dataset.info, source);
+  for (std::size_t e = 0; e < dataset.episodes.size(); ++e)
+    check_episode(dataset.episodes[e], dataset.info, kFarthest_m, e, source);
+  for (std::size_t e = 0; e < dataset.impossible.size(); ++e)
+    check_episode(dataset.impossible[e], dataset.info, kFarthestGlitch_m, e, source + ": impossible");
 }
 
 }  // namespace lodestone::data

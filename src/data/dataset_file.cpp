@@ -6,6 +6,8 @@
 #include "hdf5_handle.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/common/json.h"
+#include "lodestone/common/shown.h"
 #include "lodestone/data/csv_import.h"
 #include "lodestone/data/episode_bytes.h"
 #include "lodestone/data/journal.h"
@@ -26,7 +28,7 @@ constexpr std::size_t kImageStep = 1 << 20;  // bytes by which the image of a fi
 std::string because(const std::string& detail) { return detail.empty() ? "" : " (" + detail + ")"; }
 
 Handle open_group(hid_t parent, const std::string& name) {
-  return Handle(H5Gopen2(parent, name.c_str(), H5P_DEFAULT), H5Gclose);
+  return Handle(H5Gopen2(parent, name.c_str(), within_file(H5P_GROUP_ACCESS).get()), H5Gclose);
 }
 
 bool write_value(hid_t root, const char* name, const common::Json& value) {
@@ -54,9 +56,9 @@ bool read_value(hid_t root, const char* name, common::Json& value) {
     value = text;
   } else {
     found = read_attribute(root, name, text);
-    value = common::Json::parse(text, nullptr, false);
+    if (found) value = common::parse_json(text, std::string("attribute '") + name + "'");
   }
-  return found && !value.is_discarded();
+  return found;
 }
 
 bool write_info(hid_t root, const DatasetInfo& info) {
@@ -82,7 +84,7 @@ void check_version(hid_t root, const std::string& path) {
   if (!read_attribute(root, "format", format)) fail_without("format", path);
   if (!read_attribute(root, "format_version", version)) fail_without("format_version", path);
   if (format != kFormat || version < 1 || version > kFormatVersion)
-    throw DataError(path + ": format \"" + format + "\" version " + std::to_string(version) +
+    throw DataError(path + ": format \"" + common::shown(format) + "\" version " + std::to_string(version) +
                     "; this program reads \"" + kFormat + "\" up to version " +
                     std::to_string(kFormatVersion));
 }
@@ -94,11 +96,18 @@ DatasetInfo read_info(hid_t root, const std::string& path) {
   return info_from_json(json, path);
 }
 
+/// Bytes that a file may still ask for. No recording shrinks to a 64th of its numbers; a shape alone, or
+/// links to one array from everywhere, ask for as much as they like.
+struct ReadBudget {
+  hsize_t bytes;
+};
+constexpr hsize_t kBytesPerByte = 64;
+
 /// Reads a dataset of an episode and returns its number of rows.
 template <class Value>
 std::size_t read_array(hid_t group, const char* name, hid_t memory_type, hsize_t columns,
-                       std::vector<Value>& values, const std::string& place) {
-  const Handle dataset(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose);
+                       std::vector<Value>& values, ReadBudget& budget, const std::string& place) {
+  const Handle dataset(H5Dopen2(group, name, within_file(H5P_DATASET_ACCESS).get()), H5Dclose);
   if (!dataset.valid()) throw DataError(place + ": dataset '" + name + "' is missing or damaged");
   const Handle space(H5Dget_space(dataset.get()), H5Sclose);
   hsize_t shape[2] = {0, 1};
@@ -107,6 +116,13 @@ std::size_t read_array(hid_t group, const char* name, hid_t memory_type, hsize_t
       shape[1] != columns)
     throw DataError(place + ": dataset '" + name + "' has another shape than [rows, " +
                     std::to_string(columns) + "]");
+  if (!is_stored_plainly(dataset.get()))
+    throw DataError(place + ": dataset '" + name +
+                    "' lies in other files, or in chunks of more than 64 MiB: copy it with h5repack");
+  if (shape[0] > budget.bytes / (columns * sizeof(Value)))
+    throw DataError(place + ": dataset '" + name + "' asks for " + std::to_string(shape[0]) +
+                    " rows, more than the file can hold");
+  budget.bytes -= shape[0] * columns * sizeof(Value);
   values.resize(shape[0] * columns);
   if (!values.empty() &&
       H5Dread(dataset.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
@@ -123,19 +139,20 @@ void compare_checksum(hid_t group, const Episode& episode, const std::string& pl
                     ": its checksum is not that of its numbers: the file is damaged; take it from a backup");
 }
 
-Episode read_episode(hid_t root, const std::string& name, StateLayout layout, const std::string& path) {
+Episode read_episode(hid_t root, const std::string& name, StateLayout layout, ReadBudget& budget,
+                     const std::string& path) {
   const std::string place = path + ": " + name;
   const Handle group = open_group(root, name);
   if (!group.valid()) throw DataError(place + " cannot be opened" + because(last_hdf5_error()));
   Episode episode;
   const auto s = static_cast<hsize_t>(state_size(layout));
   const std::size_t rows =
-      read_array(group.get(), "observations", H5T_NATIVE_DOUBLE, s, episode.observations, place);
+      read_array(group.get(), "observations", H5T_NATIVE_DOUBLE, s, episode.observations, budget, place);
   const std::size_t steps =
-      read_array(group.get(), "actions", H5T_NATIVE_DOUBLE, kActionSize, episode.actions, place);
-  read_array(group.get(), "terminations", H5T_NATIVE_UINT8, 1, episode.terminations, place);
-  read_array(group.get(), "truncations", H5T_NATIVE_UINT8, 1, episode.truncations, place);
-  read_array(group.get(), "infos/zero_current", H5T_NATIVE_UINT8, 1, episode.zero_current, place);
+      read_array(group.get(), "actions", H5T_NATIVE_DOUBLE, kActionSize, episode.actions, budget, place);
+  read_array(group.get(), "terminations", H5T_NATIVE_UINT8, 1, episode.terminations, budget, place);
+  read_array(group.get(), "truncations", H5T_NATIVE_UINT8, 1, episode.truncations, budget, place);
+  read_array(group.get(), "infos/zero_current", H5T_NATIVE_UINT8, 1, episode.zero_current, budget, place);
   if (rows == steps + 1 && episode.zero_current.size() == rows)
     episode.zero_current.erase(episode.zero_current.begin());  // the reset's
   if (rows != steps + 1 || episode.terminations.size() != steps || episode.truncations.size() != steps ||
@@ -151,6 +168,7 @@ Handle open_file(const std::string& path) {
   silence_hdf5();
   if (!std::filesystem::exists(path))
     throw DataError("cannot read dataset " + path + ": there is no such file");
+  common::check_is_file(path);
   Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.valid())
     throw DataError("cannot open dataset " + path + ": not an HDF5 file, or cut short or damaged" +
@@ -161,7 +179,8 @@ Handle open_file(const std::string& path) {
 std::string episode_name(std::int64_t index) { return "episode_" + std::to_string(index); }
 
 /// The episodes of a group, in order. `others`: groups in it that are none.
-std::vector<Episode> read_episodes(hid_t group, hsize_t others, StateLayout layout, const std::string& path) {
+std::vector<Episode> read_episodes(hid_t group, hsize_t others, StateLayout layout, ReadBudget& budget,
+                                   const std::string& path) {
   H5G_info_t links{};
   if (H5Gget_info(group, &links) < 0) throw DataError(path + ": its list of episodes is damaged");
   std::vector<Episode> episodes;
@@ -170,7 +189,7 @@ std::vector<Episode> read_episodes(hid_t group, hsize_t others, StateLayout layo
     if (H5Lexists(group, name.c_str(), H5P_DEFAULT) <= 0)
       throw DataError(path + ": holds " + std::to_string(links.nlinks - others) + " groups, but " + name +
                       " is missing");
-    episodes.push_back(read_episode(group, name, layout, path));
+    episodes.push_back(read_episode(group, name, layout, budget, path));
   }
   return episodes;
 }
@@ -253,11 +272,12 @@ Dataset read_dataset(const std::string& path) {
   const Handle file = open_file(path);
   check_version(file.get(), path);
   dataset.info = read_info(file.get(), path);
+  ReadBudget budget{kBytesPerByte * std::filesystem::file_size(path)};
   const bool glitches = H5Lexists(file.get(), kImpossible, H5P_DEFAULT) > 0;
-  dataset.episodes = read_episodes(file.get(), glitches ? 1 : 0, dataset.info.layout, path);
+  dataset.episodes = read_episodes(file.get(), glitches ? 1 : 0, dataset.info.layout, budget, path);
   if (glitches)
     dataset.impossible = read_episodes(open_group(file.get(), kImpossible).get(), 0, dataset.info.layout,
-                                       path + ": impossible");
+                                       budget, path + ": impossible");
   check_dataset(dataset, path);
   return dataset;
 }

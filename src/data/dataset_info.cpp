@@ -2,6 +2,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/named.h"
+#include "lodestone/common/shown.h"
 
 namespace lodestone::data {
 
@@ -24,7 +25,8 @@ DatasetInfo info_from_json(const common::Json& json, const std::string& source) 
   try {
     const auto layout = json.at("layout").get<std::string>();
     const auto named = common::find_named<StateLayout>(layout);
-    if (!named) throw common::DataError(source + ": layout \"" + layout + "\" must be pose or position");
+    if (!named)
+      throw common::DataError(source + ": layout \"" + common::shown(layout) + "\" must be pose or position");
     info.layout = *named;
     json.at("action_unit").get_to(info.action_unit);
     json.at("action_scale").get_to(info.action_scale);

@@ -1,10 +1,14 @@
 #include "hdf5_handle.h"
 
+#include <algorithm>
+
 namespace lodestone::data {
 namespace {
 
 // Small arrays live inside their object header: an episode of 30 steps then costs a few kB.
 constexpr std::size_t kCompactBytes = 16384;
+constexpr std::size_t kLongestText = 16 << 20;   // bytes of an attribute
+constexpr std::size_t kLargestChunk = 64 << 20;  // bytes, which are unpacked at once
 
 herr_t keep_innermost(unsigned depth, const H5E_error2_t* error, void* text) {
   if (depth == 0 && error->desc != nullptr) *static_cast<std::string*>(text) = error->desc;
@@ -34,6 +38,14 @@ bool read_scalar(hid_t object, const char* name, H5T_class_t kind, hid_t memory_
 
 void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
+Handle within_file(hid_t property_class) {
+  const auto refuse = [](const char*, const char*, const char*, const char*, unsigned*, hid_t,
+                         void*) -> herr_t { return -1; };
+  Handle access(H5Pcreate(property_class), H5Pclose);
+  H5Pset_elink_cb(access.get(), refuse, nullptr);
+  return access;
+}
+
 std::string last_hdf5_error() {
   std::string text;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_innermost, &text);
@@ -61,7 +73,10 @@ bool read_attribute(hid_t object, const char* name, std::string& value) {
   const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
   if (!attribute.valid()) return false;
   const Handle type(H5Aget_type(attribute.get()), H5Tclose);
-  if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) > 0) return false;
+  const Handle space(H5Aget_space(attribute.get()), H5Sclose);
+  if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) > 0 ||
+      H5Tget_size(type.get()) > kLongestText || H5Sget_simple_extent_npoints(space.get()) != 1)
+    return false;
   value.assign(H5Tget_size(type.get()), '\0');
   if (H5Aread(attribute.get(), type.get(), value.data()) < 0) return false;
   value.resize(value.find_last_not_of('\0') + 1);
@@ -86,6 +101,19 @@ Handle create_file(const std::string& path, hid_t access) {
   const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   H5Pset_obj_track_times(creation.get(), false);
   return Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access), H5Fclose);
+}
+
+bool is_stored_plainly(hid_t dataset) {
+  const Handle creation(H5Dget_create_plist(dataset), H5Pclose);
+  const H5D_layout_t layout = H5Pget_layout(creation.get());
+  if (H5Pget_external_count(creation.get()) != 0 || layout == H5D_VIRTUAL || layout == H5D_LAYOUT_ERROR)
+    return false;
+  if (layout != H5D_CHUNKED) return true;
+  hsize_t chunk[2] = {1, 1};
+  const int rank = H5Pget_chunk(creation.get(), 2, chunk);
+  const Handle type(H5Dget_type(dataset), H5Tclose);
+  const std::size_t most = kLargestChunk / std::max<std::size_t>(1, H5Tget_size(type.get()));
+  return rank >= 1 && rank <= 2 && chunk[0] <= most && chunk[1] <= most / std::max<hsize_t>(1, chunk[0]);
 }
 
 bool write_array(hid_t group, const char* name, hid_t file_type, hid_t memory_type, const void* values,

@@ -37,6 +37,10 @@ class Handle {
 /// Keeps HDF5 from printing its own error stack: faults are reported once, as one line.
 void silence_hdf5();
 
+/// Access properties, H5P_GROUP_ACCESS or H5P_DATASET_ACCESS, with which a link into another file cannot be
+/// opened: a recording is one file, and the other may be a device, or nobody's business.
+Handle within_file(hid_t property_class);
+
 /// What HDF5 said last, innermost message first; empty when it said nothing.
 std::string last_hdf5_error();
 
@@ -52,6 +56,9 @@ bool read_attribute(hid_t object, const char* name, std::int64_t& value);
 /// A new group or file without times in it: the same seed gives the same file.
 Handle create_group(hid_t parent, const char* name);
 Handle create_file(const std::string& path, hid_t access);
+
+/// Whether a dataset lies in its own file, and no chunk of it is larger than 64 MiB.
+bool is_stored_plainly(hid_t dataset);
 
 /// Writes a new dataset of `shape`; false on a fault.
 bool write_array(hid_t group, const char* name, hid_t file_type, hid_t memory_type, const void* values,

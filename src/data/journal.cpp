@@ -11,6 +11,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/common/json.h"
 #include "lodestone/data/episode_bytes.h"
 
 namespace lodestone::data {
@@ -52,9 +53,7 @@ bool whole_record_after(std::string_view bytes, std::size_t at) {
 DatasetInfo info_of(std::string_view bytes, const std::string& path) {
   const auto held = record_at(bytes, 0);
   if (!held) throw DataError(path + ": not a journal of lodestone, or its beginning is damaged");
-  const common::Json json = common::Json::parse(*held, nullptr, false);
-  if (json.is_discarded()) throw DataError(path + ": its first record is not JSON");
-  return info_from_json(json, path);
+  return info_from_json(common::parse_json(*held, path), path);
 }
 
 }  // namespace

@@ -14,9 +14,14 @@ using inference::member_part;
 
 constexpr const char* kKind = "dynamics";
 
-DataSplit split_from_json(const Json& json) {
-  return {json.at("seed").get<std::uint64_t>(), json.at("validation_fraction").get<double>(),
-          json.at("test_fraction").get<double>()};
+DataSplit split_from_json(const Json& json, const std::string& what) {
+  const DataSplit split{json.at("seed").get<std::uint64_t>(), json.at("validation_fraction").get<double>(),
+                        json.at("test_fraction").get<double>()};
+  for (const double fraction : {split.validation_fraction, split.test_fraction})
+    if (!(fraction >= 0.0 && fraction < 1.0))
+      throw CheckpointError(what + ": split = " + common::shown_json(json) +
+                            " must have fractions from 0 to 1");
+  return split;
 }
 
 }  // namespace
@@ -51,7 +56,7 @@ Model load_model(const std::string& folder) {
   model.config = inference::dynamics_config_of(checkpoint.facts, what);
   model.info = inference::dataset_info_of(checkpoint.facts, what);
   try {
-    model.split = split_from_json(checkpoint.facts.at("split"));
+    model.split = split_from_json(checkpoint.facts.at("split"), what);
   } catch (const Json::exception& error) {
     throw CheckpointError(what + ": facts are malformed: " + error.what());
   }
@@ -59,15 +64,22 @@ Model load_model(const std::string& folder) {
     const auto part = checkpoint.parts.find(member_part(k));
     if (part == checkpoint.parts.end())
       throw CheckpointError(what + ": part \"" + member_part(k) + "\" is missing");
+    const std::string name = what + ", " + member_part(k);
+    // First, so that memory is taken only for a shape that the file fills with usable numbers.
+    inference::FoldedDynamics(part->second, model.config, model.info.layout, name);
     const auto member = std::make_shared<Network>(model.config, model.info.layout);
-    member->tensors().load(nets::to_tensors(part->second), what + ", " + member_part(k));
+    member->tensors().load(nets::to_tensors(part->second), name);
     member->train(false);
     model.members.push_back(member);
   }
-  model.start_states = checkpoint.at("rows", "start_states", what);
-  model.training_rows.state = checkpoint.at("rows", "state", what);
-  model.training_rows.action = checkpoint.at("rows", "action", what);
-  model.training_rows.next_state = checkpoint.at("rows", "next_state", what);
+  const int size = data::state_size(model.info.layout);
+  model.start_states = inference::training_rows(checkpoint, "start_states", size, what);
+  model.training_rows.state = inference::training_rows(checkpoint, "state", size, what);
+  model.training_rows.action = inference::training_rows(checkpoint, "action", data::kActionSize, what);
+  model.training_rows.next_state = inference::training_rows(checkpoint, "next_state", size, what);
+  const std::int64_t rows = model.training_rows.state.shape()[0];
+  if (model.training_rows.action.shape()[0] != rows || model.training_rows.next_state.shape()[0] != rows)
+    throw CheckpointError(what + ": part \"rows\" has not as many actions and next states as states");
   return model;
 }
 

@@ -114,8 +114,7 @@ void DeploymentRun::load(const std::string& folder) {
   std::string whole;
   for (std::string line;
        std::getline(lines, line) && !lines.eof();) {  // a line without its end was cut by a kill
-    const common::Json json = common::Json::parse(line, nullptr, false);
-    auto record = common::artefact_from_json<runs::TrialRecord>(json, path);
+    auto record = common::artefact_from_json<runs::TrialRecord>(common::parse_json(line, path), path);
     rows_ += static_cast<std::int64_t>(record.time_s.size());
     forget_trajectories(record);
     Part& part = part_of(record);

@@ -8,6 +8,7 @@
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/common/json.h"
 #include "lodestone/data/dataset_file.h"
 #include "lodestone/data/journal.h"
 #include "lodestone/inference/checkpoint.h"
@@ -75,10 +76,11 @@ std::string check_trials(const fs::path& file) {
   std::istringstream lines(common::read_file(file));
   std::size_t trials = 0;
   std::size_t rows = 0;
-  for (std::string line; std::getline(lines, line) && !lines.eof(); ++trials)
-    rows += common::artefact_from_json<runs::TrialRecord>(
-                Json::parse(line, nullptr, false), file.string() + ", line " + std::to_string(trials + 1))
-                .time_s.size();
+  for (std::string line; std::getline(lines, line) && !lines.eof(); ++trials) {
+    const std::string place = file.string() + ", line " + std::to_string(trials + 1);
+    rows +=
+        common::artefact_from_json<runs::TrialRecord>(common::parse_json(line, place), place).time_s.size();
+  }
   const fs::path table = file.parent_path() / "trajectories.csv";
   if (const std::size_t found = rows_of(table); found < rows)
     throw common::DataError(table.string() + " holds " + std::to_string(found) + " rows, its trials name " +

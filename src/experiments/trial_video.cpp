@@ -1,9 +1,9 @@
 #include "lodestone/experiments/trial_video.h"
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "lodestone/common/files.h"
+#include "lodestone/imaging/image_file.h"
 
 namespace lodestone::experiments {
 
@@ -49,9 +49,7 @@ void TrialVideo::finish() {
   if (!writer_) return;
   writer_->finish();
   if (gif_) gif_->finish();
-  std::vector<unsigned char> jpeg;
-  cv::imencode(".jpg", last_, jpeg, {cv::IMWRITE_JPEG_QUALITY, 85});
-  common::write_file_atomically(file_ + ".jpg", std::string(jpeg.begin(), jpeg.end()));
+  imaging::write_image(file_ + ".jpg", last_);
 }
 
 }  // namespace lodestone::experiments

@@ -14,6 +14,7 @@
 
 #include "lodestone/common/config.h"
 #include "lodestone/common/files.h"
+#include "lodestone/imaging/image_file.h"
 
 namespace lodestone::imaging {
 namespace {
@@ -120,10 +121,8 @@ cv::Mat draw_charuco(const CharucoConfig& board) {
 }
 
 void write_charuco(const std::string& png_file, const CharucoConfig& board) {
-  std::vector<std::uint8_t> bytes;
-  LODESTONE_CHECK(cv::imencode(".png", draw_charuco(board), bytes), "a grey image encodes as PNG");
   constexpr std::size_t kEndOfHeader = 33;  // signature and IHDR
-  std::string png(bytes.begin(), bytes.end());
+  std::string png = encoded_image(draw_charuco(board), ".png");
   // A square is a whole number of pixels; the resolution makes up for the rounding.
   png.insert(kEndOfHeader, resolution_chunk(pixels_per_square(board) / board.square_m));
   common::write_file_atomically(png_file, png);

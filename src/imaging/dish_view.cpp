@@ -8,11 +8,20 @@
 #include "lodestone/common/error.h"
 
 namespace lodestone::imaging {
+namespace {
+
+constexpr double kLargestView_px = 8192;
+
+}  // namespace
 
 DishView::DishView(const CameraModel& camera, double radius_m, double margin_m, double pixel_m,
                    std::int64_t multiple_px)
     : camera_(camera), pixel_m_(pixel_m), multiple_px_(multiple_px) {
   const double side_px = 2.0 * (radius_m + margin_m) / pixel_m;
+  if (!(side_px <= kLargestView_px))
+    throw common::ConfigError("a view of the dish with pixels of " + std::to_string(1e3 * pixel_m) +
+                              " mm has " + std::to_string(side_px) +
+                              " pixels to a side, at most 8192 are allowed");
   size_px_ = static_cast<int>(std::ceil(side_px / static_cast<double>(multiple_px)) *
                               static_cast<double>(multiple_px));
   shrink_ = std::max(1, static_cast<int>(std::lround(pixel_m / camera.pixel_size_m())));

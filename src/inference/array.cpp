@@ -1,5 +1,7 @@
 #include "lodestone/inference/array.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "lodestone/common/error.h"
@@ -68,6 +70,18 @@ void Array::check_type(ElementType type) const {
 
 void Array::check_size(std::size_t size) const {
   LODESTONE_CHECK(size == size_, "shape " + text() + " does not hold " + std::to_string(size) + " numbers");
+}
+
+void check_finite(const Array& array, const std::string& what) {
+  const auto check = [&](const auto* numbers) {
+    const auto* bad =
+        std::find_if_not(numbers, numbers + array.size(), [](auto x) { return std::isfinite(x); });
+    if (bad != numbers + array.size())
+      throw common::CheckpointError(what + " holds " + std::to_string(*bad) + " at place " +
+                                    std::to_string(bad - numbers) + "; every number must be finite");
+  };
+  if (array.type() == ElementType::kFloat32) check(array.data<float>());
+  if (array.type() == ElementType::kFloat64) check(array.data<double>());
 }
 
 bool identical(const Array& one, const Array& other) {

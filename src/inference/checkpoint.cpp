@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
+#include <optional>
 #include <system_error>
 
 #include "lodestone/common/build_facts.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/common/shown.h"
 
 namespace lodestone::inference {
 namespace {
@@ -17,7 +18,9 @@ using common::Json;
 namespace fs = std::filesystem;
 
 constexpr const char* kManifest = "manifest.json";
-constexpr const char* kSeal = "sha256";  ///< SHA-256 of the manifest without this key
+constexpr std::size_t kLargestManifest = 1 << 30;  // bytes; that of a training run holds random streams
+constexpr std::size_t kLargestPart = std::size_t{4} << 30;  // bytes: a replay buffer
+constexpr const char* kSeal = "sha256";                     ///< SHA-256 of the manifest without this key
 
 std::string without_trailing_slash(std::string folder) {
   while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
@@ -30,6 +33,16 @@ Json shapes_of(const Arrays& arrays) {
   return shapes;
 }
 
+/// A manifest that may be none.
+std::optional<Json> find_manifest(const std::string& path) {
+  try {
+    std::optional<Json> manifest = common::find_json(common::read_file(path, kLargestManifest));
+    if (manifest && manifest->is_object()) return manifest;
+  } catch (const common::IoError&) {  // somebody else's, then
+  }
+  return std::nullopt;
+}
+
 /// Where checkpoints of a kind lie below a folder that is none itself, as the end of a message; empty when
 /// nowhere. Looks into runs and into folders of runs, no deeper.
 std::string checkpoints_below(const std::string& folder, const std::string& kind) {
@@ -40,9 +53,9 @@ std::string checkpoints_below(const std::string& folder, const std::string& kind
        entry.increment(ignored)) {
     if (entry.depth() >= kLevels) entry.disable_recursion_pending();
     if (entry->path().filename() != kManifest) continue;
-    const Json manifest = Json::parse(std::ifstream(entry->path()), nullptr, false);
-    if (manifest.is_object() && manifest.contains("format") && manifest.value("kind", Json()) == kind)
-      found.push_back(entry->path().parent_path().string());
+    if (const std::optional<Json> manifest = find_manifest(entry->path()))
+      if (manifest->contains("format") && manifest->value("kind", Json()) == kind)
+        found.push_back(entry->path().parent_path().string());
   }
   std::sort(found.begin(), found.end());
   std::string text;
@@ -59,18 +72,16 @@ Json read_manifest(const std::string& folder, const std::string& expected_kind) 
   if (!fs::exists(path))
     throw CheckpointError("checkpoint " + folder + ": holds no " + kManifest +
                           checkpoints_below(folder, expected_kind));
-  std::string text;
+  const std::string what = "checkpoint " + folder + ": ";
   try {
-    text = common::read_file(path);
-  } catch (const common::IoError& error) {
-    throw CheckpointError("checkpoint " + folder + ": " + error.what());
-  }
-  try {
-    Json manifest = Json::parse(text);
+    Json manifest = common::parse_json(common::read_file(path, kLargestManifest), kManifest);
     if (manifest.is_object()) return manifest;
-  } catch (const Json::exception&) {
+  } catch (const common::IoError& error) {
+    throw CheckpointError(what + error.what());
+  } catch (const common::DataError& error) {
+    throw CheckpointError(what + kManifest + " is truncated or no JSON object (" + error.what() + ")");
   }
-  throw CheckpointError("checkpoint " + folder + ": " + kManifest + " is truncated or no JSON object");
+  throw CheckpointError(what + kManifest + " is truncated or no JSON object");
 }
 
 /// Format first, so that a newer program's checkpoint is named as such; then the seal, then the kind.
@@ -93,16 +104,18 @@ void check_manifest(Json manifest, const std::string& folder, const std::string&
   }
   const std::string kind = manifest.at("kind").get<std::string>();
   if (kind != expected_kind) {
-    throw CheckpointError("checkpoint " + folder + " is of kind \"" + kind + "\", expected \"" +
-                          expected_kind + "\"");
+    throw CheckpointError("checkpoint " + folder + " is of kind \"" + common::shown(kind) +
+                          "\", expected \"" + expected_kind + "\"");
   }
 }
 
 Arrays read_part(const std::string& folder, const std::string& file, const Json& entry) {
-  const std::string where = "checkpoint " + folder + ": " + file;
+  const std::string where = "checkpoint " + folder + ": " + common::shown(file);
+  if (fs::path(file).filename() != file)
+    throw CheckpointError(where + " is no name of a file beside " + kManifest);
   std::string content;
   try {
-    content = common::read_file(folder + "/" + file);
+    content = common::read_file(folder + "/" + file, kLargestPart);
   } catch (const common::IoError& error) {
     throw CheckpointError(where + " cannot be read: " + error.what());
   }
@@ -133,7 +146,7 @@ void write_staged(const std::string& staged, const Checkpoint& checkpoint) {
   }
   manifest["build"] = common::build_and_host_facts();
   // A number JSON cannot hold (NaN) becomes null here, before the seal is computed.
-  manifest = Json::parse(manifest.dump());
+  manifest = common::parse_json(manifest.dump(), staged + "/" + kManifest);
   manifest[kSeal] = common::sha256(manifest.dump());
   common::write_file_atomically(staged + "/" + kManifest, manifest.dump(2) + "\n");
   common::sync_path(staged);
@@ -174,8 +187,10 @@ Checkpoint load_checkpoint(const std::string& folder, const std::string& expecte
     checkpoint.kind = expected_kind;
     checkpoint.config = manifest.at("config");
     checkpoint.facts = manifest.at("facts");
+    if (!manifest.at("files").is_object())
+      throw CheckpointError("checkpoint " + source + ": " + kManifest + " names no files");
     for (const auto& [file, entry] : manifest.at("files").items()) {
-      checkpoint.parts[fs::path(file).stem().string()] = read_part(source, fs::path(file).filename(), entry);
+      checkpoint.parts[fs::path(file).stem().string()] = read_part(source, file, entry);
     }
     return checkpoint;
   } catch (const Json::exception& error) {

@@ -12,6 +12,7 @@ const Array& weight_at(const Arrays& weights, const std::string& name, const std
     throw common::CheckpointError(what + ": array \"" + name + "\" is " + found->second.text() +
                                   ", expected " + Array(ElementType::kFloat32, shape, nullptr).text());
   }
+  check_finite(found->second, what + ": array \"" + name + "\"");
   return found->second;
 }
 

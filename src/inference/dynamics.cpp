@@ -1,6 +1,7 @@
 #include "lodestone/inference/dynamics.h"
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/shown.h"
 
 namespace lodestone::inference {
 namespace {
@@ -51,7 +52,8 @@ data::DatasetInfo dataset_info_of(const Json& facts, const std::string& what) {
     data::DatasetInfo info;
     const auto layout = json.at("layout").get<std::string>();
     if (layout != "pose" && layout != "position") {
-      throw CheckpointError(what + ": state layout \"" + layout + "\" is neither \"pose\" nor \"position\"");
+      throw CheckpointError(what + ": state layout \"" + common::shown(layout) +
+                            "\" is neither \"pose\" nor \"position\"");
     }
     info.layout = layout == "pose" ? data::StateLayout::kPose : data::StateLayout::kPosition;
     info.action_unit = json.at("action_unit").get<std::string>();
@@ -62,10 +64,24 @@ data::DatasetInfo dataset_info_of(const Json& facts, const std::string& what) {
     info.seed = json.at("seed").get<std::int64_t>();
     info.source = json.at("source").get<std::string>();
     info.rig = json.at("rig");
+    data::check_info(info, what);
     return info;
+  } catch (const common::DataError& error) {
+    throw CheckpointError(error.what());
   } catch (const Json::exception& error) {
     throw CheckpointError(what + ": description of the dataset is malformed: " + error.what());
   }
+}
+
+const Array& training_rows(const Checkpoint& checkpoint, const std::string& name, std::int64_t columns,
+                           const std::string& what) {
+  const Array& rows = checkpoint.at("rows", name, what);
+  const std::string where = what + ": array \"" + name + "\" of part \"rows\"";
+  const bool numbers = rows.type() == ElementType::kFloat32 || rows.type() == ElementType::kFloat64;
+  if (!numbers || rows.shape().size() != 2 || rows.shape()[0] < 1 || rows.shape()[1] != columns)
+    throw CheckpointError(where + " is " + rows.text() + ", expected rows of " + std::to_string(columns));
+  check_finite(rows, where);
+  return rows;
 }
 
 DynamicsModel load_dynamics(const std::string& folder) {
@@ -80,10 +96,11 @@ DynamicsModel load_dynamics(const std::string& folder) {
       throw CheckpointError(what + ": part \"" + member_part(k) + "\" is missing");
     model.members.emplace_back(part->second, model.config, model.info.layout, what + ", " + member_part(k));
   }
-  model.start_states = checkpoint.at("rows", "start_states", what).to_double();
+  const int size = data::state_size(model.info.layout);
+  model.start_states = training_rows(checkpoint, "start_states", size, what).to_double();
   model.recorded_moves =
-      moves_between(checkpoint.at("rows", "state", what), checkpoint.at("rows", "next_state", what),
-                    static_cast<std::size_t>(data::state_size(model.info.layout)));
+      moves_between(training_rows(checkpoint, "state", size, what),
+                    training_rows(checkpoint, "next_state", size, what), static_cast<std::size_t>(size));
   return model;
 }
 

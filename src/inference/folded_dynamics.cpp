@@ -1,8 +1,10 @@
 #include "lodestone/inference/folded_dynamics.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "lodestone/common/error.h"
 #include "lodestone/geometry/pose2.h"
 
 namespace lodestone::inference {
@@ -76,6 +78,12 @@ class Folder {
   bool after_linear_ = false;
 };
 
+/// Spreads that are divided by.
+void check_above_zero(const Numbers& spread, const std::string& name, const std::string& what) {
+  if (std::any_of(spread.begin(), spread.end(), [](double value) { return !(value > 0.0); }))
+    throw common::CheckpointError(what + ": array \"" + name + "\" holds a spread that is not above 0");
+}
+
 /// The linear layers of a dynamics network with every normalisation worked into them, in float64 until the
 /// end. Throws CheckpointError that begins with `what` when `weights` are not those of the shape.
 std::vector<LinearLayer> fold(const Arrays& weights, const DynamicsConfig& config, data::StateLayout layout,
@@ -85,16 +93,20 @@ std::vector<LinearLayer> fold(const Arrays& weights, const DynamicsConfig& confi
   };
   std::int64_t place = 0;  // in dynamics::Network's sequence of layers
   std::int64_t width = config.inputs(layout);
-  Folder folder(numbers("input_mean", {width}), numbers("input_std", {width}));
+  const Numbers input_std = numbers("input_std", {width});
+  check_above_zero(input_std, "input_std", what);
+  Folder folder(numbers("input_mean", {width}), input_std);
   const auto add_batch_norm = [&] {
     if (!config.batch_norm) return;
     const std::string prefix = "layers." + std::to_string(place++) + ".";
     Numbers scale = numbers(prefix + "weight", {width});
     Numbers shift = numbers(prefix + "bias", {width});
     const Numbers mean = numbers(prefix + "running_mean", {width});
-    const Numbers variance = numbers(prefix + "running_var", {width});
+    Numbers variance = numbers(prefix + "running_var", {width});
+    for (double& value : variance) value += kBatchNormEpsilon;
+    check_above_zero(variance, prefix + "running_var", what);
     for (std::size_t i = 0; i < scale.size(); ++i) {
-      scale[i] /= std::sqrt(variance[i] + kBatchNormEpsilon);
+      scale[i] /= std::sqrt(variance[i]);
       shift[i] -= mean[i] * scale[i];
     }
     folder.affine(scale, shift);
@@ -115,7 +127,15 @@ std::vector<LinearLayer> fold(const Arrays& weights, const DynamicsConfig& confi
   add_linear(config.components > 0 ? config.mixture(layout).outputs() : states);
   if (config.components == 0)
     folder.affine(numbers("output_std", {states}), numbers("output_mean", {states}));
-  return folder.layers();
+  std::vector<LinearLayer> layers = folder.layers();
+  for (const LinearLayer& layer : layers) {
+    const auto finite = [](float value) { return std::isfinite(value); };
+    if (!std::all_of(layer.weight.begin(), layer.weight.end(), finite) ||
+        !std::all_of(layer.bias.begin(), layer.bias.end(), finite))
+      throw common::CheckpointError(what +
+                                    ": its weights and normalisers together are too large for float32");
+  }
+  return layers;
 }
 
 }  // namespace

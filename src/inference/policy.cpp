@@ -34,16 +34,17 @@ std::vector<float> actions_for(const Actor& actor, const std::vector<float>& obs
 }
 
 void check_examples(const Actor& actor, const Checkpoint& checkpoint, const std::string& what) {
-  const Array& observation = checkpoint.at("examples", "observation", what);
-  const Array& action = checkpoint.at("examples", "action", what);
-  const std::int64_t size = actor.observation_size();
-  if (observation.shape().size() != 2 || observation.shape()[1] != size) {
-    throw CheckpointError(what + ": examples do not have the encoder's " + std::to_string(size) + " numbers");
-  }
-  const std::vector<float> recomputed = actions_for(actor, observation.to_vector<float>());
-  const std::vector<float> stored = action.to_vector<float>();
-  if (stored.size() != recomputed.size())
-    throw CheckpointError(what + ": there is not one example action for each observation");
+  const auto examples = checkpoint.parts.find("examples");
+  if (examples == checkpoint.parts.end()) throw CheckpointError(what + ": part \"examples\" is missing");
+  const Array& given = checkpoint.at("examples", "observation", what);
+  const std::int64_t rows = given.shape().empty() ? 0 : given.shape().front();
+  if (rows < 1) throw CheckpointError(what + ": there is no example observation");
+  const auto stored_in = [&](const char* name, std::int64_t columns) {
+    return weight_at(examples->second, name, {rows, columns}, what + ", examples").to_vector<float>();
+  };
+  const std::vector<float> recomputed =
+      actions_for(actor, stored_in("observation", actor.observation_size()));
+  const std::vector<float> stored = stored_in("action", actor.action_size());
   float error = 0.0F;
   for (std::size_t i = 0; i < stored.size(); ++i) {
     const float difference = std::abs(recomputed[i] - stored[i]);
@@ -55,10 +56,21 @@ void check_examples(const Actor& actor, const Checkpoint& checkpoint, const std:
   }
 }
 
+std::vector<std::int64_t> hidden_from_json(const Json& list, const std::string& what) {
+  const auto fits = [](const Json& width) {
+    return width.is_number_unsigned() && width >= 1 && width <= kWidestLayer;
+  };
+  if (!list.is_array() || list.size() > kMostLayers || !std::all_of(list.begin(), list.end(), fits))
+    throw CheckpointError(what + ": hidden = " + common::shown_json(list) + " must be at most " +
+                          std::to_string(kMostLayers) + " widths within 1 .. " +
+                          std::to_string(kWidestLayer));
+  return list.get<std::vector<std::int64_t>>();
+}
+
 Policy policy_from_facts(const Json& facts, const std::string& what) {
   Policy policy;
   try {
-    policy.hidden = facts.at("hidden").get<std::vector<std::int64_t>>();
+    policy.hidden = hidden_from_json(facts.at("hidden"), what);
     policy.encoder = task::encoder_from_json(facts.at("encoder"), what);
     policy.action = task::action_from_json(facts.at("action"), what);
     policy.goal = facts.at("goal").get<std::string>();

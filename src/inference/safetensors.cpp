@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstring>
 #include <iterator>
+#include <limits>
 #include <memory>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/shown.h"
 #include "lodestone/inference/checkpoint.h"
 
 namespace lodestone::inference {
@@ -15,7 +17,8 @@ using common::CheckpointError;
 using common::Json;
 
 constexpr std::size_t kLengthBytes = 8;
-constexpr std::uint64_t kLargestHeader = 100'000'000;  // the limit of the reference implementation
+constexpr std::uint64_t kLargestHeader = 16 << 20;  // bytes: it names some hundred arrays
+constexpr std::size_t kMostDimensions = 8;
 
 struct NamedType {
   const char* name;
@@ -36,22 +39,36 @@ ElementType type_of(const std::string& name, const std::string& what) {
   for (const NamedType& named : kTypes) {
     if (name == named.name) return named.type;
   }
-  throw CheckpointError(what + ": element type \"" + name + "\" is not one of F32, F64, I64, U8");
+  throw CheckpointError(what + ": element type \"" + common::shown(name) +
+                        "\" is not one of F32, F64, I64, U8");
+}
+
+/// A list of whole numbers from 0 up; nlohmann-json would convert others.
+template <class Number>
+std::vector<Number> whole_numbers(const Json& list, std::size_t most, const std::string& where) {
+  const auto fits = [](const Json& item) {
+    return item.is_number_unsigned() &&
+           item.get<std::uint64_t>() <= static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+  };
+  if (!list.is_array() || list.size() > most || !std::all_of(list.begin(), list.end(), fits))
+    throw CheckpointError(where + ": " + common::shown_json(list) + " is no list of at most " +
+                          std::to_string(most) + " whole numbers");
+  return list.get<std::vector<Number>>();
 }
 
 Array decode_array(const std::string& name, const Json& entry, const char* data, std::uint64_t size,
                    const std::string& what) {
-  const std::string where = what + ": array \"" + name + "\"";
+  const std::string where = what + ": array \"" + common::shown(name) + "\"";
   const ElementType type = type_of(entry.at("dtype").get<std::string>(), where);
-  auto shape = entry.at("shape").get<std::vector<std::int64_t>>();
-  const auto offsets = entry.at("data_offsets").get<std::vector<std::uint64_t>>();
+  auto shape = whole_numbers<std::int64_t>(entry.at("shape"), kMostDimensions, where + ", shape");
+  const auto offsets = whole_numbers<std::uint64_t>(entry.at("data_offsets"), 2, where + ", data_offsets");
   if (offsets.size() != 2 || offsets[0] > offsets[1] || offsets[1] > size) {
     throw CheckpointError(where + " lies outside the file");
   }
   const std::uint64_t bytes = offsets[1] - offsets[0];
   std::uint64_t expected = element_size(type);
   for (const std::int64_t length : shape) {
-    if (length < 0 || (length > 0 && expected > size / static_cast<std::uint64_t>(length))) {
+    if (length > 0 && expected > size / static_cast<std::uint64_t>(length)) {
       throw CheckpointError(where + " has a shape that does not fit its data");
     }
     expected *= static_cast<std::uint64_t>(length);
@@ -105,14 +122,20 @@ Arrays decode_safetensors(const std::string& content, const std::string& what) {
   const char* data = content.data() + kLengthBytes + length;
   const std::uint64_t size = content.size() - kLengthBytes - length;
   Arrays arrays;
+  std::uint64_t bytes = 0;
   try {
-    const Json header = Json::parse(content.begin() + kLengthBytes,
-                                    content.begin() + static_cast<std::ptrdiff_t>(kLengthBytes + length));
+    const Json header = common::parse_json(std::string_view(content).substr(kLengthBytes, length), "header");
+    if (!header.is_object()) throw CheckpointError(what + " has a malformed header: it is no JSON object");
     for (const auto& [name, entry] : header.items()) {
       if (name == "__metadata__") continue;
-      arrays[name] = decode_array(name, entry, data, size, what);
+      const Array& array = arrays[name] = decode_array(name, entry, data, size, what);
+      bytes += array.bytes();
+      // Otherwise a small file could hold the same numbers a thousand times.
+      if (bytes > size) throw CheckpointError(what + ": its arrays overlap");
     }
   } catch (const Json::exception& error) {
+    throw CheckpointError(what + " has a malformed header: " + error.what());
+  } catch (const common::DataError& error) {
     throw CheckpointError(what + " has a malformed header: " + error.what());
   }
   return arrays;

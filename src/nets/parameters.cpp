@@ -7,6 +7,7 @@
 #include <ATen/ops/zeros.h>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/shown.h"
 
 namespace lodestone::nets {
 namespace {
@@ -62,7 +63,7 @@ void Parameters::load(const NamedTensors& tensors, const std::string& what) {
   const NamedTensors own = named();
   for (const auto& entry : tensors) {
     if (own.count(entry.first) == 0)
-      throw common::CheckpointError(what + ": unexpected tensor \"" + entry.first + "\"");
+      throw common::CheckpointError(what + ": unexpected tensor \"" + common::shown(entry.first) + "\"");
   }
   for (const auto& [name, target] : own) {
     const auto found = tensors.find(name);
@@ -75,6 +76,7 @@ void Parameters::load(const NamedTensors& tensors, const std::string& what) {
               << at::toString(target.scalar_type());
       throw common::CheckpointError(message.str());
     }
+    inference::check_finite(to_array(source), what + ": tensor \"" + name + "\"");
     target.copy_(source);
   }
 }

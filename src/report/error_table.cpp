@@ -125,9 +125,10 @@ runs::DeploymentSummary merged_summary(const RunData& run) {
   if (run.coverage) {
     runs::CollectionFacts& collect = summary.provenance.collect.emplace();
     collect.transitions_with_current = run.coverage->transitions;
-    collect.transitions = run.collect.config.is_object()
-                              ? run.collect.config.value("transitions", run.coverage->transitions)
-                              : run.coverage->transitions;
+    const common::Json& config = run.collect.config;
+    const bool told =
+        config.is_object() && config.contains("transitions") && config["transitions"].is_number_integer();
+    collect.transitions = told ? config["transitions"].get<std::int64_t>() : run.coverage->transitions;
     collect.coverage = run.coverage->fraction;
     collect.evenness = run.coverage->evenness;
   }

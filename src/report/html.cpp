@@ -35,6 +35,7 @@ std::string percent(const std::optional<double>& fraction) {
 }
 
 std::string grouped(double value) {
+  if (!(std::abs(value) < 1e15)) return "–";
   std::string digits = std::to_string(std::llround(std::abs(value)));
   for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3)
     digits.insert(static_cast<std::size_t>(i), "\u202f");

@@ -43,7 +43,9 @@ void read_deployment(const std::string& folder, RunData& run) {
     run.rigs.push_back({rig, of_rig, runs::find_trials(folder + "/" + rig)});
   if (!run.rigs.empty()) return;
   std::string rig = summary->scored_by ? "real" : "explored";
-  if (!summary->scored_by && run.deploy.config.is_object()) rig = run.deploy.config.value("on_rig", rig);
+  if (!summary->scored_by && run.deploy.config.is_object() && run.deploy.config.contains("on_rig") &&
+      run.deploy.config["on_rig"].is_string())
+    rig = run.deploy.config["on_rig"].get<std::string>();
   run.rigs.push_back({rig, *summary, runs::find_trials(folder)});
 }
 
@@ -69,9 +71,9 @@ std::vector<Json> read_lines(const std::string& path) {
   for (std::string line; std::getline(stream, line);) {
     ++number;
     if (line.empty()) continue;
-    Json json = Json::parse(line, nullptr, false);
-    if (json.is_object()) {
-      lines.push_back(std::move(json));
+    std::optional<Json> json = common::find_json(line);
+    if (json && json->is_object()) {
+      lines.push_back(std::move(*json));
     } else if (stream.peek() != std::istringstream::traits_type::eof()) {
       throw DataError(path + ":" + std::to_string(number) + ": not a JSON object");
     }

@@ -64,6 +64,7 @@ Trial read_trial(const runs::TrialRecord& record) {
 }  // namespace
 
 double Trial::distance_mm(std::size_t observation) const {
+  if (observation >= reference_mm.size()) return std::numeric_limits<double>::quiet_NaN();
   const auto& [x, y] = track_mm.at(observation);
   const auto& [target_x, target_y] = reference_mm.at(observation);
   return std::hypot(x - target_x, y - target_y);

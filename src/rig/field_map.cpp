@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/imaging/image_file.h"
 #include "lodestone/physics/coil_array.h"
 #include "lodestone/physics/finite_coil.h"
 #include "lodestone/rig/coils.h"
@@ -173,11 +173,7 @@ void write_field_plot(const std::string& file, const physics::CoilGeometry& geom
   plot.draw_dish(points_m);
   plot.draw_axes();
   plot.draw_scale();
-  std::vector<unsigned char> encoded;
-  if (!cv::imencode(".png", plot.image(), encoded))
-    throw common::IoError(file + ": the image could not be encoded");
-  common::write_file_atomically(
-      file, std::string_view(reinterpret_cast<const char*>(encoded.data()), encoded.size()));
+  common::write_file_atomically(file, imaging::encoded_image(plot.image(), ".png"));
 }
 
 }  // namespace lodestone::rig

@@ -6,7 +6,6 @@
 #include <cctype>
 #include <cstdint>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <set>
@@ -14,6 +13,8 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/imaging/image_file.h"
+#include "lodestone/imaging/quiet_stderr.h"
 
 namespace lodestone::rig {
 namespace {
@@ -56,17 +57,10 @@ std::vector<std::string> images_of_pattern(const std::string& pattern) {
 cv::Mat decode(const std::string& file) {
   cv::Mat image;
   try {
-    const std::string bytes = common::read_file(file);
-    if (!bytes.empty()) {
-      const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
-      image = cv::imdecode(raw, cv::IMREAD_UNCHANGED);
-    }
-  } catch (const cv::Exception&) {
-    image.release();
+    image = imaging::read_image(file);
   } catch (const common::IoError& error) {
     throw common::HardwareError(error.what());
   }
-  if (image.empty()) throw common::HardwareError("cannot decode the image " + file + "; is it complete?");
   if (image.channels() == 4) cv::cvtColor(image, image, cv::COLOR_BGRA2BGR);
   return image;
 }
@@ -80,6 +74,12 @@ struct FileCamera::Source {
   double frame_rate_hz = 0.0;
   std::int64_t handed_out = 0;
 
+  bool open_video() {
+    common::check_is_file(name);
+    const imaging::QuietStderr quiet;
+    return video.open(name, cv::CAP_FFMPEG);
+  }
+
   void open() {
     if (fs::is_directory(name)) {
       files = images_of_folder(name);
@@ -89,7 +89,7 @@ struct FileCamera::Source {
       files = images_of_pattern(name);
     } else if (is_image(name)) {
       files = {name};
-    } else if (!video.open(name, cv::CAP_FFMPEG)) {
+    } else if (!open_video()) {
       throw common::IoError("cannot read " + name +
                             " as a video; give images, or a video such as .mp4 or .avi");
     }

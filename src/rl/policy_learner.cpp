@@ -31,6 +31,8 @@ void load_same_size(std::vector<float>& target, const nets::NamedTensors& stored
                                   "\" is missing or does not hold " + std::to_string(target.size()) +
                                   " numbers: resume with the configuration it was made with");
   }
+  inference::check_finite(nets::to_array(found->second),
+                          std::string("training checkpoint: tensor \"") + name + "\"");
   std::copy_n(found->second.data_ptr<float>(), target.size(), target.begin());
 }
 
@@ -87,6 +89,7 @@ void PolicyLearner::step() {
   }
   const env::StepResult& result = *stepped;
   const std::vector<float>& done = result.action.empty() ? action : result.action;
+  check_finite(result);
   buffer_.add(observation_, done, result);
   if (hindsight_) hindsight_->add(observation_, done, result, buffer_);
   count_episodes(result);
@@ -97,12 +100,40 @@ void PolicyLearner::step() {
   if (!learning_.overlap) make_due_updates();
 }
 
+/// Nothing can be learned from what is not a number, and it would spread into every weight.
+void PolicyLearner::check_finite(const env::StepResult& result) const {
+  const auto finite = [](float value) { return std::isfinite(value); };
+  const auto check = [&](const std::vector<float>& values, const char* what) {
+    const auto bad = std::find_if_not(values.begin(), values.end(), finite);
+    if (bad == values.end()) return;
+    const auto rows = static_cast<std::size_t>(environments_.spec().count);
+    const std::size_t environment = static_cast<std::size_t>(bad - values.begin()) / (values.size() / rows);
+    throw common::DataError("training the policy: " + std::string(what) + " of environment " +
+                            std::to_string(environment) + " is " + std::to_string(*bad) + " after " +
+                            std::to_string(env_steps_) +
+                            " environment steps; the simulator left its range: check the dynamics with "
+                            "`lodestone evaluate dynamics`");
+  };
+  check(result.reward, "the reward");
+  check(result.final_observation, "the observation");
+}
+
+void PolicyLearner::check_finite(const UpdateResult& update) const {
+  if (std::isfinite(update.critic_loss) && std::isfinite(update.q_mean) &&
+      (!update.policy_updated || std::isfinite(update.actor_loss)))
+    return;
+  throw common::Error("training the policy diverged at environment step " + std::to_string(env_steps_) +
+                      ", update " + std::to_string(td3_->updates()) +
+                      " (its loss is not finite); lower td3.learning_rate");
+}
+
 void PolicyLearner::make_due_updates() {
   const double done = static_cast<double>(env_steps_) / static_cast<double>(learning_.env_steps);
   td3_->set_learning_rate(learning_rate_ *
                           (1.0 - (1.0 - learning_.final_learning_rate) * std::min(1.0, done)));
   for (; due_updates_ >= 1.0; due_updates_ -= 1.0) {
     const UpdateResult update = td3_->update(buffer_);
+    check_finite(update);
     critic_loss_.add(update.critic_loss);
     q_.add(update.q_mean);
     if (update.policy_updated) actor_loss_.add(update.actor_loss);

@@ -1,6 +1,7 @@
 #include "lodestone/rl/policy_trainer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <thread>
 #include <utility>
@@ -55,17 +56,18 @@ class Training : public runs::ResumableWork {
 
   void load(const std::string& folder) override {
     const nets::Checkpoint checkpoint = nets::load_checkpoint(folder + "/training", kKind);
-    learner_.load(checkpoint);
     try {
+      learner_.load(checkpoint);
       const common::Json& run = checkpoint.facts.at("run");
       next_evaluation_ = run.at("next_evaluation").get<std::int64_t>();
       result_.train_seconds = run.at("train_seconds").get<double>();
       result_.best_env_steps = run.at("best_env_steps").get<std::int64_t>();
       returns_ = run.at("returns").get<std::vector<std::pair<double, double>>>();
+      if (returns_.empty()) throw common::CheckpointError(folder + "/training: no evaluation is in it");
       if (result_.best_env_steps > 0)
         result_.evaluation = common::artefact_from_json<PolicyScore>(run.at("best"), folder + "/training");
     } catch (const nlohmann::json::exception& error) {
-      throw common::CheckpointError(folder + "/training: malformed run facts: " + error.what());
+      throw common::CheckpointError(folder + "/training: malformed facts: " + error.what());
     }
   }
 
@@ -115,6 +117,11 @@ class Training : public runs::ResumableWork {
 
   void evaluate(common::MetricsLog& metrics) {
     const PolicyScore score = evaluation_.run(learner_.td3().actor());
+    if (!std::isfinite(score.episode_return))
+      throw common::DataError("training the policy: the return of its evaluation is " +
+                              std::to_string(score.episode_return) + " at environment step " +
+                              std::to_string(learner_.env_steps()) +
+                              "; check the dynamics with `lodestone evaluate dynamics`");
     common::Scalars scalars = learner_.take_statistics();
     for (const auto& [key, value] : scalars_of(score)) scalars.emplace_back(key, value);
     scalars.emplace_back("train/updates", static_cast<double>(learner_.updates()));
@@ -134,6 +141,7 @@ class Training : public runs::ResumableWork {
   }
 
   double seconds_to_fraction(double fraction) const {
+    if (returns_.size() < 2) return 0.0;
     const double first = returns_.front().second;
     const double wanted = first + fraction * (returns_.back().second - first);
     const auto reached = std::find_if(returns_.begin() + 1, returns_.end() - 1,
@@ -170,6 +178,9 @@ class Training : public runs::ResumableWork {
 }  // namespace
 
 void TrainPolicyConfig::validate() const {
+  if (td3.hidden.size() > inference::kMostLayers)
+    throw common::InvalidConfig("td3.hidden", td3.hidden,
+                                "name at most " + std::to_string(inference::kMostLayers) + " layers");
   const LearningConfig& learning = training.learning;
   if (learning.warm_up_steps >= learning.env_steps)
     throw common::InvalidConfig("training.warm_up_steps", learning.warm_up_steps,

@@ -108,6 +108,7 @@ void ReplayBuffer::load(const nets::NamedTensors& tensors) {
     throw common::CheckpointError("replay buffer: write position " + std::to_string(position) +
                                   " is outside 0.." + std::to_string(capacity_ - 1));
   }
+  inference::check_finite(nets::to_array(stored), "replay buffer: checkpoint rows");
   size_ = stored.size(0);
   next_ = position;
   rows_.narrow(0, 0, size_).copy_(stored);

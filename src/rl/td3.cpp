@@ -26,6 +26,8 @@ void copy_named(const nets::NamedTensors& views, const nets::NamedTensors& store
                                     " is missing or of another shape than " + c10::str(view.sizes()) +
                                     ": resume with the configuration it was made with");
     }
+    inference::check_finite(nets::to_array(found->second),
+                            std::string("training checkpoint: tensor \"") + name + "\"");
     at::Tensor target = view;
     target.copy_(found->second);
   }

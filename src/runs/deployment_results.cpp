@@ -5,6 +5,18 @@
 
 namespace lodestone::runs {
 
+void TrialRecord::validate() const {
+  const std::size_t observations = trajectory ? trajectory->size() : sensed_trajectory.size();
+  const auto check = [&](const char* name, std::size_t rows) {
+    if (rows != observations)
+      throw common::DataError("trial " + std::to_string(trial) + ": " + name + " has " +
+                              std::to_string(rows) + " rows for " + std::to_string(observations) +
+                              " observations");
+  };
+  if (reference_mm) check("reference_mm", reference_mm->size());
+  if (approach) check("approach", approach->size());
+}
+
 std::optional<std::vector<TrialRecord>> find_trials(const std::string& folder) {
   const std::string path = folder + "/" + kTrialsFile;
   const common::Json json = common::read_json_if_there(path);

@@ -39,7 +39,8 @@ Json completed(const Json& cell, const std::string& where) {
   const Json known = common::artefact_to_json(defaults);
   if (!cell.is_object()) throw ConfigError(where + " must be a JSON object {...}");
   for (const auto& [key, value] : cell.items())
-    if (!known.contains(key)) throw ConfigError(where + ": unknown key " + key + " = " + value.dump());
+    if (!known.contains(key))
+      throw ConfigError(where + ": unknown key " + key + " = " + common::shown_json(value));
   Json whole = common::artefact_to_json(Cell{});
   whole.update(cell);
   return whole;
@@ -86,7 +87,8 @@ Plan read_plan(const std::string& path) {
   if (!json.is_object() || !json.contains("cells") || !json["cells"].is_array())
     throw ConfigError(path + ": a plan is an object with a list \"cells\"");
   for (const auto& [key, value] : json.items())
-    if (!whole.contains(key)) throw ConfigError(path + ": unknown key " + key + " = " + value.dump());
+    if (!whole.contains(key))
+      throw ConfigError(path + ": unknown key " + key + " = " + common::shown_json(value));
   for (Json& cell : json["cells"]) cell = completed(cell, path + ": a cell");
   whole.update(json);
   return common::artefact_from_json<Plan>(whole, path);
@@ -128,8 +130,8 @@ std::vector<StatusRow> status_of(const std::string& folder) {
     add(folder, folder);
   } else if (fs::is_directory(folder)) {
     std::vector<std::string> found;
-    for (auto entry = fs::recursive_directory_iterator(folder); entry != fs::recursive_directory_iterator();
-         ++entry) {
+    for (auto entry = fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied);
+         entry != fs::recursive_directory_iterator(); ++entry) {
       if (!entry->is_directory() || !find_run(entry->path().string())) continue;
       found.push_back(entry->path().string());
       entry.disable_recursion_pending();

@@ -6,6 +6,11 @@
 #include "lodestone/geometry/saturation.h"
 
 namespace lodestone::task {
+namespace {
+
+constexpr double kLargestScale = 1e3;  // A or percent
+
+}  // namespace
 
 common::Json action_to_json(const ActionConfig& config) {
   common::Json json = common::config_to_json(config);
@@ -17,6 +22,9 @@ common::Json action_to_json(const ActionConfig& config) {
 ActionConfig action_from_json(common::Json json, const std::string& what) {
   const double scale = json.at("scale").get<double>();
   const std::string unit = json.value("unit", "A");
+  if (!(scale > 0.0 && scale <= kLargestScale))
+    throw common::ConfigError(what + ": scale = " + common::shown_json(json["scale"]) +
+                              " must be above 0 and at most 1000");
   json.erase("scale");
   json.erase("unit");
   auto config = common::config_from_json<ActionConfig>(json, what);

@@ -3,6 +3,12 @@
 #include <cmath>
 
 namespace lodestone::task {
+namespace {
+
+constexpr double kLeastLengthScale_m = 1e-3;
+constexpr double kMostLengthScale_m = 1.0;
+
+}  // namespace
 
 common::Json encoder_to_json(const EncoderConfig& config) {
   common::Json json = common::config_to_json(config);
@@ -12,6 +18,9 @@ common::Json encoder_to_json(const EncoderConfig& config) {
 
 EncoderConfig encoder_from_json(common::Json json, const std::string& what) {
   const double length_scale_m = json.at("length_scale_m").get<double>();
+  if (!(length_scale_m >= kLeastLengthScale_m && length_scale_m <= kMostLengthScale_m))
+    throw common::ConfigError(what + ": length_scale_m = " + common::shown_json(json["length_scale_m"]) +
+                              " must be within 0.001 .. 1");
   json.erase("length_scale_m");
   auto config = common::config_from_json<EncoderConfig>(json, what);
   config.length_scale_m = length_scale_m;

@@ -9,6 +9,12 @@
 #include "lodestone/common/error.h"
 
 namespace lodestone::task {
+namespace {
+
+constexpr double kLeastCell_m = 1e-4;
+constexpr double kMostCell_m = 0.1;
+
+}  // namespace
 
 Region::Cell Region::cell_of(const geometry::Vector2& position_m) const {
   return {static_cast<std::int64_t>(std::floor(position_m.x() / cell_m_)),
@@ -89,8 +95,10 @@ Region Region::from_json(const common::Json& json) {
   } catch (const common::Json::exception& error) {
     throw common::DataError(std::string("map of the reachable region is malformed: ") + error.what());
   }
-  if (!(region.cell_m_ > 0.0) || region.cells_.empty())
-    throw common::DataError("map of the reachable region holds no cell");
+  if (region.cells_.empty()) throw common::DataError("map of the reachable region holds no cell");
+  if (!(region.cell_m_ >= kLeastCell_m && region.cell_m_ <= kMostCell_m))
+    throw common::DataError("map of the reachable region: cell_m = " + common::shown_json(json["cell_m"]) +
+                            " must be within 0.0001 .. 0.1");
   std::sort(region.cells_.begin(), region.cells_.end());
   return region;
 }

@@ -1,5 +1,7 @@
 #include "lodestone/vision/segmenter.h"
 
+#include <algorithm>
+
 #include <ATen/TensorOperators.h>
 #include <ATen/core/grad_mode.h>
 #include <ATen/ops/empty.h>
@@ -22,6 +24,17 @@ cv::Mat to_mat(const at::Tensor& map) {
       .clone();
 }
 
+/// Before memory is taken for the network: its widest layer, which is most of it, must be among the tensors.
+void check_fills(const nets::UNetConfig& config, const nets::NamedTensors& tensors, const std::string& what) {
+  const std::int64_t widest = config.width << config.depth;
+  std::int64_t largest = 0;
+  for (const auto& [name, tensor] : tensors) largest = std::max(largest, tensor.numel());
+  if (largest < 9 * widest * widest)
+    throw common::CheckpointError(what + ": a network of width " + std::to_string(config.width) +
+                                  " and depth " + std::to_string(config.depth) +
+                                  " is larger than its tensors");
+}
+
 }  // namespace
 
 Segmenter::Segmenter(const SegmenterConfig& config, const nets::UNet& network)
@@ -40,8 +53,12 @@ std::shared_ptr<const Segmenter> Segmenter::load(const std::string& folder) {
   try {
     const auto config =
         common::config_from_json<SegmenterConfig>(checkpoint.facts.at("segmenter"), what + ", segmenter");
+    const nets::NamedTensors& tensors = checkpoint.parts.at(kPart);
+    check_fills(config.network, tensors, what);
     nets::UNet network(config.network);
-    network.tensors().load(checkpoint.parts.at(kPart), what);
+    network.tensors().load(tensors, what);
+    if (!(network.colour_std() > 0.0).all().item<bool>())
+      throw common::CheckpointError(what + ": tensor \"colour_std\" holds a spread that is not above 0");
     return std::make_shared<const Segmenter>(config, network);
   } catch (const common::Json::exception& error) {
     throw common::CheckpointError(what + ": facts are malformed: " + error.what());

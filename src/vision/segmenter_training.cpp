@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <numeric>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <ATen/TensorOperators.h>
@@ -16,8 +15,10 @@
 
 #include "lodestone/common/clock.h"
 #include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
+#include "lodestone/imaging/image_file.h"
 #include "lodestone/nets/checkpoint.h"
 #include "lodestone/nets/optimiser.h"
 #include "lodestone/nets/unet.h"
@@ -298,10 +299,9 @@ class Training : public runs::ResumableWork {
     const Tensor images = validation_.images.slice(0, 0, std::min<std::int64_t>(validation_.size(), 4));
     const Tensor probability = at::sigmoid(networks_[0]->forward(images.to(at::kFloat)));
     const cv::Mat sheet = prediction_image(images, validation_.masks, probability);
-    std::vector<unsigned char> png;
-    cv::imencode(".png", sheet, png);
-    metrics.write_image(epoch_, "predictions", std::string(png.begin(), png.end()), sheet.cols, sheet.rows);
-    cv::imwrite(folder_ + "/predictions.png", sheet);
+    const std::string png = imaging::encoded_image(sheet, ".png");
+    metrics.write_image(epoch_, "predictions", png, sheet.cols, sheet.rows);
+    common::write_file_atomically(folder_ + "/predictions.png", png);
   }
 
   std::string note() const {

@@ -1,7 +1,9 @@
 """Bad input gives one clear line and exit code 2 (configuration) or 1 (data), and nothing is written."""
+import hashlib
 import json
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -13,10 +15,10 @@ failures = []
 def check(arguments, code, *expected):
     """Runs in an empty folder; the message must be one line that holds every expected text."""
     with tempfile.TemporaryDirectory() as folder:
-        made = subprocess.run([program, *arguments, "--no-reexec"], cwd=folder, capture_output=True, text=True,
+        made = subprocess.run([program, *arguments, "--no-reexec"], cwd=folder, capture_output=True, text=True, timeout=60,
                               env={**os.environ, "XDG_RUNTIME_DIR": tempfile.gettempdir()})  # else libwayland says a word
         lines = [line for line in made.stderr.splitlines() if line.strip()]
-        what = f"lodestone {' '.join(arguments)}\n  exit {made.returncode}, stderr: {made.stderr!r}"
+        what = f"lodestone {' '.join(argument[:200] for argument in arguments)}\n  exit {made.returncode}, stderr: {made.stderr!r}"
         if made.returncode != code:
             failures.append(f"{what}\n  expected exit {code}")
         if len(lines) != 1:
@@ -85,6 +87,84 @@ check(["report", "--run", "."], 2, "holds no run", "collect")
 check(["deploy", "--controller", "baseline", "--sensor", "simulated", "--task", "point", "--target-mm", "50,0", "--out", "run"], 2,
       "target_mm", "outside the dish", "42.5")
 check(["config", "--print", "nothing"], 2, "nothing", "collect")
+
+
+def resealed(folder, change):
+    """A copy of the released policy whose manifest is changed and sealed again."""
+    policy = pathlib.Path(folder) / "policy"
+    shutil.rmtree(policy, ignore_errors=True)
+    shutil.copytree(source / "models/target", policy)
+    policy.chmod(0o755)
+    manifest = json.loads((policy / "manifest.json").read_text())
+    change(manifest)
+    del manifest["sha256"]
+    text = json.dumps(manifest, separators=(",", ":"), ensure_ascii=False)
+    manifest["sha256"] = hashlib.sha256(text.encode()).hexdigest()
+    (policy / "manifest.json").unlink()
+    (policy / "manifest.json").write_text(json.dumps(manifest, ensure_ascii=False))
+    return policy
+
+
+# What no program should choke on: too deep, too large, too long, endless, no number, no file.
+with tempfile.TemporaryDirectory() as folder:
+    place = pathlib.Path(folder)
+
+    def written(name, text):
+        (place / name).write_text(text)
+        return str(place / name)
+
+    deep = "[" * 100_000
+    check(["collect", "--config", written("deep.json", deep), "--out", "run"], 2, "deep.json:1:65", "nested deeper than 64")
+    check(["collect", "--config", written("large.json", '{"seed": 1e999}'), "--out", "run"], 2, "large.json:1:", "1e999 is too large")
+    check(["collect", "--config", written("twice.json", '{"seed": 1,\n "seed": 2}'), "--out", "run"], 2, "twice.json:2:", '"seed" is given twice')
+    check(["collect", "--set", "seed=18446744073709551615", "--out", "run"], 2, "whole number of at most")
+    check(["collect", "--set", "transitions=" + deep, "--out", "run"], 2, "[" * 199 + "... must be")
+    check(["collect", "--set", "a" + ".a" * 50_000 + "=1", "--out", "run"], 2, "more than 32 steps")
+    check(["collect", "--set", "transitions=\x1b[2J\n\udcff", "--out", "run"], 2, "\\u001b[2J\\n")
+    check(["collect", "--set", "\x1b[2J=1", "--out", "run"], 2, "\\x1b[2J")
+    check(["collect", "--seed", "many", "--out", "run"], 2, "--seed", "many")
+    os.mkfifo(place / "pipe")
+    for path in ("pipe", "/dev/zero", "."):
+        path = str(place / path)
+        check(["collect", "--config", path, "--out", "run"], 2, "not a file")
+        check(["train-dynamics", "--set", f"data={path}", "--out", "run"], 1, "not a file")
+        check(["calibrate", "--rendered", "--check", path], 2, "not a file")
+        for part in ("actor.safetensors", "manifest.json"):
+            policy = resealed(folder, lambda manifest: None)
+            (policy / part).unlink()
+            (policy / part).symlink_to(path)
+            check(["deploy", "--policy", str(policy), "--sensor", "simulated", "--out", "run"], 1, part, "not a file")
+    os.symlink("/dev/zero", place / "zero.csv")
+    check(["import", str(place / "zero.csv"), "--out", "run.h5"], 1, "zero.csv", "not a file")
+    for hidden in ([-1], [0], [1e12], [8] * 17):
+        policy = resealed(folder, lambda manifest: manifest["facts"].update(hidden=hidden))
+        check(["deploy", "--policy", str(policy), "--sensor", "simulated", "--out", "run"], 1, str(policy), "hidden = ")
+    check(["import", written("sign.csv", "coil,drive_percent,x_before_mm,y_before_mm,x_after_mm,y_after_mm\n+x,40,+-1,0,1,0\n"),
+           "--out", "run.h5"], 1, "sign.csv:2: column 3", '"+-1" must be a number')
+    camera = {"method": "dish", "reprojection_rms_mm": 0.1, "reprojection_rms_px": 0.1, "width_px": 1280, "height_px": 1024,
+              "focal_px": 2.0**31, "centre_px": [640, 512], "k1": 0, "k2": 0,
+              "rotation": [[1, 0, 0], [0, -1, 0], [0, 0, -1]], "translation_m": [0, 0, 0.47]}
+    check(["calibrate", "--rendered", "--check", written("far.json", json.dumps(camera))], 1, "far.json: focal_px", "1e+06")
+    for name, text, *expected in (
+            ("deploy/summary.json", '{"scored_by": 3}', "summary.json", "scored_by"),
+            ("deploy/summary.json", deep, "summary.json:1:65", "deeper"),
+            ("collect/coverage.json", '{"transitions": 1e300}', "coverage.json", "transitions"),
+            ("collect/coverage.json", json.dumps(dict(transitions=1, cells=1, visited=1, fraction=1, evenness=1, workspace_radius_m=1e9,
+                                                      position_cells=1, position_counts=[1], heading_counts=[], drive_counts=[])),
+             "coverage.json", "workspace_radius_m")):
+        run = place / "odd"
+        shutil.rmtree(run, ignore_errors=True)
+        (run / name).parent.mkdir(parents=True)
+        (run / name).write_text(text)
+        check(["report", "--run", str(run)], 1, *expected)
+
+    run = place / "fair"  # what the report does not need may be anything
+    (run / "deploy").mkdir(parents=True)
+    (run / "deploy/summary.json").write_text("{}")
+    (run / "deploy/config.json").write_text('{"on_rig": 3, "transitions": []}')
+    made = subprocess.run([program, "report", "--run", str(run), "--no-reexec"], capture_output=True, text=True)
+    if made.returncode != 0:
+        failures.append(f"report of a run with an odd configuration: {made.returncode} {made.stderr!r}")
 
 for verb in ("collect", "train-dynamics", "train-policy", "deploy", "train-segmenter", "calibrate"):
     made = subprocess.run([program, "config", "--print", verb], capture_output=True, text=True)

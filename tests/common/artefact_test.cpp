@@ -100,3 +100,11 @@ TEST_CASE("keys of other versions are no fault, and a number that was not finite
   const auto part = artefact_from_json<Part>(Json::parse(artefact_to_json(Part{NAN, {}}).dump()), "a.json");
   CHECK(std::isnan(part.mean_mm));
 }
+
+TEST_CASE("a whole number is one, and fits") {
+  for (const char* bad : {"1.5", "1e300", "18446744073709551615", "true", "\"7\""}) {
+    const Json json = {{"mean_mm", 1.0}, {"steps", Json::parse(bad)}};
+    CHECK_THROWS_WITH(artefact_from_json<Part>(json, "a.json"), Catch::Contains("a.json: steps"));
+  }
+  CHECK(artefact_from_json<Part>({{"mean_mm", 1.0}, {"steps", 3.0}}, "a.json").steps == 3);
+}

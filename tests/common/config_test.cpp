@@ -158,3 +158,38 @@ TEST_CASE("a range is two numbers in order, within the key's bounds") {
     CHECK_THROWS_WITH(read(bad), Catch::Contains("blur_px"));
   CHECK(describe_config<SceneConfig>().front().value == Json({0.5, 1.5}));
 }
+
+TEST_CASE("a file that is too deep, too large, no file or names a key twice is refused with its name") {
+  const lodestone::tests::TemporaryFolder folder;
+  const auto fault_of = [&](const std::string& text) {
+    std::ofstream(folder / "a.json") << text;
+    try {
+      read_json_file(folder / "a.json");
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  CHECK_THAT(fault_of(std::string(100'000, '[')),
+             Catch::Contains("a.json:1:65: nested deeper than 64 levels"));
+  CHECK_THAT(fault_of("{\"a\": 1e999}"),
+             Catch::Contains("a.json:1:") && Catch::Contains("1e999 is too large"));
+  CHECK_THAT(fault_of("{\"a\": 1,\n\"a\": 2}"), Catch::Contains("a.json:2:3: the key \"a\" is given twice"));
+  CHECK_THAT(fault_of(std::string(5'000'000, ' ')), Catch::Contains("at most 4194304 are read"));
+  CHECK_THROWS_AS(read_json_file("/dev/zero"), ConfigError);
+  CHECK_THROWS_AS(read_json_file(folder.path()), ConfigError);
+}
+
+TEST_CASE("an override that is too deep, or no text, is one line") {
+  Json json = Json::object();
+  std::string path = "a";
+  for (int i = 0; i < 1000; ++i) path += ".a";
+  CHECK_THROWS_WITH(apply_override(json, path + "=1"), Catch::Contains("more than 32 steps"));
+  apply_override(json, "steps=\xff\n");
+  CHECK_THROWS_WITH(config_from_json<ExampleConfig>(json, "--set"),
+                    Catch::Contains("must be a whole number"));
+  CHECK(message_of("{\"steps\": 18446744073709551615}").find("at most 9223372036854775807") !=
+        std::string::npos);
+  const std::string long_key(5000, 'k');
+  CHECK(message_of(("{\"" + long_key + "\": 1}").c_str()).size() < 400);
+}

@@ -1,5 +1,7 @@
 #include "lodestone/common/csv_table.h"
 
+#include <sys/stat.h>
+
 #include <catch2/catch.hpp>
 
 #include "lodestone/common/files.h"
@@ -37,4 +39,26 @@ TEST_CASE("rows of another width, doubled columns and missing files are named") 
   common::write_file_atomically(folder / "b.csv", "a,a\n");
   CHECK_THROWS_WITH(CsvTable(folder / "b.csv"), Catch::Contains("column a appears twice"));
   CHECK_THROWS_AS(CsvTable(folder / "none.csv"), common::DataError);
+}
+
+TEST_CASE("a sign too many, an open quote and what is no file are refused") {
+  const tests::TemporaryFolder folder;
+  common::write_file_atomically(folder / "a.csv",
+                                "a\n+-1\n+\n++1\n\"1\n+.5\n" + std::string(500, 'x') + "\n");
+  CsvTable table(folder / "a.csv");
+  for (const char* cell : {"+-1", "+", "++1"}) {
+    table.next();
+    CHECK_THROWS_WITH(table.number(0), Catch::Contains("\"" + std::string(cell) + "\" must be a number"));
+  }
+  table.next();
+  CHECK_THROWS_WITH(table.check_width(), Catch::Contains("a.csv:5: a quote is opened"));
+  table.next();
+  CHECK(table.number(0) == 0.5);
+  table.next();
+  CHECK_THROWS_WITH(table.number(0), Catch::Contains(std::string(200, 'x') + "...\" must be"));
+  common::write_file_atomically(folder / "b.csv", "a,\"b\n1,2\n");
+  CHECK_THROWS_WITH(CsvTable(folder / "b.csv"), Catch::Contains("b.csv:1: a quote is opened"));
+  REQUIRE(::mkfifo((folder / "pipe.csv").c_str(), 0600) == 0);
+  CHECK_THROWS_AS(CsvTable(folder / "pipe.csv"), common::IoError);
+  CHECK_THROWS_AS(CsvTable("/dev/zero"), common::IoError);
 }

@@ -2,6 +2,7 @@
 
 #include <signal.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -76,4 +77,18 @@ TEST_CASE("a file takes the place of another, or is named in an IoError") {
   CHECK_FALSE(fs::exists(folder / "a.part"));
   CHECK_THROWS_AS(replace_file(folder / "a.part", folder / "a.txt"), IoError);
   CHECK(read_file(folder / "a.txt") == "new");
+}
+
+TEST_CASE("only a file is read, and only up to the size that is asked for") {
+  const lodestone::tests::TemporaryFolder folder;
+  write_file_atomically(folder / "a.txt", "four");
+  CHECK(read_file(folder / "a.txt", 4) == "four");
+  CHECK_THROWS_WITH(read_file(folder / "a.txt", 3), Catch::Contains("a.txt: it holds 4 bytes, at most 3"));
+  CHECK_THROWS_WITH(read_file(folder.path()), Catch::Contains("it is a folder"));
+  CHECK_THROWS_WITH(read_file(folder / "none"), Catch::Contains("No such file"));
+  REQUIRE(::mkfifo((folder / "pipe").c_str(), 0600) == 0);
+  for (const std::string& path : {folder / "pipe", std::string("/dev/zero")}) {
+    CHECK_THROWS_AS(read_file(path), IoError);
+    CHECK_THROWS_WITH(check_is_file(path), Catch::Contains("not a file"));
+  }
 }

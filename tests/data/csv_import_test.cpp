@@ -216,3 +216,11 @@ TEST_CASE("many positions outside the dish mean a wrong unit or centre") {
   CHECK_THROWS_WITH(import_text(text),
                     Contains("60 of 60 positions") && Contains("line 2") && Contains("position_unit"));
 }
+
+TEST_CASE("a position or an angle that nothing could measure is a malformed row") {
+  CHECK_THROWS_WITH(import_text(kPulses + "+x,40,0,0,1e303,0\n"),
+                    Contains("log.csv:2: column 5 (x_after_mm)"));
+  CHECK_THROWS_WITH(import_text(kPulses + "+x,40,+-1,0,1,0\n"), Contains("\"+-1\" must be a number"));
+  CHECK_THROWS_WITH(import_text(kLog + "1,5,0,0,0,1,2,1e300\n"), Contains("log.csv:2: column 8"));
+  CHECK(import_text(kPulses + "+x,40,0,0,1e303,0\n+x,40,5,0,6,0\n", skipping()).skipped == 1);
+}

@@ -1,5 +1,8 @@
 #include "lodestone/data/dataset_file.h"
 
+#include <hdf5.h>
+#include <sys/stat.h>
+
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <filesystem>
@@ -17,7 +20,25 @@
 using namespace lodestone;
 using Catch::Matchers::Contains;
 
-namespace {}  // namespace
+namespace {
+
+/// A recording whose array `name` of episode 0 is made anew with these properties and dimensions.
+void replace_array(const std::string& path, const char* name, hid_t type, std::vector<hsize_t> shape,
+                   hid_t creation = H5P_DEFAULT) {
+  data::write_dataset(path, tests::random_dataset(2, 3));
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t group = H5Gopen2(file, "episode_0", H5P_DEFAULT);
+  REQUIRE(H5Ldelete(group, name, H5P_DEFAULT) >= 0);
+  const hid_t space = H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr);
+  const hid_t dataset = H5Dcreate2(group, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+  REQUIRE(dataset >= 0);
+  H5Dclose(dataset);
+  H5Sclose(space);
+  H5Gclose(group);
+  H5Fclose(file);
+}
+
+}  // namespace
 
 TEST_CASE("a dataset comes back from its file bit for bit") {
   const tests::TemporaryFolder folder;
@@ -138,4 +159,55 @@ TEST_CASE("several recordings of one rig are read as one") {
   data::write_dataset(folder / "three.h5", two);
   CHECK_THROWS_WITH(data::read_recordings(folder / "one.h5" + "," + (folder / "three.h5")),
                     Contains("three.h5"));
+}
+
+TEST_CASE("a shape that asks for more than the file holds is refused before memory is taken") {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "a.h5";
+  // Contiguous and never written, such an array takes no room in the file.
+  for (const hsize_t rows : {hsize_t{350'000'000}, hsize_t{1} << 50}) {
+    replace_array(path, "observations", H5T_IEEE_F64LE, {rows, 3});
+    CHECK_THROWS_WITH(data::read_dataset(path), Contains("a.h5: episode_0: dataset 'observations'"));
+  }
+  replace_array(path, "observations", H5T_IEEE_F64LE, {4, 0});
+  CHECK_THROWS_WITH(data::read_dataset(path), Contains("another shape"));
+  replace_array(path, "observations", H5T_C_S1, {4, 3});
+  CHECK_THROWS_WITH(data::read_dataset(path), Contains("cannot be read"));
+}
+
+TEST_CASE("many episodes that are links to one cannot ask for more than the file holds") {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "a.h5";
+  data::write_dataset(path, tests::random_dataset(1, 2000));
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  for (int i = 1; i < 300; ++i)
+    REQUIRE(H5Lcreate_hard(file, "episode_0", file, ("episode_" + std::to_string(i)).c_str(), H5P_DEFAULT,
+                           H5P_DEFAULT) >= 0);
+  H5Fclose(file);
+  CHECK_THROWS_WITH(data::read_dataset(path), Contains("more than the file can hold"));
+}
+
+TEST_CASE("an array that lies in another file is not read") {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "a.h5";
+  const hid_t outside = H5Pcreate(H5P_DATASET_CREATE);
+  REQUIRE(H5Pset_external(outside, "/dev/zero", 0, H5F_UNLIMITED) >= 0);
+  replace_array(path, "observations", H5T_IEEE_F64LE, {4, 3}, outside);
+  H5Pclose(outside);
+  CHECK_THROWS_WITH(data::read_dataset(path), Contains("other files"));
+
+  data::write_dataset(folder / "other.h5", tests::random_dataset(2, 3));
+  data::write_dataset(path, tests::random_dataset(1, 3));
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  REQUIRE(H5Lcreate_external((folder / "other.h5").c_str(), "episode_1", file, "episode_1", H5P_DEFAULT,
+                             H5P_DEFAULT) >= 0);
+  H5Fclose(file);
+  CHECK_THROWS_WITH(data::read_dataset(path), Contains("episode_1 cannot be opened"));
+}
+
+TEST_CASE("a pipe and a device are no dataset") {
+  const tests::TemporaryFolder folder;
+  REQUIRE(::mkfifo((folder / "pipe.h5").c_str(), 0600) == 0);
+  CHECK_THROWS_WITH(data::read_dataset(folder / "pipe.h5"), Contains("not a file"));
+  CHECK_THROWS_WITH(data::read_dataset("/dev/zero"), Contains("not a file"));
 }

@@ -93,3 +93,38 @@ TEST_CASE("the first transitions are whole episodes and a part of one") {
   CHECK(data::first_transitions(dataset, 10).episodes.size() == 2);
   CHECK(data::first_transitions(dataset, 1000).transitions() == 20);
 }
+
+TEST_CASE("numbers out of all proportion, flags that are none and impossible attributes are found") {
+  const auto fault_of = [](const auto& spoil) {
+    data::Dataset dataset = tests::random_dataset(3, 4);
+    dataset.impossible = {dataset.episodes[0]};
+    data::check_dataset(dataset, "a.h5");
+    spoil(dataset);
+    try {
+      data::check_dataset(dataset, "a.h5");
+    } catch (const common::DataError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  CHECK_THAT(fault_of([](data::Dataset& d) { d.episodes[1].observations[3] = 1e300; }),
+             Contains("episode 1: observations row 1, column x_m is 1e+300"));
+  CHECK_THAT(fault_of([](data::Dataset& d) { d.episodes[1].observations[2] = -1e9; }),
+             Contains("heading_rad"));
+  CHECK_THAT(fault_of([](data::Dataset& d) { d.episodes[1].actions[1] = 1e6; }), Contains("drive_y"));
+  CHECK_THAT(fault_of([](data::Dataset& d) { d.episodes[2].truncations[1] = 7; }),
+             Contains("episode 2: truncations row 1 is 7; a flag is 0 or 1"));
+  CHECK_THAT(fault_of([](data::Dataset& d) { d.impossible[0].zero_current[0] = 2; }), Contains("impossible"));
+  CHECK_THAT(fault_of([](data::Dataset& d) { d.impossible[0].observations[0] = 1e4; }),
+             Contains("impossible"));
+  CHECK(fault_of([](data::Dataset& d) { d.impossible[0].observations[0] = 3.0; }) == "accepted");
+  for (const double bad :
+       {0.0, -1.0, 1e9, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    CHECK_THAT(fault_of([bad](data::Dataset& d) { d.info.control_period_s = bad; }),
+               Contains("control_period_s"));
+    CHECK_THAT(fault_of([bad](data::Dataset& d) { d.info.action_scale = bad; }), Contains("action_scale"));
+    CHECK_THAT(fault_of([bad](data::Dataset& d) { d.info.workspace_radius_m = bad; }),
+               Contains("workspace_radius_m"));
+  }
+  CHECK_THAT(fault_of([](data::Dataset& d) { d.info.action_unit = "furlong"; }), Contains("furlong"));
+}

@@ -39,3 +39,17 @@ TEST_CASE("a handle is closed once, by its last owner") {
   owner.reset();
   CHECK(H5Iis_valid(id) == 0);
 }
+
+TEST_CASE("an attribute of several texts is none, and is not written beyond the one that was asked for") {
+  const tests::TemporaryFolder folder;
+  data::silence_hdf5();
+  const data::Handle file(H5Fcreate((folder / "a.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
+                          H5Fclose);
+  const hsize_t count = 1000;
+  const data::Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  const data::Handle attribute(
+      H5Acreate2(file.get(), "unit", H5T_C_S1, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  REQUIRE(attribute.valid());
+  std::string unit;
+  CHECK_FALSE(data::read_attribute(file.get(), "unit", unit));
+}

@@ -1,9 +1,12 @@
 #include "lodestone/dynamics/model.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "dynamics/sample_rows.h"
+#include "lodestone/common/error.h"
 #include "lodestone/dynamics/network.h"
+#include "lodestone/inference/checkpoint.h"
 #include "lodestone/inference/dynamics.h"
 #include "temporary_folder.h"
 
@@ -18,6 +21,7 @@ Model sample_model(data::StateLayout layout) {
   model.config.members = 3;
   model.info.layout = layout;
   model.info.source = "test";
+  model.info.workspace_radius_m = 0.0425;
   model.members = make_members(model.config, layout, 8);
   const tests::Rows rows = tests::sample_rows(layout, 100, 6);
   for (auto& member : model.members) member->fit_normalisers(rows.state, rows.action, rows.next_state);
@@ -58,6 +62,45 @@ TEST_CASE("a saved ensemble predicts the same after loading", "[unit]") {
     const at::Tensor expected = model.members[1]->forward(rows.state, rows.action);
     CHECK((next - expected).narrow(1, 0, 2).abs().max().item<double>() < 1e-5);
   }
+}
+
+TEST_CASE("rows that fit neither the layout nor each other, and impossible splits are refused", "[unit]") {
+  const ::lodestone::tests::TemporaryFolder temporary;
+  const std::string folder = temporary / "model";
+  const auto fault_of = [&](const auto& spoil) {
+    save_model(folder, sample_model(data::StateLayout::kPose), common::Json::object(),
+               common::Json::object());
+    inference::Checkpoint checkpoint = inference::load_checkpoint(folder, "dynamics");
+    spoil(checkpoint);
+    inference::save_checkpoint(folder, checkpoint);
+    try {
+      load_model(folder);
+    } catch (const common::CheckpointError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  using inference::Array;
+  CHECK_THAT(fault_of([](auto& c) {
+               c.parts["rows"]["action"] = Array(std::vector<float>(4), {2, 2});
+             }),
+             Catch::Contains("as many actions"));
+  CHECK_THAT(fault_of([](auto& c) {
+               c.parts["rows"]["state"] = Array(std::vector<float>(4), {2, 2});
+             }),
+             Catch::Contains("expected rows of 3"));
+  CHECK_THAT(fault_of([](auto& c) {
+               c.parts["rows"]["start_states"] = Array(std::vector<float>{0, NAN, 0}, {1, 3});
+             }),
+             Catch::Contains("start_states") && Catch::Contains("finite"));
+  CHECK_THAT(fault_of([](auto& c) { c.facts["split"]["test_fraction"] = 1e300; }),
+             Catch::Contains("fractions"));
+  CHECK_THAT(fault_of([](auto& c) { c.facts["dataset"]["control_period_s"] = 1e300; }),
+             Catch::Contains("control_period_s"));
+  CHECK_THAT(fault_of([](auto& c) { c.facts["model"]["hidden"] = std::vector<int>(16, 8192); }),
+             Catch::Contains("expected"));  // before 4 GB are taken
+  CHECK_THAT(fault_of([](auto& c) { c.facts["model"]["hidden"] = std::vector<int>(17, 8); }),
+             Catch::Contains("at most 16 layers"));
 }
 
 }  // namespace

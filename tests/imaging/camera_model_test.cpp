@@ -1,6 +1,7 @@
 #include "lodestone/imaging/camera_model.h"
 
 #include <catch2/catch.hpp>
+#include <map>
 
 #include "lodestone/common/error.h"
 #include "temporary_folder.h"
@@ -59,4 +60,15 @@ TEST_CASE("a calibration survives its file, and a damaged one is named") {
   json = imaging::to_json(calibration);
   json["rotation"][0][0] = 2.0;
   CHECK_THROWS_AS(imaging::calibration_from_json(json, "here"), common::DataError);
+  for (const auto& [key, value] : std::map<std::string, common::Json>{{"focal_px", 2147483648.0},
+                                                                      {"width_px", 1e9},
+                                                                      {"height_px", 0},
+                                                                      {"k1", 1e300},
+                                                                      {"centre_px", {1e300, 0}},
+                                                                      {"translation_m", {0, 0, 1e300}}}) {
+    json = imaging::to_json(calibration);
+    json[key] = value;
+    CHECK_THROWS_WITH(imaging::calibration_from_json(json, "here"),
+                      Catch::Contains("here: " + key) && Catch::Contains("must be within"));
+  }
 }

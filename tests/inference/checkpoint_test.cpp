@@ -1,5 +1,7 @@
 #include "lodestone/inference/checkpoint.h"
 
+#include <sys/stat.h>
+
 #include <catch2/catch.hpp>
 #include <fstream>
 
@@ -88,6 +90,30 @@ TEST_CASE("damaged or foreign checkpoints are refused with the reason", "[unit]"
   SECTION("truncated part") {
     rewrite(part, good_part.substr(0, good_part.size() / 2));
     CHECK_THAT(load_error(folder), Contains("net.safetensors is truncated"));
+  }
+  SECTION("a part that is no file") {
+    for (const char* target : {"/dev/zero", "pipe"}) {
+      std::filesystem::remove(part);
+      std::filesystem::create_symlink(target, part);
+      if (target[0] == 'p') REQUIRE(::mkfifo((folder + "/pipe").c_str(), 0600) == 0);
+      CHECK_THAT(load_error(folder), Contains("net.safetensors cannot be read") && Contains("not a file"));
+    }
+  }
+  SECTION("a part elsewhere") {
+    auto json = common::Json::parse(good_manifest);
+    json.erase("sha256");
+    json["files"]["../net.safetensors"] = json["files"]["net.safetensors"];
+    json["sha256"] = common::sha256(json.dump());
+    rewrite(manifest, json.dump());
+    CHECK_THAT(load_error(folder), Contains("no name of a file beside"));
+  }
+  SECTION("a manifest that is too deep, names a key twice or holds what no number is") {
+    rewrite(manifest, "{\"format\": " + std::string(100'000, '['));
+    CHECK_THAT(load_error(folder), Contains("manifest.json:1:") && Contains("deeper than 64"));
+    rewrite(manifest, R"({"format": 1, "format": 1})");
+    CHECK_THAT(load_error(folder), Contains("twice"));
+    rewrite(manifest, R"({"format": 1e999})");
+    CHECK_THAT(load_error(folder), Contains("too large"));
   }
   SECTION("truncated manifest") {
     rewrite(manifest, good_manifest.substr(0, good_manifest.size() / 2));

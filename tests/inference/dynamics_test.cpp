@@ -30,6 +30,7 @@ TEST_CASE("a dataset's description comes back, and a malformed one is named", "[
   data::DatasetInfo info;
   info.layout = data::StateLayout::kPosition;
   info.source = "test";
+  info.workspace_radius_m = 0.03;
   info.action_scale = 89.0;
   common::Json facts;
   facts["dataset"] = inference::dataset_info_to_json(info);
@@ -37,6 +38,8 @@ TEST_CASE("a dataset's description comes back, and a malformed one is named", "[
   CHECK(back.layout == info.layout);
   CHECK(back.source == "test");
   CHECK(back.action_scale == 89.0);
+  facts["dataset"]["workspace_radius_m"] = -1.0;
+  CHECK_THROWS_AS(inference::dataset_info_of(facts, "it"), common::CheckpointError);
   facts["dataset"]["layout"] = "sideways";
   CHECK_THROWS_WITH(inference::dataset_info_of(facts, "it"),
                     Catch::Contains("it: state layout \"sideways\""));

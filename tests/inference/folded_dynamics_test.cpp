@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "env/linear_model.h"
+#include "lodestone/common/error.h"
 
 using namespace lodestone;
 using inference::DynamicsModel;
@@ -46,6 +47,24 @@ TEST_CASE("a folded network gives what its weights say, whatever normalises it",
     CHECK(next[0] == Approx(0.01 + 0.001 + 0.01 * 2.0 * hidden).margin(1e-6));
     CHECK(next[1] == Approx(0.02 + 0.02).margin(1e-8));
   }
+  const auto fault_of = [&](const char* name, const inference::Array& value) {
+    inference::Arrays spoiled = weights;
+    spoiled[name] = value;
+    try {
+      inference::FoldedDynamics(spoiled, config, data::StateLayout::kPosition, "test");
+    } catch (const common::CheckpointError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  CHECK_THAT(fault_of("input_std", numbers({1, 1, 0, 1})),
+             Catch::Contains("input_std") && Catch::Contains("above 0"));
+  CHECK_THAT(fault_of("layers.2.running_var", numbers({-1})), Catch::Contains("above 0"));
+  CHECK_THAT(fault_of("layers.2.bias", numbers({NAN})),
+             Catch::Contains("test: array \"layers.2.bias\" holds nan"));
+  CHECK_THAT(fault_of("layers.2.weight", numbers({INFINITY})), Catch::Contains("finite"));
+  CHECK_THAT(fault_of("output_std", numbers({3e38F, 3e38F})), Catch::Contains("too large"));
+  CHECK_THAT(fault_of("layers.2.bias", {std::vector<double>{5}, {1}}), Catch::Contains("float64"));
   weights.erase("layers.2.running_var");
   CHECK_THROWS_WITH(inference::FoldedDynamics(weights, config, data::StateLayout::kPosition, "test"),
                     Catch::Contains("test: array \"layers.2.running_var\" is missing"));

@@ -1,6 +1,7 @@
 #include "lodestone/inference/policy.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "inference/random_policy.h"
 #include "lodestone/common/error.h"
@@ -70,6 +71,59 @@ TEST_CASE("a policy keeps the region it was trained in", "[unit]") {
   REQUIRE(loaded.region);
   CHECK(loaded.region->contains({0.001, 0.001}));
   CHECK_FALSE(loaded.region->contains({0.02, 0.001}));
+}
+
+TEST_CASE("a sealed policy whose numbers cannot be is refused by name", "[unit]") {
+  const tests::TemporaryFolder temporary;
+  const std::string folder = temporary / "policy";
+  const auto fault_of = [&](const auto& spoil) {
+    save_policy(folder, sample_policy(), common::Json::object(), common::Json::object());
+    Checkpoint checkpoint = load_checkpoint(folder, "policy");
+    spoil(checkpoint);
+    save_checkpoint(folder, checkpoint);
+    try {
+      load_policy(folder);
+    } catch (const common::CheckpointError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  for (const char* hidden :
+       {"[-1]", "[0]", "[1e12]", "[2.5]", "3", "[8193]", "[1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1]"}) {
+    CHECK_THAT(fault_of([&](Checkpoint& c) { c.facts["hidden"] = common::Json::parse(hidden); }),
+               Catch::Contains("hidden = " + common::Json::parse(hidden).dump()));
+  }
+  CHECK_THAT(fault_of([](Checkpoint& c) {
+               c.facts["hidden"] = {0};
+               c.parts["actor"] = {{"l1.weight", Array(std::vector<float>{}, {0, 6})},
+                                   {"l1.bias", Array(std::vector<float>{}, {0})},
+                                   {"l2.weight", Array(std::vector<float>{}, {2, 0})},
+                                   {"l2.bias", Array(std::vector<float>{0, 0}, {2})}};
+             }),
+             Catch::Contains("hidden = [0]"));
+  CHECK_THAT(
+      fault_of([](Checkpoint& c) { c.parts["actor"]["l2.bias"] = Array(std::vector<float>(16, NAN), {16}); }),
+      Catch::Contains("array \"l2.bias\" holds nan at place 0"));
+  CHECK_THAT(
+      fault_of([](Checkpoint& c) { c.parts["actor"]["l2.bias"] = Array(std::vector<double>(16), {16}); }),
+      Catch::Contains("l2.bias"));
+  for (const char* name : {"observation", "action"}) {
+    CHECK_THAT(fault_of([&](Checkpoint& c) {
+                 c.parts["examples"][name] = Array(std::vector<double>(32), {16, 2});
+               }),
+               Catch::Contains(name));
+    CHECK_THAT(fault_of([&](Checkpoint& c) {
+                 c.parts["examples"][name] = Array(std::vector<float>{}, {0, 2});
+               }),
+               Catch::Contains("xample"));
+  }
+  CHECK_THAT(fault_of([](Checkpoint& c) { c.facts["encoder"]["length_scale_m"] = 0.0; }),
+             Catch::Contains("length_scale_m"));
+  CHECK_THAT(fault_of([](Checkpoint& c) { c.facts["action"]["scale"] = 1e300; }), Catch::Contains("scale"));
+  CHECK_THAT(fault_of([](Checkpoint& c) {
+               c.facts["region"] = {{"cell_m", 1e-300}, {"cells", {{0, 0}}}};
+             }),
+             Catch::Contains("cell_m"));
 }
 
 TEST_CASE("the released policies load, and their examples recompute", "[unit]") {

@@ -16,8 +16,11 @@ inline inference::Array random_array(const std::vector<std::int64_t>& shape, com
   return {std::move(numbers), shape};
 }
 
-/// Gives `policy` a network with random weights that fits its encoder and hidden layers.
+/// Gives `policy` a network with random weights that fits its encoder and hidden layers, and the paper's dish
+/// and current where it has none.
 inline void draw_weights(inference::Policy& policy, std::uint64_t seed) {
+  if (policy.encoder.length_scale_m == 0.0) policy.encoder.length_scale_m = 0.0425;
+  if (policy.action.scale == 0.0) policy.action.scale = 15.0;
   std::vector<std::int64_t> widths = {task::ObservationEncoder(policy.encoder).size()};
   widths.insert(widths.end(), policy.hidden.begin(), policy.hidden.end());
   widths.push_back(2);

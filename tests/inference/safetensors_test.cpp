@@ -24,16 +24,29 @@ TEST_CASE("malformed safetensors content never reads outside the file", "[unit]"
   }
   const auto with_header = [](std::string header) {
     std::string content(8, '\0');
-    content[0] = static_cast<char>(header.size());
+    content[0] = static_cast<char>(header.size() & 0xff);
+    content[1] = static_cast<char>(header.size() >> 8);
     return content + header + std::string(8, '\0');
   };
-  for (const char* header :
-       {R"({"x":{"dtype":"F32","shape":[2],"data_offsets":[0,99]}})",
-        R"({"x":{"dtype":"F32","shape":[-2],"data_offsets":[0,8]}})",
-        R"({"x":{"dtype":"F32","shape":[4611686018427387904,4],"data_offsets":[0,0]}})",
-        R"({"x":{"dtype":"F16","shape":[4],"data_offsets":[0,8]}})", R"({"x":[1]})", R"([1,2)", R"([1,2])"}) {
+  for (
+      const char* header :
+      {R"({"x":{"dtype":"F32","shape":[2],"data_offsets":[0,99]}})",
+       R"({"x":{"dtype":"F32","shape":[-2],"data_offsets":[0,8]}})",
+       R"({"x":{"dtype":"F32","shape":[4611686018427387904,4],"data_offsets":[0,0]}})",
+       R"({"x":{"dtype":"F16","shape":[4],"data_offsets":[0,8]}})",
+       R"({"x":{"dtype":"F32","shape":[2.5],"data_offsets":[0,8]}})",
+       R"({"x":{"dtype":"F32","shape":[1e30],"data_offsets":[0,8]}})",
+       R"({"x":{"dtype":"F32","shape":[2,1,1,1,1,1,1,1,1],"data_offsets":[0,8]}})",
+       R"({"x":{"dtype":"F32","shape":[2],"data_offsets":[-8,0]}})",
+       R"({"x":{"dtype":"F32","shape":[2],"data_offsets":[0,8,8]}})",
+       R"({"x":{"dtype":"F32","shape":[2],"data_offsets":[0,8]},"x":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})",
+       R"({"x":{"dtype":"F32","shape":[2],"data_offsets":[0,8]},"y":{"dtype":"F32","shape":[1],"data_offsets":[0,4]}})",
+       R"({"x":[1]})", R"([1,2)", R"([1,2])"}) {
+    INFO(header);
     CHECK_THROWS_AS(decode_safetensors(with_header(header), "file"), common::CheckpointError);
   }
+  CHECK_THROWS_WITH(decode_safetensors(with_header(std::string(60'000, '[')), "file"),
+                    Catch::Contains("deeper than 64"));
 }
 
 }  // namespace

@@ -79,8 +79,8 @@ TEST_CASE("An end that was not the target's doing stays one", "[rl]") {
 }
 
 TEST_CASE("Half an episode survives saving, and no fraction means no rows", "[rl]") {
-  rl::Hindsight one(0.5, {}, encoder(), 1, 7);
-  rl::Hindsight two(0.5, {}, encoder(), 1, 8);
+  rl::Hindsight one(0.5, tests::paper_task(), encoder(), 1, 7);
+  rl::Hindsight two(0.5, tests::paper_task(), encoder(), 1, 8);
   rl::ReplayBuffer for_one(100, 6, 2);
   rl::ReplayBuffer for_two(100, 6, 2);
   for (int i = 0; i < 3; ++i) play(one, for_one, false);

@@ -1,6 +1,7 @@
 #include "lodestone/rl/policy_learner.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include <ATen/ATen.h>
 
@@ -44,6 +45,28 @@ NoiseConfig gaussian(double sigma) {
   config.sigma = sigma;
   return config;
 }
+
+/// The point environment, until it is spoiled.
+class SpoiledEnv final : public lodestone::env::VecEnv {
+ public:
+  explicit SpoiledEnv(bool reward) : reward_(reward) {}
+  lodestone::env::EnvSpec spec() const override { return point_.spec(); }
+  const std::vector<float>& reset() override { return point_.reset(); }
+  const lodestone::env::StepResult& step(const std::vector<float>& actions) override {
+    result_ = point_.step(actions);
+    if (spoiled) (reward_ ? result_.reward[1] : result_.final_observation[3]) = std::nanf("");
+    return result_;
+  }
+  lodestone::env::Snapshot save() const override { return point_.save(); }
+  void load(const lodestone::env::Snapshot& snapshot) override { point_.load(snapshot); }
+
+  bool spoiled = false;
+
+ private:
+  PointEnv point_{4, 1};
+  bool reward_;
+  lodestone::env::StepResult result_;
+};
 
 bool same_state(PolicyLearner& one, PolicyLearner& two) {
   Checkpoint first;
@@ -174,4 +197,16 @@ TEST_CASE("2 N steps equal N, save, load and N, bitwise", "[rl]") {
   CHECK_THROWS_AS(other.load(checkpoint), lodestone::common::CheckpointError);
   checkpoint.parts.erase("running");
   CHECK_THROWS_AS(resumed.load(checkpoint), lodestone::common::CheckpointError);
+}
+
+TEST_CASE("Training stops where a reward or an observation stops being a number", "[rl]") {
+  for (const bool reward : {true, false}) {
+    SpoiledEnv environments(reward);
+    PolicyLearner learner(short_learning(4000, 0.25), small_td3(), gaussian(0.1), 1, 1, environments, {});
+    for (int i = 0; i < 5; ++i) learner.step();
+    environments.spoiled = true;
+    CHECK_THROWS_WITH(learner.step(), Catch::Contains(reward ? "the reward of environment 1 is nan"
+                                                             : "the observation of environment 1 is nan") &&
+                                          Catch::Contains("after 20 environment steps"));
+  }
 }

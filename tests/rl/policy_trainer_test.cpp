@@ -32,6 +32,8 @@ TrainPolicyConfig point_config(std::int64_t env_steps) {
   config.threads = 1;
   config.encoder.heading = lodestone::task::HeadingEncoding::kNone;
   config.encoder.target = false;
+  config.encoder.length_scale_m = 1.0;
+  config.action.scale = 1.0;
   config.task.goal = lodestone::task::GoalKind::kCentre;
   config.td3.hidden = {16, 16};
   config.td3.batch_size = 32;

@@ -52,6 +52,11 @@ TEST_CASE("trials read back to the last digit, and one without a true pose has n
   CHECK(trials->at(1).figures().cross_track_rms_mm == 0.2);
   common::write_file_atomically(folder / runs::kTrialsFile, "[{\"task\": \"point\"}]");
   CHECK_THROWS_WITH(runs::find_trials(folder.path()), Catch::Contains("trials.json: rig is missing"));
+  runs::TrialRecord short_by_one = record(true);
+  short_by_one.approach->pop_back();
+  common::write_json(folder / runs::kTrialsFile, Json::array({common::artefact_to_json(short_by_one)}));
+  CHECK_THROWS_WITH(runs::find_trials(folder.path()),
+                    Catch::Contains("trials.json: trial 3: approach has 1 rows for 2 observations"));
 }
 
 TEST_CASE("a summary has the tasks of the first rig at its top, each rig by name, and the baseline apart") {

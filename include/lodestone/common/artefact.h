@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -155,6 +157,9 @@ class ArtefactReader {
       }
     } else if constexpr (std::is_floating_point_v<T>) {
       value = number(json, key);
+    } else if constexpr (std::is_integral_v<T> && !std::is_same_v<T, bool>) {
+      value = static_cast<T>(
+          whole_number(json, key, std::numeric_limits<T>::min(), std::numeric_limits<T>::max()));
     } else {
       try {
         value = json.get<T>();
@@ -169,6 +174,8 @@ class ArtefactReader {
   void read_key(const std::string& name, const std::string& key, int& place) const;
   /// A number that was not finite is written as null, and read as NaN.
   double number(const Json& json, const std::string& key) const;
+  std::int64_t whole_number(const Json& json, const std::string& key, std::int64_t least,
+                            std::uint64_t most) const;
 
   const Json& object_;
   std::string source_;
@@ -187,7 +194,11 @@ T artefact_from_json(const Json& json, const std::string& source) {
   T value{};
   ArtefactReader reader(json, source);
   value.visit(reader);
-  detail::validate(value, 0);
+  try {
+    detail::validate(value, 0);
+  } catch (const DataError& error) {
+    throw DataError(source + ": " + error.what());
+  }
   return value;
 }
 

@@ -5,7 +5,6 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <type_traits>
@@ -13,12 +12,11 @@
 #include <vector>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/json.h"
 #include "lodestone/common/named.h"
 #include "lodestone/common/range.h"
 
 namespace lodestone::common {
-
-using Json = nlohmann::ordered_json;
 
 /// Closed interval a number must lie in.
 struct Bounds {
@@ -73,7 +71,7 @@ class InvalidConfig : public ConfigError {
  public:
   /// `key` of this configuration (or "below.it"), its value and what it "must ...".
   InvalidConfig(std::string key, const Json& value, const std::string& must)
-      : ConfigError(key + " = " + value.dump() + " must " + must), key_(std::move(key)) {}
+      : ConfigError(key + " = " + shown_json(value) + " must " + must), key_(std::move(key)) {}
   const std::string& key() const { return key_; }
 
  private:

@@ -18,7 +18,7 @@ class RowError : public DataError {
 /// Reads a CSV file with a header row by row. Accepts a byte order mark, CRLF, quoted cells and blank lines.
 class CsvTable {
  public:
-  /// Throws DataError when the file cannot be read, is empty or names a column twice.
+  /// Throws IoError when it is no file, DataError when it cannot be read, is empty or names a column twice.
   explicit CsvTable(const std::string& path);
 
   const std::vector<std::string>& header() const { return header_; }
@@ -28,7 +28,7 @@ class CsvTable {
 
   /// Goes to the next row that is not blank; false at the end.
   bool next();
-  /// Throws RowError when the row has fewer or more cells than the header.
+  /// Throws RowError when the row has fewer or more cells than the header, or leaves a quote open.
   void check_width() const;
   std::int64_t line() const { return line_; }
   const std::string& text(std::size_t column) const { return cells_.at(column); }
@@ -43,6 +43,7 @@ class CsvTable {
   std::string path_;
   std::ifstream stream_;
   std::int64_t line_ = 0;
+  bool open_quote_ = false;  ///< of the last line read
   std::vector<std::string> header_;
   std::vector<std::string> cells_;
 };

@@ -1,12 +1,18 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
 namespace lodestone::common {
 
-/// Whole file as bytes. Throws IoError naming the path.
-std::string read_file(const std::string& path);
+/// Throws IoError naming the path unless it is a file that lies on a disk: a pipe would be waited for, and a
+/// device may have no end.
+void check_is_file(const std::string& path);
+
+/// Whole file as bytes. Throws IoError naming the path when it cannot be read, is a folder, a pipe or a
+/// device, or larger than `largest_bytes`.
+std::string read_file(const std::string& path, std::size_t largest_bytes = std::size_t{2} << 30);
 
 /// Writes to a temporary name beside `path`, fsyncs and renames, so that `path` holds either the old or the
 /// new content, never a part. Throws IoError (disk full, no permission) and leaves `path` as it was.

@@ -58,8 +58,10 @@ struct CsvImportConfig {
     v.field("control_period_s", control_period_s, "s", "time between two rows of a recording", {1e-3, 60.0});
     v.field("position_unit", position_unit, "", "lab log: unit of the position");
     v.field("angle_unit", angle_unit, "", "lab log: unit of the angle");
-    v.field("centre_x", centre_x, "position_unit", "lab log: dish centre in the log's own coordinates");
-    v.field("centre_y", centre_y, "position_unit", "lab log: dish centre in the log's own coordinates");
+    v.field("centre_x", centre_x, "position_unit", "lab log: dish centre in the log's own coordinates",
+            {-1e6, 1e6});
+    v.field("centre_y", centre_y, "position_unit", "lab log: dish centre in the log's own coordinates",
+            {-1e6, 1e6});
     v.field("y_down", y_down, "", "lab log: its y axis points to the south coil, as in image coordinates");
     v.field("frame_step", frame_step, "frames", "lab log: frame numbers from one control step to the next",
             {1, 100000});

@@ -11,6 +11,9 @@ namespace lodestone::data {
 /// Actions are always two signed axis drives: positive means the + coil of that axis, negative the - coil.
 constexpr int kActionSize = 2;
 
+/// A position further away is no glitch of a camera but garbage.
+constexpr double kFarthestGlitch_m = 1e3;
+
 /// One stretch of pulses without a reset in between. All arrays are row-major.
 struct Episode {
   std::vector<double> observations;        ///< [T + 1, S]
@@ -62,8 +65,11 @@ struct Split {
 Split split_by_episode(const Dataset& dataset, double validation_fraction, double test_fraction,
                        std::uint64_t seed);
 
-/// Throws DataError naming episode, row and column when any number is NaN or infinite, sizes disagree, or the
-/// dataset holds no transition.
+/// Throws DataError naming the attribute when a scale, period, radius or unit cannot be.
+void check_info(const DatasetInfo& info, const std::string& source);
+
+/// The same, and naming episode, row and column when a number is NaN, infinite or out of all proportion (a
+/// position 1 m away), a flag is neither 0 nor 1, sizes disagree, or the dataset holds no transition.
 void check_dataset(const Dataset& dataset, const std::string& source);
 
 }  // namespace lodestone::data

@@ -104,6 +104,7 @@ const Number* snapshot_numbers(const Snapshot& snapshot, const std::string& name
         "state of the environments: array \"" + name +
         "\" is missing or of another shape; resume with the same number of environments");
   }
+  inference::check_finite(found->second, "state of the environments: array \"" + name + "\"");
   return found->second.data<Number>();
 }
 

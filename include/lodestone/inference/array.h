@@ -83,6 +83,9 @@ class Array {
 /// Arrays by name; order is the names'.
 using Arrays = std::map<std::string, Array>;
 
+/// Throws CheckpointError naming `what` and the place when a number is NaN or infinite.
+void check_finite(const Array& array, const std::string& what);
+
 /// Equal type, shape and bits.
 bool identical(const Array& one, const Array& other);
 

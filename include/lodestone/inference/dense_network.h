@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -9,13 +10,17 @@
 
 namespace lodestone::inference {
 
+/// More than any network here needs; a checkpoint that says more is refused before memory is taken for it.
+constexpr std::int64_t kWidestLayer = 8192;
+constexpr std::size_t kMostLayers = 16;
+
 /// y = W x + b.
 struct LinearLayer {
   std::vector<float> weight;  ///< [outputs, inputs], row-major
   std::vector<float> bias;    ///< [outputs]
 };
 
-/// Array `name` of `shape`, float32. Throws CheckpointError that begins with `what`.
+/// Array `name` of `shape`, float32, every number finite. Throws CheckpointError that begins with `what`.
 const Array& weight_at(const Arrays& weights, const std::string& name, const std::vector<std::int64_t>& shape,
                        const std::string& what);
 

@@ -30,6 +30,11 @@ data::DatasetInfo dataset_info_of(const common::Json& facts, const std::string& 
 /// Dataset description as checkpoints hold it.
 common::Json dataset_info_to_json(const data::DatasetInfo& info);
 
+/// Rows that the model was trained on, [N, columns] of finite numbers, from part "rows". Throws
+/// CheckpointError naming `what`.
+const Array& training_rows(const Checkpoint& checkpoint, const std::string& name, std::int64_t columns,
+                           const std::string& what);
+
 /// Part of a checkpoint that holds a member of the ensemble.
 std::string member_part(std::size_t member);
 

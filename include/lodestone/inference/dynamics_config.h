@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lodestone/data/dataset.h"
+#include "lodestone/inference/dense_network.h"
 #include "lodestone/inference/mixture.h"
 
 namespace lodestone::inference {
@@ -25,7 +26,7 @@ struct DynamicsConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("form", form, "", "what goes in and out");
-    v.field("hidden", hidden, "", "width of each hidden layer", {1, 8192});
+    v.field("hidden", hidden, "", "width of each hidden layer", {1, kWidestLayer});
     v.field("batch_norm", batch_norm, "", "batch normalisation on input and hidden layers");
     v.field("members", members, "", "networks in the ensemble", {1, 64});
     v.field(
@@ -35,6 +36,11 @@ struct DynamicsConfig {
         {0, 16});
   }
 
+  void validate() const {
+    if (hidden.size() > kMostLayers)
+      throw common::InvalidConfig("hidden", hidden,
+                                  "name at most " + std::to_string(kMostLayers) + " layers");
+  }
   bool predicts_change() const { return form == DynamicsForm::kDelta; }
   /// A heading goes in as sine and cosine.
   bool sine_cosine(data::StateLayout layout) const {

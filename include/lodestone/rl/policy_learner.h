@@ -57,6 +57,8 @@ class PolicyLearner {
     }
   };
   void make_due_updates();
+  void check_finite(const env::StepResult& result) const;
+  void check_finite(const UpdateResult& update) const;
   void count_episodes(const env::StepResult& result);
   std::vector<float> choose_actions();
 

@@ -93,6 +93,8 @@ struct TrialRecord {
     v.field("completed", completed);
     v.field("stop_reason", stop_reason);
   }
+  /// Throws DataError when a list does not have as many rows as there are observations.
+  void validate() const;
   /// By true poses where they are known, else as sensed.
   const TrialFigures& figures() const { return truth ? *truth : sensed; }
 };
