@@ -33,6 +33,13 @@ std::string version() {
          ")";
 }
 
+/// What was printed must have arrived: that a disk is full shows only when it is handed over.
+void check_output() {
+  std::cout.flush();
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout.good())
+    throw common::IoError("the results could not be written to standard output: check where it goes to");
+}
+
 int run(int argc, char** argv) {
   apps::Verb program{
       "lodestone",
@@ -45,19 +52,13 @@ int run(int argc, char** argv) {
   apps::add_verbs(program);
   apps::add_completion(program);
   const apps::Parsed parsed = apps::parse(program, argc, argv);
+  if (parsed.verb != nullptr) parsed.verb->run();
+  check_output();
   if (parsed.verb == nullptr) return parsed.exit_code;
-  parsed.verb->run();
   const std::string step = apps::next_step(parsed.path, parsed.given);
   // On standard error: results go to standard output.
   if (!step.empty()) std::fprintf(stderr, "next: %s\n", step.c_str());
   return 0;
-}
-
-/// What was printed must have arrived: that a disk is full shows only when it is handed over.
-void check_output() {
-  std::cout.flush();
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout.good())
-    throw common::IoError("the results could not be written to standard output: check where it goes to");
 }
 
 }  // namespace
@@ -69,9 +70,7 @@ int main(int argc, char** argv) {
   cv::setNumThreads(1);
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // faults are told once, by us
   try {
-    const int code = run(argc, argv);
-    check_output();
-    return code;
+    return run(argc, argv);
   } catch (const common::Error& error) {
     common::log_error(error.what());
     return error.exit_code();

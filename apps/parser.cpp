@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/shown.h"
 #include "lodestone/common/spelling.h"
 
 namespace lodestone::apps {
@@ -84,6 +85,14 @@ void check_verb(const Verb& program, int argc, char** argv) {
   }
 }
 
+/// All that is given may end in a JSON file, which holds nothing else.
+void check_utf8(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i)
+    if (!common::is_utf8(argv[i]))
+      throw common::ConfigError("argument " + std::to_string(i) + " (" + common::shown(argv[i]) +
+                                ") is no UTF-8: rename the file, or set the terminal to UTF-8");
+}
+
 Parsed chosen(const CLI::App& app, const Verb& program) {
   Parsed parsed{&program};
   const CLI::App* at = &app;
@@ -103,6 +112,7 @@ Parsed chosen(const CLI::App& app, const Verb& program) {
 }  // namespace
 
 Parsed parse(Verb& program, int argc, char** argv) {
+  check_utf8(argc, argv);
   check_verb(program, argc, argv);
   CLI::App app(program.help);
   app.fallthrough();  // the program's own flag may stand behind the verb

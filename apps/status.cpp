@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "lodestone/common/shown.h"
 #include "lodestone/runs/plan.h"
 #include "verbs.h"
 
@@ -16,14 +17,16 @@ void print_run(const runs::StatusRow& row, int width) {
   const runs::RunState& state = *row.state;
   std::string far;
   if (state.total > 0)
-    far = std::to_string(100 * state.done / state.total) + " %  " + std::to_string(state.done) + " of " +
-          std::to_string(state.total) + " " + state.unit;
+    far = std::to_string(
+              static_cast<int>(100.0 * static_cast<double>(state.done) / static_cast<double>(state.total))) +
+          " %  " + std::to_string(state.done) + " of " + std::to_string(state.total) + " " +
+          common::escaped(state.unit);
   std::printf("%-*s  %-8s  %-15s  %s%s%s  %s\n", width, row.name.c_str(),
               state.finished ? "finished"
               : row.running  ? "running"
                              : "stopped",
-              state.verb.c_str(), far.c_str(), state.note.empty() ? "" : "  ", state.note.c_str(),
-              state.updated_utc.c_str());
+              common::escaped(state.verb).c_str(), far.c_str(), state.note.empty() ? "" : "  ",
+              common::escaped(state.note).c_str(), common::escaped(state.updated_utc).c_str());
 }
 
 void status(const std::string& folder) {

@@ -167,6 +167,7 @@ void check_info(const DatasetInfo& info, const std::string& source) {
   check("action_scale", info.action_scale, kLargestScale);
   check("workspace_radius_m", info.workspace_radius_m, kFarthest_m);
   check("control_period_s", info.control_period_s, kLongestPeriod_s);
+  if (!common::is_utf8(info.source)) throw DataError(source + ": its attribute 'source' is no UTF-8");
   if (info.action_unit != "A" && info.action_unit != "percent")
     throw DataError(source + ": action_unit is \"" + common::shown(info.action_unit) +
                     "\", must be A or percent");

@@ -100,8 +100,8 @@ double Member::train_batch(const at::Tensor& input, const at::Tensor& target, do
   optimiser_step(rate);
   const double value = loss.item<double>();
   if (!std::isfinite(value)) {
-    throw common::Error(
-        "training of the dynamics diverged (loss is not finite); lower training.learning_rate");
+    throw common::Error("training of the dynamics diverged at step " + std::to_string(steps_) +
+                        " (its loss is not finite); lower training.learning_rate");
   }
   return value;
 }

@@ -228,7 +228,11 @@ class Training : public runs::ResumableWork {
       loss.backward();
       losses[shard] = loss.item<double>();
     });
-    return std::accumulate(losses.begin(), losses.end(), 0.0) / static_cast<double>(kShards);
+    const double loss = std::accumulate(losses.begin(), losses.end(), 0.0) / static_cast<double>(kShards);
+    if (!std::isfinite(loss))
+      throw common::Error("training of the segmenter diverged in epoch " + std::to_string(epoch_) +
+                          " (its loss is not finite); lower training.learning_rate");
+    return loss;
   }
 
   void augment(std::int64_t row, std::vector<Tensor>& images, std::vector<Tensor>& targets) const {

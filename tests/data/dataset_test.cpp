@@ -126,5 +126,6 @@ TEST_CASE("numbers out of all proportion, flags that are none and impossible att
     CHECK_THAT(fault_of([bad](data::Dataset& d) { d.info.workspace_radius_m = bad; }),
                Contains("workspace_radius_m"));
   }
+  CHECK_THAT(fault_of([](data::Dataset& d) { d.info.source = "\xff"; }), Contains("UTF-8"));
   CHECK_THAT(fault_of([](data::Dataset& d) { d.info.action_unit = "furlong"; }), Contains("furlong"));
 }

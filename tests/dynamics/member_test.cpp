@@ -55,6 +55,17 @@ TEST_CASE("a member that is restored goes on bitwise", "[unit]") {
   }
 }
 
+TEST_CASE("a member that diverges stops at the step where it did", "[unit]") {
+  TrainingConfig config;
+  config.optimiser = Optimiser::kSgd;
+  config.learning_rate = 10.0;
+  Member member = small_member(config);
+  const auto learn = [&] {
+    for (std::int64_t epoch = 0; epoch < 100; ++epoch) member.run_epoch(epoch);
+  };
+  CHECK_THROWS_WITH(learn(), Catch::Contains("diverged at step "));
+}
+
 TEST_CASE("a member out of patience stands still", "[unit]") {
   TrainingConfig config;
   config.learning_rate = 1e-30;  // nothing gets better

@@ -37,3 +37,28 @@ TEST_CASE("mask pixels lie where the view pixels that they cover lie") {
   CHECK((grid.first_m - corner).norm() < 1e-9);
   CHECK((grid.at(3, 5) - 0.5 * (view.to_dish(22, 42) + view.to_dish(23, 43))).norm() < 1e-9);
 }
+
+TEST_CASE("a sealed segmenter that its tensors do not fill, or that divides by nothing, is refused") {
+  const tests::TemporaryFolder folder;
+  const auto fault_of = [&](const auto& spoil) {
+    const vision::TrainSegmenterConfig config = tests::small_config();
+    vision::save_segmenter(folder / "s", config.segmenter, *tests::untrained_network(), {}, {});
+    nets::Checkpoint checkpoint = nets::load_checkpoint(folder / "s", "segmenter");
+    spoil(checkpoint);
+    nets::save_checkpoint(folder / "s", checkpoint);
+    try {
+      vision::Segmenter::load(folder / "s");
+    } catch (const common::CheckpointError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  CHECK_THAT(fault_of([](nets::Checkpoint& c) {
+               c.facts["segmenter"]["network"] = {{"width", 256}, {"depth", 6}};
+             }),
+             Catch::Contains("larger than its tensors"));  // it would take 10 GB
+  CHECK_THAT(fault_of([](nets::Checkpoint& c) { c.parts["network"]["colour_std"].zero_(); }),
+             Catch::Contains("colour_std"));
+  CHECK_THAT(fault_of([](nets::Checkpoint& c) { c.parts["network"]["head.bias"].fill_(NAN); }),
+             Catch::Contains("head.bias") && Catch::Contains("finite"));
+}

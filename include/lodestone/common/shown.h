@@ -12,4 +12,7 @@ std::string escaped(std::string_view text);
 /// A value from outside as a message shows it: escaped, and cut after 200 characters.
 std::string shown(std::string_view text);
 
+/// Whether a text is UTF-8, as JSON must be.
+bool is_utf8(std::string_view text);
+
 }  // namespace lodestone::common
