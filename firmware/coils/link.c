@@ -192,6 +192,8 @@ static void take_reply(struct Coils* coils) {
       break;
     case kReadCurrents:
       controller->seen |= 1;
+      controller->looked = true;
+      controller->looked_us = coils->now_us;
       for (uint8_t i = 0; i < 2; ++i) {
         const int16_t raw_10mA = (int16_t)(i == 0 ? first : second);
         const int16_t clipped = raw_10mA > 3276 ? 3276 : raw_10mA < -3276 ? -3276 : raw_10mA;
