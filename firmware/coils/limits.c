@@ -3,8 +3,9 @@
 enum {
   kSettle_us = 60000,    /* from the end of a duty's ramp until current and duty tell the resistance, */
   kFullRamp_us = 50000,  /* which takes so long for the whole duty */
-  kStray_us = 200000,    /* from switching a coil off until its current must be measured gone */
-  kBlind_us = 300000,   /* without a reading of its currents a controller is not to be trusted with the supply */
+  kStray_us = 200000,    /* from switching a coil off until its current must be measured gone, */
+  kDecay_us = 100000,    /* and until it is gone in a coil that obeys */
+  kBlind_us = 300000,    /* without a reading of its currents a controller is not to be trusted with the supply */
   kMinEstimationCurrent_mA = 1000, /* below this a resistance would be too coarse (the controllers give 10 mA) */
   kStrayCurrent_mA = 300, /* more is a current; less may be the zero of a sensor */
 };
@@ -21,10 +22,10 @@ static void set_duty(struct Coils* coils, uint8_t coil, int16_t duty) {
   coils->duty[coil] = duty;
   coils->changed_us[coil] = coils->now_us;
   coils->pending_estimate_mA[coil] = 0;
-  if (duty != 0)
-    coils->stopping[coil] = false;
-  else
+  if (duty == 0)
     start_stopping(coils, coil);
+  else if (coils->now_us - coils->stopping_us[coil] < kDecay_us)
+    coils->stopping[coil] = false; /* later, a new pulse does not hide a coil that stays on between pulses */
 }
 
 void coils_all_off(struct Coils* coils) {

@@ -128,6 +128,48 @@ TEST_CASE(
   CHECK(rig.pulse({1000, 0, 0, 0}, 50));
 }
 
+TEST_CASE("a contactor that a fault has opened does not keep a new session from being ready to CLEAR it") {
+  BusRig rig;
+  rig.connect();
+  rig.run(0.4);
+  rig.stuck_duty[1] = 0.3;
+  rig.run(1.0);
+  CHECK(rig.coils.faults == wire::kFaultStrayCurrent);
+  rig.stuck_duty[1] = NAN;
+  rig.hello(2);
+  rig.configure();
+  rig.run(1.5);
+  CHECK_FALSE(rig.contactor());
+  rig.ask(wire::kStatus);
+  CHECK((rig.replies.back().body[0] & wire::kStateReady) != 0);
+  CHECK_FALSE(rig.pulse({5000, 0, 0, 0}, 100));
+  CHECK(rig.replies.back().body[1] == wire::kRefusedFault);
+  rig.ask(wire::kClear);
+  rig.run(0.5);
+  CHECK(rig.pulse({5000, 0, 0, 0}, 100));
+}
+
+TEST_CASE("an output that sticks is cut off although pulses of its coil go on") {
+  BusRig rig;
+  rig.connect();
+  rig.run(0.4);
+  for (int i = 0; i < 3; ++i) {
+    REQUIRE(rig.pulse({0, 5000, 0, 0}, 100));
+    rig.run(0.25);
+  }
+  CHECK(rig.coils.faults == 0);
+  REQUIRE(rig.pulse({0, 5000, 0, 0}, 100));
+  rig.run(0.08);
+  rig.stuck_duty[1] = 0.3;
+  rig.run(0.17);
+  for (int i = 0; i < 2; ++i) {
+    rig.pulse({0, 5000, 0, 0}, 100);
+    rig.run(0.25);
+  }
+  CHECK(rig.largest_A() < kOn_A);
+  CHECK((rig.coils.faults & wire::kFaultStrayCurrent) != 0);
+}
+
 TEST_CASE("a CLEAR while nobody looks at the coils closes no contactor") {
   BusRig rig;
   rig.connect();
