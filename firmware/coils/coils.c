@@ -18,14 +18,15 @@ void coils_tick(struct Coils* coils, uint32_t now_us, bool emergency_stop) {
     coils_take_millisecond(coils);
   }
   coils->emergency_stop = emergency_stop;
-  if (emergency_stop) coils_latch(coils, kFaultEmergencyStop);
-  if (coils->pulsing && coils->uptime_ms - coils->heard_ms > kHostSilenceMs) coils_latch(coils, kFaultHostSilent);
+  if (emergency_stop) coils_cut(coils, kFaultEmergencyStop);
+  if (coils->pulsing && coils->uptime_ms - coils->heard_ms > kHostSilenceMs) coils_cut(coils, kFaultHostSilent);
   if (coils->pulsing && now_us - coils->pulse_us >= coils->length_us) coils_all_off(coils);
   coils_watch_stopping(coils);
+  coils_watch_contactor(coils);
   coils_poll_link(coils);
 }
 
-bool coils_contactor(const struct Coils* coils) { return coils->configured && !coils->contactor_open; }
+bool coils_contactor(const struct Coils* coils) { return coils->configured && coils->contactor_closed; }
 
 void coils_init(struct Coils* coils, struct CoilsOutput output, uint8_t reset_cause, bool watchdog_reset) {
   memset(coils, 0, sizeof *coils);

@@ -45,6 +45,8 @@ struct MotorController {
   bool off_repeated; /* since the last reading */
   uint8_t next_reading;
   uint8_t seen; /* bit per kind of reading that has come since the set-up */
+  bool looked;  /* its currents are known: told a short while ago, */
+  uint32_t looked_us; /* then */
   uint32_t read_us;
   uint16_t supply_dV;
   int16_t board_dC;
@@ -88,8 +90,9 @@ struct Coils {
   uint32_t stopping_us[kCoils]; /* since when */
   bool quiet;          /* nothing is said to the motor controllers, so that they stop by themselves */
   uint32_t quiet_us;   /* since when */
-  bool contactor_open; /* a coil would not switch off; until CLEAR */
-  uint32_t closed_us;  /* when the contactor was told to close */
+  bool contactor_open; /* a coil would not switch off, or could not be looked at; until CLEAR */
+  bool contactor_closed; /* told to close */
+  uint32_t closed_us;    /* when */
 
   uint8_t trace_coil;
   uint8_t trace_count;
@@ -104,8 +107,8 @@ void coils_host_byte(struct Coils* coils, uint8_t byte);
 void coils_controller_byte(struct Coils* coils, uint8_t byte);
 /* Call at least once per millisecond; `now_us` counts up and wraps. */
 void coils_tick(struct Coils* coils, uint32_t now_us, bool emergency_stop);
-/* The contactor in the supply of the coils is to be closed: configured, and no coil has refused to switch
- * off. */
+/* The contactor in the supply of the coils is to be closed: configured, all currents are known, and no coil has
+ * refused to switch off. */
 bool coils_contactor(const struct Coils* coils);
 
 #ifdef __cplusplus

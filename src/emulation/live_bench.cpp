@@ -10,6 +10,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/log.h"
 #include "lodestone/common/random.h"
+#include "lodestone/common/realtime.h"
 #include "pseudo_terminal.h"
 
 namespace lodestone::emulation {
@@ -37,6 +38,7 @@ struct LiveBench::State {
   std::thread thread;
 
   void run() {
+    const common::RealtimeThread realtime;  // hardware does not wait until a processor is free
     try {
       const common::SteadyClock clock;
       double offset_s = clock.now_s() - bench.now_s();

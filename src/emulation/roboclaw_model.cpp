@@ -75,6 +75,14 @@ void RoboClawModel::restart() {
   *this = fresh;
 }
 
+void RoboClawModel::forget_settings() {
+  timeout_s_ = 0.0;
+  for (Output& output : outputs_) {
+    output.ramp = Output{}.ramp;
+    output.max_current_A = Output{}.max_current_A;
+  }
+}
+
 std::uint32_t RoboClawModel::status() const {
   std::uint32_t bits = emergency_stop ? 1u : 0u;
   if (board_C > kHotBoard_C) bits |= 1u << 1;

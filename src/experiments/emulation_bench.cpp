@@ -1,9 +1,11 @@
 #include "lodestone/experiments/emulation_bench.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <mutex>
+#include <thread>
 #include <utility>
 
 #include "lodestone/common/build_facts.h"
@@ -92,6 +94,28 @@ class PulseWatch {
   std::vector<double> begun_s_;
 };
 
+/// A machine with other things to do: one thread per processor that never rests.
+class BusyProcessors {
+ public:
+  BusyProcessors() {
+    for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i)
+      threads_.emplace_back([this] {
+        while (!over_.load(std::memory_order_relaxed)) {
+        }
+      });
+  }
+  ~BusyProcessors() {
+    over_ = true;
+    for (std::thread& thread : threads_) thread.join();
+  }
+  BusyProcessors(const BusyProcessors&) = delete;
+  BusyProcessors& operator=(const BusyProcessors&) = delete;
+
+ private:
+  std::atomic<bool> over_{false};
+  std::vector<std::thread> threads_;
+};
+
 }  // namespace
 
 EmulationBench::EmulationBench(const EmulationBenchConfig& config, std::string folder)
@@ -131,6 +155,12 @@ void EmulationBench::time_round_trips() {
 }
 
 void EmulationBench::drive_in_real_time() {
+  result_.real_time = drive_square("in real time");
+  const BusyProcessors busy;
+  result_.under_load = drive_square("on a busy machine");
+}
+
+RealTimeSquare EmulationBench::drive_square(const std::string& how) {
   DeploymentConfig deployment = config_.deployment;
   const EmulatedRig emulated =
       make_emulated_rig(deployment.rig, static_cast<std::uint64_t>(deployment.rig_seed),
@@ -144,17 +174,17 @@ void EmulationBench::drive_in_real_time() {
   const TrialPlan plan = plan_trial(deployment, "square", 0, std::nullopt, std::nullopt,
                                     [&](const geometry::Pose2& pose) { return session->fits(pose); });
   live.place(plan.start);
-  common::log_info("bench emulation: one square in real time on " + live.port() + " under " + live.camera());
+  common::log_info("bench emulation: one square " + how + " on " + live.port() + " under " + live.camera());
   const TrialResult trial =
       run_on_session(*session, deployment, plan, source(), [&] { return live.true_pose(); });
-  if (!trial.completed) common::log_warning("real-time square stopped: " + trial.stop_reason);
+  if (!trial.completed) common::log_warning("square " + how + " stopped: " + trial.stop_reason);
   const std::vector<double> deviations_ms = watch.deviations_ms(deployment.loop.period_s());
-  result_.real_time = {
+  const RealTimeSquare square{
       watch.pulses(), mean_error_mm({trial}), percentile(deviations_ms, 0.5), percentile(deviations_ms, 0.99),
       live.lost_s(),  trial.stop_reason};
-  add("control period in real time: deviation, p99", result_.real_time->deviation_p99_ms, "ms",
-      config_.jitter_bound_ms);
-  add("real-time square: not finished", trial.completed ? 0.0 : 1.0, "", 0.0);
+  add("control period " + how + ": deviation, p99", square.deviation_p99_ms, "ms", config_.jitter_bound_ms);
+  add("square " + how + ": not finished", trial.completed ? 0.0 : 1.0, "", 0.0);
+  return square;
 }
 
 void EmulationBench::compare_squares() {

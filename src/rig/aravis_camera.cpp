@@ -15,6 +15,7 @@
 
 #include "lodestone/common/clock.h"
 #include "lodestone/common/error.h"
+#include "lodestone/common/realtime.h"
 
 namespace lodestone::rig {
 namespace {
@@ -252,7 +253,10 @@ void AravisCamera::Device::set_network() {
 
 void AravisCamera::Device::start() {
   Outcome outcome;
-  stream = arv_camera_create_stream(camera, nullptr, nullptr, outcome.out());
+  const auto on_stream = +[](void*, ArvStreamCallbackType, ArvBuffer*) {
+    thread_local const common::RealtimeThread realtime;  // of the thread that puts the packets together
+  };
+  stream = arv_camera_create_stream(camera, on_stream, nullptr, outcome.out());
   outcome.expect(name + " gives no stream", "restart the camera");
   if (ARV_IS_GV_STREAM(stream))
     g_object_set(stream, "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_AUTO, "socket-buffer-size", 0,

@@ -4,6 +4,7 @@
 
 #include "lodestone/common/clock.h"
 #include "lodestone/common/error.h"
+#include "lodestone/common/realtime.h"
 
 namespace lodestone::rig {
 
@@ -20,6 +21,7 @@ FreeRunningCamera::~FreeRunningCamera() {
 }
 
 void FreeRunningCamera::run() {
+  const common::RealtimeThread realtime;  // an image that is late makes the pulse late
   common::SteadyClock clock;
   while (!ending_) {
     const double start_s = clock.now_s();

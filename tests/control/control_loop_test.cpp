@@ -1,10 +1,13 @@
 #include "lodestone/control/control_loop.h"
 
+#include <sched.h>
+
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <thread>
 
 #include "control/fakes.h"
+#include "lodestone/common/realtime.h"
 #include "lodestone/rig/virtual_rig.h"
 #include "lodestone/safety/supervisor.h"
 #include "paper_rig.h"
@@ -190,4 +193,30 @@ TEST_CASE("a sensor that fails is a fault of the rig: nobody drives on after it"
   bench.sensor.throws = false;
   CHECK_THAT(loop.run(controller, reference).stop_reason, Catch::Contains("stopped earlier"));
   CHECK(bench.device.pulses.empty());
+}
+
+TEST_CASE("in real time, and only then, the loop goes before others where it may") {
+  const auto policy = [] { return sched_getscheduler(0) & ~SCHED_RESET_ON_FORK; };
+  int may = SCHED_OTHER;
+  {
+    const common::RealtimeThread realtime;
+    may = policy();
+  }
+  Bench bench;
+  bench.sensor.push(0.0, 0.0);
+  int seen = -1;
+  tests::FunctionController controller([&](const task::Observation&) {
+    seen = policy();
+    return Vector2(0.1, 0.0);
+  });
+  REQUIRE(bench.run(controller).completed);
+  CHECK(seen == SCHED_OTHER);
+  common::SteadyClock wall;
+  safety::Supervisor coils(bench.device, bench.safety, tests::paper_rig(), wall);
+  tests::ScriptedSensor sensor{wall};
+  sensor.push(0.0, 0.0);
+  control::PointReference reference({0.01, 0.0}, 0.3);
+  control::ControlLoop(bench.config, bench.action, coils, sensor, wall).run(controller, reference);
+  CHECK(seen == may);
+  CHECK(policy() == SCHED_OTHER);
 }

@@ -46,6 +46,19 @@ const std::vector<std::uint8_t> kHalf = {0x80, 34, 0x40, 0x00, 0xc0, 0x00};
 
 }  // namespace
 
+TEST_CASE("a controller that forgets its settings drives on, and no silence stops it") {
+  Line line;
+  CHECK(line.ask(with_checksum({0x80, 14, 2})) == kAcknowledged);  // 0.2 s
+  CHECK(line.ask(with_checksum(kHalf)) == kAcknowledged);
+  line.wait(0.1);
+  line.model.forget_settings();
+  line.wait(1.0);
+  CHECK(line.model.duty()[0] == Approx(0.5).epsilon(1e-3));
+  line.model.restart();
+  line.wait(0.1);
+  CHECK(line.model.duty()[0] == 0.0);
+}
+
 TEST_CASE("a duty is acknowledged and reached by its ramp") {
   Line line;
   CHECK(line.ask(with_checksum(kHalf)) == kAcknowledged);

@@ -53,3 +53,18 @@ TEST_CASE("simulated hours with a fault a minute", "[soak]") {
   CHECK(static_cast<std::int64_t>(report.faults.size()) >= soak.count() / 220);
   CHECK(report.longest_on_s <= experiments::kOffWithin_s);
 }
+
+TEST_CASE("simulated hours with two faults at once every minute", "[soak]") {
+  const tests::Soak soak("minutes of a bench with two faults at once in each", 2, 120);
+  const experiments::HourReport report =
+      experiments::inject_pairs(60.0 * static_cast<double>(soak.count()), soak.seed(), scratch());
+  for (const experiments::FaultResult& fault : report.faults) {
+    CAPTURE(fault.fault, fault.injected_s, fault.reason, fault.on_after_s);
+    CHECK_FALSE(fault.unsafe);
+    CHECK_FALSE(fault.reason.empty());
+  }
+  CHECK(report.unsafe == 0);
+  CHECK(static_cast<std::int64_t>(report.faults.size()) >= soak.count());
+  CHECK(report.simulated_s >= 60.0 * static_cast<double>(soak.count()));
+  CHECK(report.longest_on_s <= experiments::kOffWithin_s);
+}

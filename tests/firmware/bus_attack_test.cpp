@@ -114,8 +114,10 @@ TEST_CASE(
   CHECK((rig.coils.faults & wire::kFaultStrayCurrent) != 0);
   CHECK_FALSE(coils_contactor(&rig.coils));
   CHECK_FALSE(rig.pulse({1000, 0, 0, 0}, 50));
+  rig.run(0.1);  // until the bus speaks again
   rig.ask(wire::kClear);
-  CHECK(coils_contactor(&rig.coils));
+  rig.run(0.15);
+  CHECK(rig.contactor());
   rig.run(kOffWithin_s);
   CHECK(rig.largest_A() < kOn_A);
   CHECK((rig.coils.faults & wire::kFaultStrayCurrent) != 0);
@@ -124,6 +126,89 @@ TEST_CASE(
   rig.run(1.0);
   CHECK(rig.coils.faults == 0);
   CHECK(rig.pulse({1000, 0, 0, 0}, 50));
+}
+
+TEST_CASE("a contactor that a fault has opened does not keep a new session from being ready to CLEAR it") {
+  BusRig rig;
+  rig.connect();
+  rig.run(0.4);
+  rig.stuck_duty[1] = 0.3;
+  rig.run(1.0);
+  CHECK(rig.coils.faults == wire::kFaultStrayCurrent);
+  rig.stuck_duty[1] = NAN;
+  rig.hello(2);
+  rig.configure();
+  rig.run(1.5);
+  CHECK_FALSE(rig.contactor());
+  rig.ask(wire::kStatus);
+  CHECK((rig.replies.back().body[0] & wire::kStateReady) != 0);
+  CHECK_FALSE(rig.pulse({5000, 0, 0, 0}, 100));
+  CHECK(rig.replies.back().body[1] == wire::kRefusedFault);
+  rig.ask(wire::kClear);
+  rig.run(0.5);
+  CHECK(rig.pulse({5000, 0, 0, 0}, 100));
+}
+
+TEST_CASE("an output that sticks is cut off although pulses of its coil go on") {
+  BusRig rig;
+  rig.connect();
+  rig.run(0.4);
+  for (int i = 0; i < 3; ++i) {
+    REQUIRE(rig.pulse({0, 5000, 0, 0}, 100));
+    rig.run(0.25);
+  }
+  CHECK(rig.coils.faults == 0);
+  REQUIRE(rig.pulse({0, 5000, 0, 0}, 100));
+  rig.run(0.08);
+  rig.stuck_duty[1] = 0.3;
+  rig.run(0.17);
+  for (int i = 0; i < 2; ++i) {
+    rig.pulse({0, 5000, 0, 0}, 100);
+    rig.run(0.25);
+  }
+  CHECK(rig.largest_A() < kOn_A);
+  CHECK((rig.coils.faults & wire::kFaultStrayCurrent) != 0);
+}
+
+TEST_CASE("a CLEAR while nobody looks at the coils closes no contactor") {
+  BusRig rig;
+  rig.connect();
+  rig.run(0.4);
+  rig.stuck_duty[1] = 0.3;
+  rig.run(0.3);
+  REQUIRE(rig.coils.quiet);
+  rig.ask(wire::kClear);
+  CHECK((rig.coils.faults & wire::kFaultStrayCurrent) != 0);
+  rig.run(0.3);
+  CHECK(rig.largest_A() < kOn_A);
+  CHECK_FALSE(rig.contactor());
+}
+
+TEST_CASE("the contactor is closed only while the currents of all coils are known") {
+  BusRig rig;
+  rig.controllers[1].tx_open = true;
+  rig.connect();
+  rig.run(0.5);
+  CHECK_FALSE(rig.contactor());
+  CHECK(rig.coils.faults == 0);
+  rig.controllers[1].tx_open = false;
+  rig.run(0.3);
+  CHECK(rig.contactor());
+  rig.controllers[1].tx_open = true;
+  rig.run(0.4);
+  CHECK_FALSE(rig.contactor());
+  CHECK((rig.coils.faults & wire::kFaultControllerSilent) != 0);
+  rig.stuck_duty[2] = 0.3;  // which nobody could see
+  rig.run(0.2);
+  CHECK(rig.largest_A() < kOn_A);
+  rig.stuck_duty[2] = NAN;
+  rig.controllers[1].tx_open = false;
+  rig.run(0.2);
+  CHECK_FALSE(rig.contactor());
+  rig.ask(wire::kClear);
+  rig.run(0.5);
+  CHECK(rig.coils.faults == 0);
+  CHECK(rig.pulse({0, 0, 1000, 0}, 50));
 }
 
 TEST_CASE("duties that never arrive, each acknowledged by noise, end in silence on the bus and no current") {
@@ -136,7 +221,7 @@ TEST_CASE("duties that never arrive, each acknowledged by noise, end in silence 
   std::vector<std::uint8_t> packet;
   double last_s = 0.0;
   rig.attack = [&](BusRig::Way way, std::int64_t, std::uint8_t byte) -> std::vector<BusRig::Arriving> {
-    if (way == BusRig::Way::kToFirmware) return {{byte}};
+    if (way != BusRig::Way::kToControllers) return {{byte}};
     if (rig.now_s - last_s > 0.5e-3) packet.clear();
     last_s = rig.now_s;
     packet.push_back(byte);

@@ -22,6 +22,7 @@ TEST_CASE("limits are refused, faults latch and stay until cleared") {
     device.run(490);
     CHECK(device.on());
     device.run(30);
+    CHECK_FALSE(coils_contactor(&device.coils));  // at once, whether or not the motor controllers obey
     fault = wire::kFaultHostSilent;
   }
   SECTION("the emergency stop opens") {
@@ -29,6 +30,7 @@ TEST_CASE("limits are refused, faults latch and stay until cleared") {
     device.open_switch = true;
     device.run(5);
     device.open_switch = false;
+    CHECK_FALSE(coils_contactor(&device.coils));
     fault = wire::kFaultEmergencyStop;
   }
   SECTION("the supply sags") {

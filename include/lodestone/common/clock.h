@@ -14,6 +14,8 @@ class Clock {
   /// Returns true once now_s() >= time_s, at once when that is past; false as soon as `interruption`, where
   /// there is one, is raised.
   virtual bool wait_until(double time_s, Interruption* interruption) = 0;
+  /// Whether its time passes by itself: who waits too long is late.
+  virtual bool passes_by_itself() const { return false; }
   void sleep_until(double time_s) { wait_until(time_s, nullptr); }
 };
 
@@ -22,6 +24,7 @@ class SteadyClock final : public Clock {
  public:
   double now_s() const override;
   bool wait_until(double time_s, Interruption* interruption) override;
+  bool passes_by_itself() const override { return true; }
 };
 
 }  // namespace lodestone::common

@@ -66,7 +66,8 @@ class ControlLoop {
               PoseSensor& sensor, common::Clock& clock);
 
   /// Never throws for what sensor, controller or coils do: any fault stops the coils and is the outcome's
-  /// stop_reason, and so is the user's interrupt. Without a valid pose no pulse is given.
+  /// stop_reason, and so is the user's interrupt. Without a valid pose no pulse is given. In real time the
+  /// calling thread goes before others until it returns (common::RealtimeThread).
   LoopOutcome run(Controller& controller, Reference& reference, const Observer& observer = {});
 
   /// From any thread: switches the coils off now and ends the run, or the next one where none is under way.

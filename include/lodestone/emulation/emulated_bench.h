@@ -57,6 +57,10 @@ class EmulatedBench {
   void set_supply_V(double volt);
   /// The contactor's contacts have welded together: it no longer opens.
   void weld_contactor(bool welded) { welded_ = welded; }
+  /// How long the contactor takes to open or close.
+  void set_contactor_s(double seconds) { contactor_takes_s_ = seconds; }
+  /// What the shunt of a coil tells its motor controller instead of the current, A.
+  std::function<double(std::size_t coil, double current_A)> shunt;
   /// A driver that sticks: this coil gets this duty whatever its controller says; NaN clears it.
   void stick_driver(int coil, double duty);
   /// A coil with shorted turns: its resistance falls to this fraction (and its inductance with it). Above 1:
@@ -92,6 +96,7 @@ class EmulatedBench {
   double supply_V_ = 0.0;
   bool welded_ = false;
   double contactor_s_ = 0.0;  ///< when the contactor was last told what it does already
+  double contactor_takes_s_ = 20e-3;
   bool contactor_closed_ = false;
   double line_free_s_ = 0.0;
   std::array<double, rig::kCoilCount> stuck_;

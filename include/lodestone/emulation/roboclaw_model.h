@@ -23,6 +23,8 @@ class RoboClawModel {
   void advance(double now_s);
   /// Loses everything that was set, as at power-on.
   void restart();
+  /// Loses what was set, and its timeout with it, but goes on with its duties: its memory is damaged.
+  void forget_settings();
 
   /// Share of the supply on each motor output, -1 to 1.
   std::array<double, 2> duty() const;

@@ -116,6 +116,7 @@ struct EmulationResult {
   common::Json machine;
   std::optional<RoundTrips> round_trip;
   std::optional<RealTimeSquare> real_time;
+  std::optional<RealTimeSquare> under_load;  ///< the same while every processor is busy
   std::optional<SquareComparison> square;
   std::vector<FaultResult> faults;
   std::optional<HourReport> long_run;
@@ -126,6 +127,7 @@ struct EmulationResult {
     v.field("machine", machine);
     v.field("round_trip", round_trip);
     v.field("real_time", real_time);
+    v.field("under_load", under_load);
     v.field("square", square);
     v.field("faults", faults);
     v.field("long_run", long_run);
@@ -141,6 +143,7 @@ class EmulationBench {
   EmulationBench(const EmulationBenchConfig& config, std::string folder);
 
   void time_round_trips();
+  /// Alone, and then with every processor busy.
   void drive_in_real_time();
   void compare_squares();
   void inject_every_fault();
@@ -151,6 +154,7 @@ class EmulationBench {
  private:
   void add(const std::string& figure, double value, const char* unit, double bound);
   ControllerSource source() const;
+  RealTimeSquare drive_square(const std::string& how);
 
   const EmulationBenchConfig& config_;
   std::string folder_;

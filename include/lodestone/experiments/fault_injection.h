@@ -7,12 +7,24 @@
 
 namespace lodestone::experiments {
 
+constexpr const char* kStuckOutput = "output stuck at a duty";
+constexpr const char* kWeldedContactor = "contactor welded";
+
+/// Faults that no program can survive together, and why.
+struct ExcludedFaults {
+  const char* one;
+  const char* other;
+  const char* why;
+};
+constexpr ExcludedFaults kExcludedFaults[] = {
+    {kStuckOutput, kWeldedContactor, "nothing is left that could switch the coil off"}};
+
 /// Every fault that can be injected into a bench; names as the reports print them.
 std::vector<std::string> fault_names();
 
 /// What became of one fault injected in the middle of a pulse.
 struct FaultResult {
-  std::string fault;
+  std::string fault;          ///< or two, "one + other"
   double injected_s = 0.0;    ///< on the bench's clock
   bool stopped = false;       ///< the run ended; otherwise it was tolerated
   std::string reason;         ///< as the run's log has it; for a fault tolerated, how it shows
@@ -74,5 +86,8 @@ struct HourReport {
 /// Many pulses with one random fault a minute; after every stop an operator removes the fault, clears the
 /// latch and goes on.
 HourReport inject_for_an_hour(std::int64_t pulses, std::uint64_t seed, const std::string& folder);
+
+/// Bench time with two random faults at the same moment of every minute, all but kExcludedFaults.
+HourReport inject_pairs(double duration_s, std::uint64_t seed, const std::string& folder);
 
 }  // namespace lodestone::experiments
