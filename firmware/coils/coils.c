@@ -13,7 +13,8 @@ void coils_host_byte(struct Coils* coils, uint8_t byte) {
 
 void coils_tick(struct Coils* coils, uint32_t now_us, bool emergency_stop) {
   coils->now_us = now_us;
-  while (now_us - coils->tick_us >= 1000) {
+  /* Signed: a clock that goes back a little would otherwise count for an hour. */
+  while ((int32_t)(now_us - coils->tick_us) >= 1000) {
     coils->tick_us += 1000;
     coils_take_millisecond(coils);
   }

@@ -100,8 +100,11 @@ static void start_uarts(void) {
 }
 
 static void start_timer(void) { /* 2 MHz, 1 kHz interrupts */
-  OCR1A = 1999;
+  TCCR1B = 0;                   /* whatever a bootloader has left: a count beyond the top would run on to 65535 */
   TCCR1A = 0;
+  OCR1A = 1999;
+  TCNT1 = 0;
+  TIFR1 = _BV(OCF1A);
   TCCR1B = _BV(WGM12) | _BV(CS11);
   TIMSK1 = _BV(OCIE1A);
 }

@@ -37,3 +37,11 @@ TEST_CASE("time may wrap") {
   CHECK_FALSE(device.on());
   CHECK(device.state(13).faults == 0);
 }
+
+TEST_CASE("a clock that goes back a little does not count for an hour") {
+  Device device;
+  device.start();
+  const std::uint32_t uptime_ms = device.coils.uptime_ms;
+  coils_tick(&device.coils, device.now_us - 5000u, false);
+  CHECK(device.coils.uptime_ms - uptime_ms < 10u);
+}
