@@ -101,7 +101,7 @@ TEST_CASE("plans repeat, lie inside the dish and keep a given target") {
   CHECK(fixed.start.x_m == first[0].start.x_m);
 }
 
-TEST_CASE("explored rigs fraction friction and calibration, unseen rigs do not fraction starts' outcomes") {
+TEST_CASE("explored rigs share friction and calibration, unseen rigs do not share the outcomes of starts") {
   const auto config = quick_config();
   const experiments::Deployment deployment(config);
   const auto source = experiments::baseline_source(config);
