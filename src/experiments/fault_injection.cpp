@@ -472,11 +472,12 @@ Faults any_pair(common::RandomStream& random) {
   return pair;
 }
 
+constexpr double kMinute_s = 60.0;
+
 /// Minute by minute, each with the faults that `draw` gives, at any moment of it.
 HourReport run_for_long(std::uint64_t seed, const char* stream, const std::string& folder,
                         const std::function<Faults(common::RandomStream&)>& draw,
                         const std::function<bool(const HourReport&)>& over) {
-  constexpr double kMinute_s = 60.0;
   common::RandomStream random(seed, stream);
   Chain chain(seed, folder);
   chain.connect();
@@ -484,10 +485,12 @@ HourReport run_for_long(std::uint64_t seed, const char* stream, const std::strin
   HourReport report;
   const double start_s = chain.bench.now_s();
   const auto drive = [&](const Faults& kinds, double duration_s) {
-    const FaultResult result = run_with(chain, kinds, duration_s);
+    FaultResult result = run_with(chain, kinds, duration_s);
     const bool unasked = kinds.empty() && result.stopped;
+    if (unasked) result.reason += " - stopped without a fault";
+    result.unsafe = result.unsafe || unasked;
     report.pulses += result.asked;
-    report.unsafe += result.unsafe || unasked ? 1 : 0;
+    report.unsafe += result.unsafe ? 1 : 0;
     if (!kinds.empty() || unasked) report.faults.push_back(result);
     if (result.stopped) start_again(chain);
     report.simulated_s = chain.bench.now_s() - start_s;
@@ -583,8 +586,10 @@ HourReport inject_for_an_hour(std::int64_t pulses, std::uint64_t seed, const std
 }
 
 HourReport inject_pairs(double duration_s, std::uint64_t seed, const std::string& folder) {
-  return run_for_long(seed, "drill/pairs", folder, any_pair,
-                      [duration_s](const HourReport& report) { return report.simulated_s >= duration_s; });
+  return run_for_long(seed, "drill/pairs", folder, any_pair, [duration_s](const HourReport& report) {
+    return report.simulated_s >= duration_s &&
+           static_cast<double>(report.faults.size()) >= duration_s / kMinute_s;
+  });
 }
 
 }  // namespace lodestone::experiments
