@@ -44,8 +44,8 @@ struct MotorController {
   int16_t duty[2];   /* acknowledged */
   bool off_repeated; /* since the last reading */
   uint8_t next_reading;
-  uint8_t seen; /* bit per kind of reading that has come since the set-up */
-  bool looked;  /* its currents are known: told a short while ago, */
+  uint8_t seen;       /* bit per kind of reading that has come since the set-up */
+  bool looked;        /* its currents are known: told a short while ago, */
   uint32_t looked_us; /* then */
   uint32_t read_us;
   uint16_t supply_dV;
@@ -88,9 +88,9 @@ struct Coils {
    * motor controller acknowledges does not end this; only a measured current does. */
   bool stopping[kCoils];
   uint32_t stopping_us[kCoils]; /* since when */
-  bool quiet;          /* nothing is said to the motor controllers, so that they stop by themselves */
-  uint32_t quiet_us;   /* since when */
-  bool contactor_open; /* a coil would not switch off, or could not be looked at; until CLEAR */
+  bool quiet;            /* nothing is said to the motor controllers, so that they stop by themselves */
+  uint32_t quiet_us;     /* since when */
+  bool contactor_open;   /* a coil would not switch off, or could not be looked at; until CLEAR */
   bool contactor_closed; /* told to close */
   uint32_t closed_us;    /* when */
 
@@ -107,8 +107,8 @@ void coils_host_byte(struct Coils* coils, uint8_t byte);
 void coils_controller_byte(struct Coils* coils, uint8_t byte);
 /* Call at least once per millisecond; `now_us` counts up and wraps. */
 void coils_tick(struct Coils* coils, uint32_t now_us, bool emergency_stop);
-/* The contactor in the supply of the coils is to be closed: configured, all currents are known, and no coil has
- * refused to switch off. */
+/* The contactor in the supply of the coils is to be closed: configured, all currents are known, and no coil
+ * has refused to switch off. */
 bool coils_contactor(const struct Coils* coils);
 
 #ifdef __cplusplus

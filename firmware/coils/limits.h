@@ -8,7 +8,8 @@ uint16_t coils_magnitude(int16_t value);
 void coils_all_off(struct Coils* coils);
 /* Keeps the faults and switches off. */
 void coils_latch(struct Coils* coils, uint16_t faults);
-/* The same, and opens the contactor until CLEAR: for what must not wait until a motor controller has obeyed. */
+/* The same, and opens the contactor until CLEAR: for what must not wait until a motor controller has obeyed.
+ */
 void coils_cut(struct Coils* coils, uint16_t faults);
 /* The contactor may close (again), and the motor controllers are set up anew. */
 void coils_allow_contactor(struct Coils* coils);
@@ -17,8 +18,8 @@ void coils_start_pulse(struct Coils* coils, const int16_t* current_mA, uint16_t 
 /* A coil that is still not measured without current too long after it was switched off: the controllers are
  * left alone until they stop by themselves, and the contactor opens. */
 void coils_watch_stopping(struct Coils* coils);
-/* Closes the contactor once all currents are known, and opens it when one is not known for too long: an output that
- * stuck then would go unseen. */
+/* Closes the contactor once all currents are known, and opens it when one is not known for too long: an
+ * output that stuck then would go unseen. */
 void coils_watch_contactor(struct Coils* coils);
 /* A measured current, asked for at `asked_us`: limits and trace. */
 void coils_take_current(struct Coils* coils, uint8_t coil, int16_t measured_mA, uint32_t asked_us);
