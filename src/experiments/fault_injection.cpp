@@ -347,8 +347,11 @@ std::vector<FaultKind> faults_beyond_device() {
       lasting("needle leaves the view", [](Chain& c, bool there) { c.sensor.needle_gone = there; }),
       lasting("needle seen outside the fence", [](Chain& c, bool there) { c.sensor.needle_outside = there; }),
       lasting("disk full", [](Chain& c, bool there) { c.record.disk_full = there; }),
-      {"clock jumps forward", true, [](Chain& c) { c.sensor.stamp_error_s = -3600.0; }, nothing},
-      {"clock jumps back", true, [](Chain& c) { c.sensor.stamp_error_s = 3600.0; }, nothing},
+      // Where another fault stops the run first, no image comes to show them.
+      lasting("clock jumps forward",
+              [](Chain& c, bool there) { c.sensor.stamp_error_s = there ? -3600.0 : 0.0; }),
+      lasting("clock jumps back",
+              [](Chain& c, bool there) { c.sensor.stamp_error_s = there ? 3600.0 : 0.0; }),
   };
 }
 

@@ -79,7 +79,7 @@ with tempfile.TemporaryDirectory() as name:
     assert code in (0, 130), code
 
     deploy = ("deploy", "--config", configs / "deploy.json", "--task", "all", "--trials", "2", "--on", "both",
-              "--controller", "both", "--sensor", "simulated")  # by camera: the released models, below
+              "--controller", "both", "--sensor", "simulated", "--set", "record.enabled=false")  # by camera: the released models, below
     run(*deploy, "--policy", policy / "checkpoint", "--out", root / "deploy")
     # Killed in the middle, it goes on with the trials that are left, and ends the same.
     cut = root / "cut"
@@ -130,9 +130,10 @@ with tempfile.TemporaryDirectory() as name:
 
     # Released models drive from a clean clone: by camera, on rigs drawn from the seed.
     released = root / "released"
-    run("deploy", "--models", source / "models" / "target", "--task", "square", "--trials", "4", "--seed", "3", "--out", released)
+    run("deploy", "--models", source / "models" / "target", "--task", "square", "--trials", "4", "--seed", "3", "--record", "--out", released)
     summary = json.loads((released / "summary.json").read_text())
     assert summary["square"]["n_trials"] == 4 and summary["square"]["mean_error_mm"] < 3.0, summary
+    assert any(film.stat().st_size > 10000 for film in (released / "videos").iterdir()), "no film"
     planned = root / "planned"
     run("deploy", "--config", source / "configs" / "best" / "deploy.json", "--controller", "planner", "--set",
         f"dynamics={source / 'models' / 'dynamics_best'}", "--task", "point", "--trials", "4", "--sensor", "simulated",
