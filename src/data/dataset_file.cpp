@@ -40,7 +40,7 @@ bool write_value(hid_t root, const char* name, const common::Json& value) {
 }
 
 /// The attribute as a value of the type that `value` has.
-bool read_value(hid_t root, const char* name, common::Json& value) {
+bool read_value(hid_t root, const char* name, common::Json& value, const std::string& path) {
   std::string text;
   std::int64_t whole = 0;
   double number = 0.0;
@@ -56,7 +56,7 @@ bool read_value(hid_t root, const char* name, common::Json& value) {
     value = text;
   } else {
     found = read_attribute(root, name, text);
-    if (found) value = common::parse_json(text, std::string("attribute '") + name + "'");
+    if (found) value = common::parse_json(text, path + ": attribute '" + name + "'");
   }
   return found;
 }
@@ -92,7 +92,7 @@ void check_version(hid_t root, const std::string& path) {
 DatasetInfo read_info(hid_t root, const std::string& path) {
   common::Json json = info_to_json(DatasetInfo());
   for (auto& [name, value] : json.items())
-    if (!read_value(root, name.c_str(), value)) fail_without(name, path);
+    if (!read_value(root, name.c_str(), value, path)) fail_without(name, path);
   return info_from_json(json, path);
 }
 
@@ -257,6 +257,11 @@ bool ends_with(const std::string& text, const std::string& ending) {
          text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
 }
 
+void put_dataset(const std::string& path, const Dataset& dataset) {
+  check_dataset(dataset, path + " to be written");
+  common::write_file_atomically(path, file_image(dataset, path));
+}
+
 }  // namespace
 
 Dataset read_dataset(const std::string& path) {
@@ -313,14 +318,17 @@ Dataset read_recordings(const std::string& paths) {
 }
 
 void write_dataset(const std::string& path, const Dataset& dataset) {
-  check_dataset(dataset, path + " to be written");
-  common::write_file_atomically(path, file_image(dataset, path));
+  if (const std::string journal = journal_beside(path); std::filesystem::exists(journal))
+    throw DataError(path + " is not written: beside it lies " + journal +
+                    ", an unfinished recording that is read in its place; finish that one, move it, or name "
+                    "another file");
+  put_dataset(path, dataset);
 }
 
 void fold_journal(const std::string& path) {
   const std::string journal = journal_beside(path);
   if (!std::filesystem::exists(journal)) return;
-  write_dataset(path, read_dataset(path));
+  put_dataset(path, read_dataset(path));
   common::remove_file(journal);
 }
 

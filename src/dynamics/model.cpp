@@ -31,7 +31,7 @@ void save_model(const std::string& folder, const Model& model, const Json& run_c
   checkpoint.kind = kKind;
   checkpoint.config = run_config;
   checkpoint.facts["model"] = common::config_to_json(model.config);
-  checkpoint.facts["dataset"] = inference::dataset_info_to_json(model.info);
+  checkpoint.facts["dataset"] = data::info_to_json(model.info);
   checkpoint.facts["split"] = {{"seed", model.split.seed},
                                {"validation_fraction", model.split.validation_fraction},
                                {"test_fraction", model.split.test_fraction}};

@@ -1,7 +1,6 @@
 #include "lodestone/inference/dynamics.h"
 
 #include "lodestone/common/error.h"
-#include "lodestone/common/shown.h"
 
 namespace lodestone::inference {
 namespace {
@@ -32,44 +31,15 @@ DynamicsConfig dynamics_config_of(const Json& facts, const std::string& what) {
   }
 }
 
-Json dataset_info_to_json(const data::DatasetInfo& info) {
-  Json json = Json::object();
-  json["layout"] = info.layout == data::StateLayout::kPose ? "pose" : "position";
-  json["action_unit"] = info.action_unit;
-  json["action_scale"] = info.action_scale;
-  json["workspace_radius_m"] = info.workspace_radius_m;
-  json["one_axis_at_a_time"] = info.one_axis_at_a_time;
-  json["control_period_s"] = info.control_period_s;
-  json["seed"] = info.seed;
-  json["source"] = info.source;
-  json["rig"] = info.rig;
-  return json;
-}
-
 data::DatasetInfo dataset_info_of(const Json& facts, const std::string& what) {
+  if (!facts.is_object() || !facts.contains("dataset"))
+    throw CheckpointError(what + ": says nothing of the dataset that it was trained on");
   try {
-    const Json& json = facts.at("dataset");
-    data::DatasetInfo info;
-    const auto layout = json.at("layout").get<std::string>();
-    if (layout != "pose" && layout != "position") {
-      throw CheckpointError(what + ": state layout \"" + common::shown(layout) +
-                            "\" is neither \"pose\" nor \"position\"");
-    }
-    info.layout = layout == "pose" ? data::StateLayout::kPose : data::StateLayout::kPosition;
-    info.action_unit = json.at("action_unit").get<std::string>();
-    info.action_scale = json.at("action_scale").get<double>();
-    info.workspace_radius_m = json.at("workspace_radius_m").get<double>();
-    info.one_axis_at_a_time = json.at("one_axis_at_a_time").get<bool>();
-    info.control_period_s = json.at("control_period_s").get<double>();
-    info.seed = json.at("seed").get<std::int64_t>();
-    info.source = json.at("source").get<std::string>();
-    info.rig = json.at("rig");
+    data::DatasetInfo info = data::info_from_json(facts.at("dataset"), what);
     data::check_info(info, what);
     return info;
   } catch (const common::DataError& error) {
     throw CheckpointError(error.what());
-  } catch (const Json::exception& error) {
-    throw CheckpointError(what + ": description of the dataset is malformed: " + error.what());
   }
 }
 

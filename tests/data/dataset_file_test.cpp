@@ -102,6 +102,7 @@ TEST_CASE("an unfinished recording is read from its journal, and folded into a d
     for (const data::Episode& episode : dataset.episodes) journal.write(episode);
   }
   CHECK(data::read_dataset(path).episodes.size() == 6);
+  CHECK_THROWS_WITH(data::write_dataset(path, dataset), Contains("a.journal") && Contains("unfinished"));
   data::fold_journal(path);
   CHECK_FALSE(std::filesystem::exists(folder / "a.journal"));
   data::write_dataset(folder / "b.h5", dataset);

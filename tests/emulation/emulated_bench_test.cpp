@@ -11,6 +11,7 @@
 #include "lodestone/rig/coil_measurement.h"
 #include "lodestone/rig/serial_coils.h"
 #include "rig/coils_conformance.h"
+#include "rig/described_rig.h"
 #include "soak.h"
 
 using namespace lodestone;
@@ -18,15 +19,8 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// The rig exactly as it is described.
-rig::VirtualRigConfig described() {
-  rig::VirtualRigConfig config;
-  config.simulation.deviation = rig::DeviationWidth::kNone;
-  return config;
-}
-
 struct Bench {
-  explicit Bench(const rig::VirtualRigConfig& config = described()) : rig(config, 1), bench(rig) {
+  explicit Bench(const rig::VirtualRigConfig& config = tests::described_rig()) : rig(config, 1), bench(rig) {
     serial.max_pulse_s = 2.0;
     coils = std::make_unique<rig::SerialCoils>(
         serial, rig.config().coils, [this] { return std::make_unique<emulation::LockstepPort>(bench); });
@@ -87,7 +81,7 @@ TEST_CASE("five amperes asked are five amperes given, on a hot coil and with a w
 
 TEST_CASE("coils are measured through their pulses") {
   for (const double inductance_H : {17.6e-3, 30e-3}) {
-    rig::VirtualRigConfig config = described();
+    rig::VirtualRigConfig config = tests::described_rig();
     config.coils.resistance_20C_ohm.assign(4, 2.3);
     config.coils.inductance_H.assign(4, inductance_H);
     config.ambient_C = 20.0;
@@ -141,7 +135,7 @@ TEST_CASE("a driver that does not switch off, and a coil that is not connected, 
 }
 
 TEST_CASE("motor controllers without power are told apart from a missing coil controller") {
-  rig::VirtualRig rig(described(), 1);
+  rig::VirtualRig rig(tests::described_rig(), 1);
   emulation::EmulatedBench bench(rig);
   bench.controller(1).powered = false;
   rig::SerialConfig serial;

@@ -4,24 +4,19 @@
 
 #include "firmware/faults.h"
 #include "lodestone/emulation/emulated_bench.h"
+#include "rig/described_rig.h"
 #include "soak.h"
 
 using namespace lodestone;
 
 namespace {
 
-rig::VirtualRigConfig as_described() {
-  rig::VirtualRigConfig config;
-  config.simulation.deviation = rig::DeviationWidth::kNone;
-  return config;
-}
-
 /// An emulated bench in the shape of a BusRig.
 class EmulatedFaultRig {
  public:
   using Way = tests::BusRig::Way;
 
-  EmulatedFaultRig() : rig_(as_described(), 1), bench_(rig_), start_s_(bench_.now_s()) {
+  EmulatedFaultRig() : rig_(tests::described_rig(), 1), bench_(rig_), start_s_(bench_.now_s()) {
     const auto take = [this](Way way) {
       return [this, way](std::uint8_t& byte) {
         put(way, byte);

@@ -76,7 +76,7 @@ void write_small_dynamics(const std::string& folder) {
   checkpoint.facts["model"] = common::config_to_json(config);
   data::DatasetInfo info;
   info.workspace_radius_m = 0.04;
-  checkpoint.facts["dataset"] = inference::dataset_info_to_json(info);
+  checkpoint.facts["dataset"] = data::info_to_json(info);
   const auto ones = [](std::int64_t count) {
     return inference::Array(std::vector<float>(static_cast<std::size_t>(count), 1.0F), {count});
   };

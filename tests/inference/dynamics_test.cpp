@@ -33,7 +33,7 @@ TEST_CASE("a dataset's description comes back, and a malformed one is named", "[
   info.workspace_radius_m = 0.03;
   info.action_scale = 89.0;
   common::Json facts;
-  facts["dataset"] = inference::dataset_info_to_json(info);
+  facts["dataset"] = data::info_to_json(info);
   const data::DatasetInfo back = inference::dataset_info_of(facts, "it");
   CHECK(back.layout == info.layout);
   CHECK(back.source == "test");
@@ -41,6 +41,5 @@ TEST_CASE("a dataset's description comes back, and a malformed one is named", "[
   facts["dataset"]["workspace_radius_m"] = -1.0;
   CHECK_THROWS_AS(inference::dataset_info_of(facts, "it"), common::CheckpointError);
   facts["dataset"]["layout"] = "sideways";
-  CHECK_THROWS_WITH(inference::dataset_info_of(facts, "it"),
-                    Catch::Contains("it: state layout \"sideways\""));
+  CHECK_THROWS_WITH(inference::dataset_info_of(facts, "it"), Catch::Contains("it: layout \"sideways\""));
 }

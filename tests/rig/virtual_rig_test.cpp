@@ -11,6 +11,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/thread_pool.h"
+#include "rig/described_rig.h"
 
 namespace lodestone::rig {
 namespace {
@@ -23,16 +24,9 @@ std::shared_ptr<const physics::FieldTable> shared_table() {
   return table;
 }
 
-/// The rig exactly as it is described.
-VirtualRigConfig described() {
-  VirtualRigConfig config;
-  config.simulation.deviation = DeviationWidth::kNone;
-  return config;
-}
-
 /// The rig without any scatter.
 VirtualRigConfig smooth() {
-  VirtualRigConfig config = described();
+  VirtualRigConfig config = tests::described_rig();
   config.friction.map_sigma = 0.0;
   config.friction.pulse_sigma = 0.0;
   return config;
@@ -134,7 +128,7 @@ TEST_CASE("coils warm up and then give less current") {
 
 TEST_CASE("friction differs over the dish, between rigs and between pulses; one seed repeats itself") {
   const auto move = [](std::uint64_t seed, double x_m, double y_m, int pulses) {
-    VirtualRig rig(described(), seed, shared_table());
+    VirtualRig rig(tests::described_rig(), seed, shared_table());
     double moved = 0.0;
     for (int i = 0; i < pulses; ++i) {
       rig.place({x_m, y_m, 0.0});
@@ -151,7 +145,7 @@ TEST_CASE("friction differs over the dish, between rigs and between pulses; one 
 }
 
 TEST_CASE("needles come to rest within the rest, inside the dish, wherever they start") {
-  VirtualRig rig(described(), 5, shared_table());
+  VirtualRig rig(tests::described_rig(), 5, shared_table());
   common::RandomStream random(5, "test");
   int resting = 0;
   for (int i = 0; i < 100; ++i) {
@@ -169,7 +163,7 @@ TEST_CASE("needles come to rest within the rest, inside the dish, wherever they 
 }
 
 TEST_CASE("save and restore go on bitwise, also in the middle of a pulse") {
-  const VirtualRigConfig config = described();
+  const VirtualRigConfig config = tests::described_rig();
   common::RandomStream random(9, "test");
   VirtualRig rig(config, 4, shared_table());
   rig.place({0.01, -0.01, 1.0});
@@ -206,7 +200,7 @@ TEST_CASE("rigs do the same on any number of threads") {
     common::ThreadPool pool(threads);
     std::vector<std::unique_ptr<VirtualRig>> rigs;
     for (std::uint64_t i = 0; i < 6; ++i) {
-      rigs.push_back(std::make_unique<VirtualRig>(described(), 100 + i, shared_table()));
+      rigs.push_back(std::make_unique<VirtualRig>(tests::described_rig(), 100 + i, shared_table()));
     }
     common::RandomStream random(3, "pulses");
     for (int step = 0; step < 10; ++step) {
@@ -230,11 +224,11 @@ TEST_CASE("rigs do the same on any number of threads") {
 }
 
 TEST_CASE("what cannot be is refused") {
-  VirtualRig rig(described(), 1, shared_table());
+  VirtualRig rig(tests::described_rig(), 1, shared_table());
   CHECK_THROWS_AS(rig.place({0.04, 0.0, 0.0}), common::DataError);
   CHECK_THROWS_AS(rig.place({std::nan(""), 0.0, 0.0}), common::DataError);
   CHECK_THROWS_AS(rig.clock().sleep_until(std::nan("")), common::LogicFault);
-  VirtualRigConfig other = described();
+  VirtualRigConfig other = tests::described_rig();
   other.coils.geometry.turns = 500;
   CHECK_THROWS_AS(VirtualRig(other, 1, shared_table()), common::LogicFault);
   const auto read = [](const char* json) {
@@ -263,8 +257,8 @@ class StepClock final : public common::Clock {
 };
 
 TEST_CASE("a rig that keeps pace with a clock does bitwise the same, and shows what lies between") {
-  VirtualRig free(described(), 3, shared_table());
-  VirtualRig paced(described(), 3, shared_table());
+  VirtualRig free(tests::described_rig(), 3, shared_table());
+  VirtualRig paced(tests::described_rig(), 3, shared_table());
   StepClock wall;
   paced.keep_pace_with(wall);
   std::set<double> seen_m;
@@ -283,7 +277,7 @@ TEST_CASE("a rig that keeps pace with a clock does bitwise the same, and shows w
 }
 
 TEST_CASE("a stop in the middle of a rest switches off then, and an interruption ends the rest") {
-  VirtualRig rig(described(), 3, shared_table());
+  VirtualRig rig(tests::described_rig(), 3, shared_table());
   StepClock wall;
   rig.keep_pace_with(wall);
   wall.look = [&] {
@@ -306,7 +300,7 @@ TEST_CASE("a stop in the middle of a rest switches off then, and an interruption
 
 // One thread drives, one watches, one stops.
 TEST_CASE("the virtual rig may be watched and stopped from any thread") {
-  VirtualRig rig(described(), 3, shared_table());
+  VirtualRig rig(tests::described_rig(), 3, shared_table());
   common::SteadyClock wall;
   rig.keep_pace_with(wall);
   std::atomic<bool> over{false};

@@ -22,7 +22,8 @@ Dataset read_any_dataset(const std::string& path);
 /// Several of one rig, separated by commas, as one dataset. Throws DataError when they do not fit together.
 Dataset read_recordings(const std::string& paths);
 
-/// `path` then holds all of it, or what it held before. Throws IoError or DataError.
+/// `path` then holds all of it, or what it held before. Throws IoError, and DataError where a journal beside
+/// it would be read in its place.
 void write_dataset(const std::string& path, const Dataset& dataset);
 
 /// The end of a recording: the journal beside `path` becomes the dataset `path`, and is gone. A kill at any

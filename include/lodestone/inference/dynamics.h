@@ -28,7 +28,6 @@ DynamicsModel load_dynamics(const std::string& folder);
 DynamicsConfig dynamics_config_of(const common::Json& facts, const std::string& what);
 data::DatasetInfo dataset_info_of(const common::Json& facts, const std::string& what);
 /// Dataset description as checkpoints hold it.
-common::Json dataset_info_to_json(const data::DatasetInfo& info);
 
 /// Rows that the model was trained on, [N, columns] of finite numbers, from part "rows". Throws
 /// CheckpointError naming `what`.
