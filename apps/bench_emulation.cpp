@@ -24,14 +24,16 @@ void print_round_trips(const EmulationResult& result) {
 }
 
 void print_real_time(const EmulationResult& result) {
-  for (const auto& [how, square] : {std::pair("in real time", *result.real_time),
-                                    std::pair("with every processor busy", *result.under_load)})
+  for (const auto& [how, squares] : {std::pair("in real time", *result.real_time),
+                                     std::pair("with every processor busy", *result.under_load)})
     std::printf(
-        "  square %s: %lld pulses, cross-track RMS %.2f mm, deviation of the period median %.2f ms, real "
-        "time lost "
-        "%.2f s\n",
-        how, static_cast<long long>(square.pulses), square.cross_track_rms_mm, square.deviation_median_ms,
-        square.lost_real_time_s);
+        "  %lld squares %s: %lld pulses, cross-track RMS %.2f mm, deviation of the period median %.2f ms, "
+        "p99 %.2f ms "
+        "(95 %% interval %.2f to %.2f), largest %.2f ms, real time lost %.2f s\n",
+        static_cast<long long>(squares.squares), how, static_cast<long long>(squares.pulses),
+        squares.cross_track_rms_mm, squares.deviation_median_ms, squares.deviation_p99_ms,
+        squares.deviation_p99_interval_ms[0], squares.deviation_p99_interval_ms[1], squares.deviation_max_ms,
+        squares.lost_real_time_s);
 }
 
 void print_square(const EmulationResult& result) {

@@ -54,6 +54,17 @@ double interquartile_mean(std::vector<double> values) {
   return sum / (high - low);
 }
 
+Interval percentile_interval(std::vector<double> values, double fraction, double z) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const auto count = static_cast<double>(values.size());
+  const double half = z * std::sqrt(count * fraction * (1.0 - fraction));
+  const auto at = [&](double rank) {
+    return values[static_cast<std::size_t>(std::clamp(rank, 1.0, count)) - 1];
+  };
+  return {at(std::floor(count * fraction - half)), at(std::ceil(count * fraction + half) + 1.0)};
+}
+
 Interval wilson_interval(std::int64_t successes, std::int64_t trials, double z) {
   LODESTONE_CHECK(trials > 0 && successes >= 0 && successes <= trials, "a fraction of trials");
   const auto n = static_cast<double>(trials);

@@ -155,12 +155,34 @@ void EmulationBench::time_round_trips() {
 }
 
 void EmulationBench::drive_in_real_time() {
-  result_.real_time = drive_square("in real time");
+  result_.real_time = drive_squares("in real time");
   const BusyProcessors busy;
-  result_.under_load = drive_square("on a busy machine");
+  result_.under_load = drive_squares("on a busy machine");
 }
 
-RealTimeSquare EmulationBench::drive_square(const std::string& how) {
+RealTimeSquares EmulationBench::drive_squares(const std::string& how) {
+  RealTimeSquares squares;
+  std::vector<double> deviations_ms;
+  double unfinished = 0.0;
+  for (std::int64_t index = 0; index < config_.timed_squares; ++index) {
+    if (common::interrupted()) throw common::Interrupted("bench emulation: stopped by the user");
+    const std::vector<double> of_one = drive_square(index, how, squares);
+    deviations_ms.insert(deviations_ms.end(), of_one.begin(), of_one.end());
+    if (!squares.stop_reason.empty()) ++unfinished;
+  }
+  squares.cross_track_rms_mm /= static_cast<double>(squares.squares);
+  squares.deviation_median_ms = percentile(deviations_ms, 0.5);
+  squares.deviation_p99_ms = percentile(deviations_ms, 0.99);
+  const common::Interval interval = common::percentile_interval(deviations_ms, 0.99);
+  squares.deviation_p99_interval_ms = {interval.low, interval.high};
+  squares.deviation_max_ms = percentile(deviations_ms, 1.0);
+  add("control period " + how + ": deviation, p99", squares.deviation_p99_ms, "ms", config_.jitter_bound_ms);
+  add("squares " + how + ": not finished", unfinished, "", 0.0);
+  return squares;
+}
+
+std::vector<double> EmulationBench::drive_square(std::int64_t index, const std::string& how,
+                                                 RealTimeSquares& squares) {
   DeploymentConfig deployment = config_.deployment;
   const EmulatedRig emulated =
       make_emulated_rig(deployment.rig, static_cast<std::uint64_t>(deployment.rig_seed),
@@ -171,20 +193,21 @@ RealTimeSquare EmulationBench::drive_square(const std::string& how) {
   PulseWatch watch(live);
   const std::unique_ptr<session::RigSession> session =
       session::make_serial_session(deployment.rig, deployment.sensor, deployment.safety);
-  const TrialPlan plan = plan_trial(deployment, "square", 0, std::nullopt, std::nullopt,
+  const TrialPlan plan = plan_trial(deployment, "square", index, std::nullopt, std::nullopt,
                                     [&](const geometry::Pose2& pose) { return session->fits(pose); });
   live.place(plan.start);
-  common::log_info("bench emulation: one square " + how + " on " + live.port() + " under " + live.camera());
+  common::log_info("bench emulation: square " + std::to_string(index + 1) + " of " +
+                   std::to_string(config_.timed_squares) + " " + how + " on " + live.port() + " under " +
+                   live.camera());
   const TrialResult trial =
       run_on_session(*session, deployment, plan, source(), [&] { return live.true_pose(); });
   if (!trial.completed) common::log_warning("square " + how + " stopped: " + trial.stop_reason);
-  const std::vector<double> deviations_ms = watch.deviations_ms(deployment.loop.period_s());
-  const RealTimeSquare square{
-      watch.pulses(), mean_error_mm({trial}), percentile(deviations_ms, 0.5), percentile(deviations_ms, 0.99),
-      live.lost_s(),  trial.stop_reason};
-  add("control period " + how + ": deviation, p99", square.deviation_p99_ms, "ms", config_.jitter_bound_ms);
-  add("square " + how + ": not finished", trial.completed ? 0.0 : 1.0, "", 0.0);
-  return square;
+  ++squares.squares;
+  squares.pulses += watch.pulses();
+  squares.cross_track_rms_mm += mean_error_mm({trial});
+  squares.lost_real_time_s += live.lost_s();
+  squares.stop_reason = trial.stop_reason;
+  return watch.deviations_ms(deployment.loop.period_s());
 }
 
 void EmulationBench::compare_squares() {

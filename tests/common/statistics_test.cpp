@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <random>
 
 #include "lodestone/common/error.h"
 
@@ -63,4 +64,22 @@ TEST_CASE("percentiles, means and deviations") {
   CHECK(standard_deviation({1}) == 0.0);
   CHECK(root_mean_square({3, 4}) == Approx(std::sqrt(12.5)));
   CHECK(root_mean_square({}) == 0.0);
+}
+
+TEST_CASE("the interval of a percentile holds it as often as it says") {
+  std::mt19937 random(3);
+  std::exponential_distribution<double> draw(1.0);
+  const double truth = -std::log(0.1);  // the 90th percentile
+  int held = 0;
+  for (int round = 0; round < 1000; ++round) {
+    std::vector<double> values(200);
+    for (double& value : values) value = draw(random);
+    const Interval interval = percentile_interval(values, 0.9);
+    held += interval.low <= truth && truth <= interval.high ? 1 : 0;
+  }
+  CHECK(held >= 930);
+  CHECK(held <= 985);
+  const Interval few = percentile_interval({3.0, 1.0, 2.0}, 0.99);
+  CHECK(few.high == 3.0);
+  CHECK(percentile_interval({}, 0.5).high == 0.0);
 }

@@ -28,6 +28,11 @@ struct Interval {
   double high = 0.0;
 };
 
+/// Distribution-free interval of a percentile: between the values whose ranks a binomial count of the values
+/// below it would have, so it reaches the largest one where there are too few for more. `z` = 1.96 covers 95
+/// %. {0, 0} when there are none.
+Interval percentile_interval(std::vector<double> values, double fraction, double z = 1.96);
+
 /// Wilson's score interval of a fraction: sensible for 50 of 50, too. `z` = 1.96 covers 95 %. Throws
 /// LogicFault unless 0 <= successes <= trials and trials > 0.
 Interval wilson_interval(std::int64_t successes, std::int64_t trials, double z = 1.96);

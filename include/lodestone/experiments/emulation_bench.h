@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -17,6 +18,7 @@ struct EmulationBenchConfig {
   std::string policy;
   std::int64_t pulses = 12000;
   std::int64_t round_trips = 500;
+  std::int64_t timed_squares = 3;
   double round_trip_bound_ms = 5.0;
   double jitter_bound_ms = 5.0;
   double error_bound = 0.1;
@@ -34,6 +36,11 @@ struct EmulationBenchConfig {
     v.field("pulses", pulses, "",
             "pulses of the run with a random fault a minute; 12000 take an hour of bench time", {0, 1e6});
     v.field("round_trips", round_trips, "", "answers of the firmware to time", {10, 100000});
+    v.field("timed_squares", timed_squares, "",
+            "squares in real time, alone and as many with every processor busy, to time the control period; "
+            "about "
+            "130 pulses each",
+            {1, 1000});
     v.field("round_trip_bound_ms", round_trip_bound_ms, "ms", "median of the way there and back",
             {0.1, 1000.0});
     v.field("jitter_bound_ms", jitter_bound_ms, "ms", "99th percentile of the period's deviation",
@@ -78,20 +85,25 @@ struct RoundTrips {
   }
 };
 
-/// One square in real time: pseudo-terminal, GigE Vision camera, U-Net, controller.
-struct RealTimeSquare {
-  std::int64_t pulses = 0;
-  double cross_track_rms_mm = 0.0;
+/// Squares in real time: pseudo-terminal, GigE Vision camera, U-Net, controller.
+struct RealTimeSquares {
+  std::int64_t squares = 0, pulses = 0;
+  double cross_track_rms_mm = 0.0;                           ///< mean of the squares
   double deviation_median_ms = 0.0, deviation_p99_ms = 0.0;  ///< of the control period
+  std::array<double, 2> deviation_p99_interval_ms = {};      ///< 95 %
+  double deviation_max_ms = 0.0;
   double lost_real_time_s = 0.0;
   std::string stop_reason;
 
   template <class Visitor>
   void visit(Visitor& v) {
+    v.field("squares", squares);
     v.field("pulses", pulses);
     v.field("cross_track_rms_mm", cross_track_rms_mm);
     v.field("deviation_median_ms", deviation_median_ms);
     v.field("deviation_p99_ms", deviation_p99_ms);
+    v.field("deviation_p99_interval_ms", deviation_p99_interval_ms);
+    v.field("deviation_max_ms", deviation_max_ms);
     v.field("lost_real_time_s", lost_real_time_s);
     v.field("stop_reason", stop_reason);
   }
@@ -115,8 +127,8 @@ struct EmulationResult {
   static constexpr const char* kFile = "emulation.json";
   common::Json machine;
   std::optional<RoundTrips> round_trip;
-  std::optional<RealTimeSquare> real_time;
-  std::optional<RealTimeSquare> under_load;  ///< the same while every processor is busy
+  std::optional<RealTimeSquares> real_time;
+  std::optional<RealTimeSquares> under_load;  ///< the same while every processor is busy
   std::optional<SquareComparison> square;
   std::vector<FaultResult> faults;
   std::optional<HourReport> long_run;
@@ -154,7 +166,9 @@ class EmulationBench {
  private:
   void add(const std::string& figure, double value, const char* unit, double bound);
   ControllerSource source() const;
-  RealTimeSquare drive_square(const std::string& how);
+  RealTimeSquares drive_squares(const std::string& how);
+  /// Adds one to `squares`; returns by how much each of its pulses came too early or too late.
+  std::vector<double> drive_square(std::int64_t index, const std::string& how, RealTimeSquares& squares);
 
   const EmulationBenchConfig& config_;
   std::string folder_;
