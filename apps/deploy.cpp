@@ -19,27 +19,34 @@ namespace {
 using experiments::DeployConfig;
 using experiments::DeploymentJob;
 
+constexpr const char* kRow = "%-9s %-9s %-7s %7s %7s %7s %7s %9s %9s %8s %8s %8s %7s %7s\n";
+
 void print_heading() {
-  std::printf("%-9s %-9s %-7s %8s %8s %8s %8s %8s %8s %9s %7s\n", "rig", "control", "task", "mean", "std",
-              "median", "rms", "sensed", "time rms", "reach s", "success");
+  std::printf(kRow, "rig", "control", "task", "mean", "std", "median", "sensed", "time rms", "complete",
+              "corners", "reach s", "success", "stopped", "trials");
 }
 
 void print_tasks(const std::string& rig, const std::string& controller, const runs::TaskTable& table) {
-  const auto text = [](const std::optional<double>& value) {
+  const auto number = [](const std::optional<double>& value, const char* format) {
     char buffer[32] = "-";
-    if (value) std::snprintf(buffer, sizeof buffer, "%.2f", *value);
+    if (value) std::snprintf(buffer, sizeof buffer, format, *value);
     return std::string(buffer);
+  };
+  const auto text = [&](const std::optional<double>& value) { return number(value, "%.2f"); };
+  const auto share = [&](const std::optional<double>& value) {
+    return value ? number(100.0 * *value, "%.0f %%") : "-";
   };
   for (const char* task : runs::kTasks) {
     const auto found = table.by_task.find(task);
     if (found == table.by_task.end()) continue;
     const runs::TaskSummary& summary = found->second;
     const runs::ErrorStatistics& errors = summary.truth ? *summary.truth : summary.sensed;
-    std::printf("%-9s %-9s %-7s %8s %8s %8s %8s %8s %8s %9s %7s\n", rig.c_str(), controller.c_str(), task,
-                text(errors.mean_error_mm).c_str(), text(errors.std_error_mm).c_str(),
-                text(errors.median_error_mm).c_str(), text(errors.rms_error_mm).c_str(),
+    std::printf(kRow, rig.c_str(), controller.c_str(), task, text(errors.mean_error_mm).c_str(),
+                text(errors.std_error_mm).c_str(), text(errors.median_error_mm).c_str(),
                 text(summary.sensed.mean_error_mm).c_str(), text(errors.time_rms_error_mm).c_str(),
-                text(errors.seconds_to_reach).c_str(), text(errors.success_rate).c_str());
+                share(errors.completion).c_str(), share(errors.corners_reached).c_str(),
+                text(errors.seconds_to_reach).c_str(), share(errors.success_rate).c_str(),
+                std::to_string(summary.stopped).c_str(), std::to_string(summary.n_trials).c_str());
   }
 }
 
@@ -50,10 +57,10 @@ void print_rig(const std::string& rig, const runs::RigSummary& summary) {
 
 void print_summary(const DeploymentJob& job, const runs::DeploymentSummary& summary) {
   std::printf(
-      "%s", job.rigs.front() == experiments::RigKind::kReal
-                ? "Errors in mm as the camera saw them: nobody knows the true pose on a real bench.\n"
-                : "Errors in mm against the true pose. centre, point: distance at the end of a trial; paths: "
-                  "cross-track error of all samples after the approach.\n");
+      "Errors in mm %s. centre, point: distance at the end of a trial; paths: cross-track RMS of a trial.\n",
+      job.rigs.front() == experiments::RigKind::kReal
+          ? "as the camera saw them: nobody knows the true pose on a real bench"
+          : "against the true pose");
   print_heading();
   if (summary.by_rig.empty()) print_rig(experiments::to_string(job.rigs.front()), summary);
   for (const auto& [rig, of_rig] : summary.by_rig) print_rig(rig, of_rig);

@@ -13,6 +13,8 @@ namespace lodestone::control {
 
 namespace {
 
+constexpr int kStepsAhead = 20;  // of a target that moves, which every controller is told
+
 bool finite(const geometry::Pose2& pose) {
   return std::isfinite(pose.x_m) && std::isfinite(pose.y_m) && std::isfinite(pose.heading_rad);
 }
@@ -120,8 +122,9 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     if (record.estimate.valid) {
       invalid_in_a_row = 0;
       if (!record.last) {
-        const task::Observation observation =
+        task::Observation observation =
             memory.observe(record.estimate.pose, record.target_m, reference.target_heading_rad());
+        observation.ahead = reference.ahead(due_s, config_.period_s(), kStepsAhead);
         record.action = decide(controller, observation);
         record.current_A = task::coil_currents(task::axis_drive(record.action, action_));
       }

@@ -13,6 +13,27 @@ namespace lodestone::control {
 namespace {
 // Friction differs from pulse to pulse: what did not move may yet.
 constexpr int kStallsBeforeDither = 2;
+// A way is straight while the bee line is at least so much of it: a gentle bend is, a corner is not.
+constexpr double kStraight = 0.95;
+
+/// The farthest point of the way ahead, at most `lead_s` from now, to which that way is straight.
+geometry::Vector2 straight_ahead_m(const task::Observation& observation, double lead_s) {
+  geometry::Vector2 farthest_m = observation.target_m;
+  geometry::Vector2 last_m = observation.target_m;
+  double last_s = 0.0;
+  double way_m = 0.0;
+  for (const task::TargetAhead& next : observation.ahead) {
+    const double share = std::min(1.0, (lead_s - last_s) / (next.in_s - last_s));
+    const geometry::Vector2 point_m = last_m + share * (next.point_m - last_m);
+    way_m += (point_m - last_m).norm();
+    if ((point_m - observation.target_m).norm() < kStraight * way_m) break;
+    farthest_m = point_m;
+    if (next.in_s >= lead_s) break;
+    last_m = next.point_m;
+    last_s = next.in_s;
+  }
+  return farthest_m;
+}
 }  // namespace
 
 AdaptiveGain::AdaptiveGain(std::unique_ptr<Controller> inner, const DecoratorConfig& config)
@@ -70,9 +91,16 @@ geometry::Vector2 Hold::act(const task::Observation& observation) {
   return inner_->act(observation);
 }
 
+geometry::Vector2 Lead::act(const task::Observation& observation) {
+  task::Observation led = observation;
+  led.target_m = straight_ahead_m(observation, lead_s_);
+  return inner_->act(led);
+}
+
 std::unique_ptr<Controller> decorate(std::unique_ptr<Controller> controller, const DecoratorConfig& config) {
   if (config.stall_gain > 1.0) controller = std::make_unique<AdaptiveGain>(std::move(controller), config);
   if (config.hold_radius_m > 0.0) controller = std::make_unique<Hold>(std::move(controller), config);
+  if (config.lead_s > 0.0) controller = std::make_unique<Lead>(std::move(controller), config);
   return controller;
 }
 

@@ -15,6 +15,11 @@ namespace {
 
 /// What lying outside the dish costs beyond the distance: more than any way inside.
 constexpr double kOutside_mm = 100.0;
+/// The target when pulse `t` of the plan is over.
+geometry::Vector2 target_after_m(const task::Observation& observation, std::size_t t) {
+  if (observation.ahead.empty()) return observation.target_m;
+  return observation.ahead[std::min(t, observation.ahead.size() - 1)].point_m;
+}
 /// The search never narrows down further than this, or it would stop looking.
 constexpr double kLeastSpread = 0.02;
 
@@ -110,6 +115,7 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
   const auto horizon = static_cast<std::size_t>(config_.horizon);
   const double fraction = 1.0 / static_cast<double>(members * horizon);
   for (std::size_t t = 0; t < horizon; ++t) {
+    const geometry::Vector2 target_m = target_after_m(observation, t);
     for (std::size_t row = 0; row < rows; ++row) {
       const geometry::Vector2& action = candidates_[(row % count) * horizon + t];
       const geometry::Vector2 drive = task::axis_drive(action, model_->action);
@@ -132,8 +138,7 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
       double* state = &state_[row * size];
       if (drive_[2 * row] != 0.0 || drive_[2 * row + 1] != 0.0) std::copy_n(&next_[row * size], size, state);
       const geometry::Vector2 position_m(state[0], state[1]);
-      double cost_mm =
-          geometry::kMmPerM * std::max(config_.goal_radius_m, (position_m - observation.target_m).norm());
+      double cost_mm = geometry::kMmPerM * std::max(config_.goal_radius_m, (position_m - target_m).norm());
       if (observation.target_heading_rad && size == 3)
         cost_mm += config_.heading_cost_mm *
                    std::abs(geometry::wrap_angle(state[2] - *observation.target_heading_rad));

@@ -34,10 +34,8 @@ EpisodeBatch::EpisodeBatch(const EpisodeSettings& settings, const SensorNoise& n
                               std::to_string(settings.count));
   }
   slots_.reserve(static_cast<std::size_t>(settings.count));
-  for (std::int64_t i = 0; i < settings.count; ++i) {
-    slots_.push_back(
-        {{}, {}, 0, 0, common::RandomStream(settings.seed, name, static_cast<std::uint64_t>(i))});
-  }
+  for (std::int64_t i = 0; i < settings.count; ++i)
+    slots_.emplace_back(common::RandomStream(settings.seed, name, static_cast<std::uint64_t>(i)));
   result_.observation.resize(slots_.size() * columns_);
   result_.final_observation.resize(slots_.size() * columns_);
   result_.reward.resize(slots_.size());

@@ -35,8 +35,7 @@ struct LockstepDrive {
 
 double mean_error_mm(const std::vector<TrialResult>& results) {
   double sum = 0.0;
-  for (const TrialResult& result : results)
-    sum += result.truth->cross_track_rms_mm.value_or(result.truth->final_error_mm);
+  for (const TrialResult& result : results) sum += result.truth->error_mm();
   return sum / static_cast<double>(results.size());
 }
 

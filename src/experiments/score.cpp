@@ -1,11 +1,11 @@
 #include "lodestone/experiments/score.h"
 
 #include <algorithm>
-#include <utility>
+#include <limits>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/statistics.h"
-#include "lodestone/geometry/pose2.h"
+#include "lodestone/geometry/frechet.h"
 
 namespace lodestone::experiments {
 
@@ -20,6 +20,26 @@ void note_reach(const std::vector<ScoredSample>& samples, double radius_m, runs:
     score.seconds_to_reach = samples[i].time_s - samples.front().time_s;
     return;
   }
+}
+
+/// How near the needle came to each corner of the path, where it has any.
+void note_corners(const std::vector<geometry::Vector2>& needle_m, const geometry::Path& path,
+                  const ScoreConfig& config, runs::TrialFigures& score) {
+  const std::vector<geometry::Vector2> corners_m = path.corners_m();
+  if (corners_m.empty()) return;
+  double reached = 0.0;
+  score.corner_errors_mm.emplace();
+  for (const geometry::Vector2& corner_m : corners_m) {
+    double nearest_m = std::numeric_limits<double>::infinity();
+    for (const geometry::Vector2& position_m : needle_m)
+      nearest_m = std::min(nearest_m, (position_m - corner_m).norm());
+    score.corner_errors_mm->push_back(geometry::kMmPerM * nearest_m);
+    if (nearest_m <= config.success_radius_m)
+      reached += 1.0;
+    else
+      score.success = false;
+  }
+  score.corners_reached = reached / static_cast<double>(corners_m.size());
 }
 
 /// Mean of a figure over the trials that have it.
@@ -40,7 +60,6 @@ runs::TrialFigures score_point(const std::vector<ScoredSample>& samples, const S
   runs::TrialFigures score;
   const double final_error_m = distance_m(samples.back());
   score.final_error_mm = geometry::kMmPerM * final_error_m;
-  score.errors_mm = {score.final_error_mm};
   score.success = final_error_m <= config.success_radius_m;
   note_reach(samples, config.success_radius_m, score);
   if (score.seconds_to_reach) {
@@ -59,47 +78,70 @@ runs::TrialFigures score_point(const std::vector<ScoredSample>& samples, const S
   return score;
 }
 
+double completion(const std::vector<ScoredSample>& samples, const ScoreConfig& config) {
+  LODESTONE_CHECK(!samples.empty(), "at least one sample to score");
+  constexpr double kSlack_s = 1e-6;  // times are sums of periods
+  std::vector<std::int64_t> reached(samples.size(),
+                                    0);  // points so far, the last of them at this sample or before
+  std::size_t first = 0;
+  for (const ScoredSample& point : samples) {
+    while (samples[first].time_s < point.time_s - config.completion_window_s - kSlack_s) ++first;
+    std::int64_t most = 0;
+    for (std::size_t i = first; i < samples.size(); ++i) {
+      const bool in_time = samples[i].time_s <= point.time_s + config.completion_window_s + kSlack_s;
+      if (in_time && (samples[i].position_m - point.target_m).norm() <= config.success_radius_m)
+        most = std::max(most, reached[i] + 1);
+      if (!in_time && reached[i] >= most) break;  // and so are all later ones
+      reached[i] = std::max(reached[i], most);
+    }
+  }
+  return static_cast<double>(reached.back()) / static_cast<double>(samples.size());
+}
+
 runs::TrialFigures score_path(const std::vector<ScoredSample>& samples, const geometry::Path& path,
                               const ScoreConfig& config) {
-  LODESTONE_CHECK(!samples.empty(), "at least one sample to score");
-  runs::TrialFigures score;
-  std::vector<double> errors_m;
-  std::vector<double> time_errors_m;
-  const auto add = [&](const ScoredSample& sample) {
-    errors_m.push_back(path.nearest(sample.position_m).distance_m);
-    time_errors_m.push_back(distance_m(sample));
-  };
+  std::vector<ScoredSample> followed;
   for (const ScoredSample& sample : samples)
-    if (!sample.approach) add(sample);
-  const bool followed = !errors_m.empty();
-  if (!followed) add(samples.back());
-  for (const double error_m : errors_m) score.errors_mm.push_back(geometry::kMmPerM * error_m);
-  const double cross_track_rms_m = common::root_mean_square(errors_m);
-  score.final_error_mm = geometry::kMmPerM * distance_m(samples.back());
-  score.cross_track_rms_mm = geometry::kMmPerM * cross_track_rms_m;
-  score.time_rms_error_mm = geometry::kMmPerM * common::root_mean_square(time_errors_m);
-  score.success = followed && cross_track_rms_m <= config.success_radius_m;
+    if (!sample.approach) followed.push_back(sample);
+  LODESTONE_CHECK(!followed.empty(), "at least one sample that is not of the approach");
+  std::vector<double> cross_track_mm;
+  std::vector<double> to_target_mm;
+  std::vector<geometry::Vector2> needle_m;
+  std::vector<geometry::Vector2> reference_m;
+  for (const ScoredSample& sample : followed) {
+    cross_track_mm.push_back(geometry::kMmPerM * path.nearest(sample.position_m).distance_m);
+    to_target_mm.push_back(geometry::kMmPerM * distance_m(sample));
+    needle_m.push_back(sample.position_m);
+    reference_m.push_back(sample.target_m);
+  }
+  runs::TrialFigures score;
+  score.final_error_mm = to_target_mm.back();
+  score.cross_track_rms_mm = common::root_mean_square(cross_track_mm);
+  score.time_rms_error_mm = common::root_mean_square(to_target_mm);
+  score.target_deviation_mm = common::mean(to_target_mm);
+  score.frechet_mm = geometry::kMmPerM * geometry::discrete_frechet_m(needle_m, reference_m);
+  score.completion = completion(followed, config);
+  score.success = *score.completion >= config.success_completion &&
+                  *score.cross_track_rms_mm <= geometry::kMmPerM * config.success_radius_m;
+  note_corners(needle_m, path, config, score);
   note_reach(samples, config.success_radius_m, score);
   return score;
 }
 
 runs::ErrorStatistics summarise_trials(const std::vector<const runs::TrialFigures*>& trials) {
+  LODESTONE_CHECK(!trials.empty(), "at least one trial to summarise");
   std::vector<double> errors_mm;
   double successes = 0.0;
   for (const runs::TrialFigures* trial : trials) {
-    errors_mm.insert(errors_mm.end(), trial->errors_mm.begin(), trial->errors_mm.end());
+    errors_mm.push_back(trial->error_mm());
     successes += trial->success ? 1.0 : 0.0;
   }
-  LODESTONE_CHECK(!errors_mm.empty(), "at least one error to summarise");
   using Figures = runs::TrialFigures;
   runs::ErrorStatistics out;
   out.mean_error_mm = common::mean(errors_mm);
   out.std_error_mm = common::standard_deviation(errors_mm);
   out.rms_error_mm = common::root_mean_square(errors_mm);
-  std::sort(errors_mm.begin(), errors_mm.end());
-  const std::size_t half = errors_mm.size() / 2;
-  out.median_error_mm =
-      errors_mm.size() % 2 == 1 ? errors_mm[half] : 0.5 * (errors_mm[half - 1] + errors_mm[half]);
+  out.median_error_mm = common::median(errors_mm);
   out.success_rate = successes / static_cast<double>(trials.size());
   out.steps_to_reach = mean_of(trials, &Figures::steps_to_reach);
   out.seconds_to_reach = mean_of(trials, &Figures::seconds_to_reach);
@@ -107,6 +149,10 @@ runs::ErrorStatistics summarise_trials(const std::vector<const runs::TrialFigure
   out.heading_error_deg = mean_of(trials, &Figures::heading_error_deg);
   out.cross_track_rms_mm = mean_of(trials, &Figures::cross_track_rms_mm);
   out.time_rms_error_mm = mean_of(trials, &Figures::time_rms_error_mm);
+  out.target_deviation_mm = mean_of(trials, &Figures::target_deviation_mm);
+  out.frechet_mm = mean_of(trials, &Figures::frechet_mm);
+  out.completion = mean_of(trials, &Figures::completion);
+  out.corners_reached = mean_of(trials, &Figures::corners_reached);
   return out;
 }
 
@@ -116,7 +162,7 @@ runs::TaskSummary summarise_task(const std::vector<runs::TrialRecord>& trials) {
   std::vector<const runs::TrialFigures*> sensed;
   for (const runs::TrialRecord& trial : trials) {
     ++summary.n_trials;
-    if (!trial.completed) ++summary.n_stopped;
+    if (!trial.completed) ++summary.stopped;
     if (trial.truth) truth.push_back(&*trial.truth);
     sensed.push_back(&trial.sensed);
   }

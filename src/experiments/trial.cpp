@@ -16,37 +16,70 @@ std::optional<geometry::Pose2> pose_of(const TrialSample& sample, bool truth) {
   return sample.step.estimate.pose;
 }
 
-std::vector<ScoredSample> scored(const TrialResult& result, bool truth) {
-  std::vector<ScoredSample> out;
-  for (const TrialSample& sample : result.samples) {
-    if (const auto pose = pose_of(sample, truth))
-      out.push_back({sample.step.time_s, pose->position_m(), sample.step.target_m, sample.approach});
+/// What came of a trial that was stopped: the rest of its schedule, and where the needle lay meanwhile, where
+/// anybody knows. Empty for one that ended at its time.
+struct Aftermath {
+  std::vector<ScoredSample> missed;  ///< with the needle where it was seen last
+  std::optional<geometry::Pose2> truly_lies;
+};
+
+geometry::Vector2 last_sensed_m(const TrialResult& result) {
+  geometry::Vector2 position_m = result.plan.start.position_m();
+  for (const TrialSample& sample : result.samples)
+    if (const auto pose = pose_of(sample, /*truth=*/false)) position_m = pose->position_m();
+  return position_m;
+}
+
+std::vector<ScoredSample> missed_by(const TrialResult& result, control::Reference& reference,
+                                    const control::PathReference* path, double period_s) {
+  const geometry::Vector2 lies_m = last_sensed_m(result);
+  std::vector<ScoredSample> missed;
+  double time_s = result.samples.back().step.time_s;
+  while (!reference.finished(time_s)) {
+    time_s += period_s;
+    const geometry::Vector2 target_m = reference.target(time_s, lies_m);
+    missed.push_back({time_s, lies_m, target_m, path != nullptr && path->approaching()});
   }
-  // A run without any pose was never seen to move: it is scored where it was to start.
-  if (out.empty())
-    out.push_back({0.0, result.plan.start.position_m(), result.samples.front().step.target_m, true});
+  return missed;
+}
+
+/// Every observation, with the needle where it was found last, at first where it was to start; then the
+/// aftermath.
+std::vector<ScoredSample> scored(const TrialResult& result, const Aftermath& after, bool truth) {
+  std::vector<ScoredSample> out;
+  geometry::Vector2 position_m = result.plan.start.position_m();
+  for (const TrialSample& sample : result.samples) {
+    if (const auto pose = pose_of(sample, truth)) position_m = pose->position_m();
+    out.push_back({sample.step.time_s, position_m, sample.step.target_m, sample.approach});
+  }
+  if (truth && after.truly_lies) position_m = after.truly_lies->position_m();
+  for (ScoredSample sample : after.missed) {
+    sample.position_m = position_m;
+    out.push_back(sample);
+  }
   return out;
 }
 
 /// Error of the heading at the end of a trial whose target has one.
-void note_heading(const TrialResult& result, double target_rad, bool truth, const ScoreConfig& config,
-                  runs::TrialFigures& score) {
+void note_heading(const TrialResult& result, const Aftermath& after, double target_rad, bool truth,
+                  const ScoreConfig& config, runs::TrialFigures& score) {
   std::optional<geometry::Pose2> last;
-  for (const TrialSample& sample : result.samples) {
+  for (const TrialSample& sample : result.samples)
     if (const auto pose = pose_of(sample, truth)) last = pose;
-  }
+  if (truth && after.truly_lies) last = after.truly_lies;
   if (!last) return;
   const double error_rad = std::abs(geometry::wrap_angle(last->heading_rad - target_rad));
   score.heading_error_deg = geometry::kDegPerRad * error_rad;
   score.success = score.success && error_rad <= config.success_heading_deg / geometry::kDegPerRad;
 }
 
-runs::TrialFigures score_trial(const TrialResult& result, bool truth, const ScoreConfig& config) {
+runs::TrialFigures score_trial(const TrialResult& result, const Aftermath& after, bool truth,
+                               const ScoreConfig& config) {
   const TrialPlan& plan = result.plan;
-  const std::vector<ScoredSample> samples = scored(result, truth);
+  const std::vector<ScoredSample> samples = scored(result, after, truth);
   runs::TrialFigures score =
       plan.path ? score_path(samples, *plan.path, config) : score_point(samples, config);
-  if (plan.target_heading_rad) note_heading(result, *plan.target_heading_rad, truth, config, score);
+  if (plan.target_heading_rad) note_heading(result, after, *plan.target_heading_rad, truth, config, score);
   score.success = score.success && result.completed;
   return score;
 }
@@ -70,14 +103,17 @@ TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control
   });
   result.completed = outcome.completed;
   result.stop_reason = outcome.stop_reason;
-  // A fault before the first observation leaves nothing to score but where the needle lies.
+  // A fault before the first observation.
   if (result.samples.empty()) {
     control::StepRecord step;
     step.target_m = plan.path ? plan.path->at(0.0) : plan.target_m;
     result.samples.push_back({step, truth(), plan.path.has_value(), std::nullopt});
   }
-  if (true_pose) result.truth = score_trial(result, true, score);
-  result.sensed = score_trial(result, false, score);
+  Aftermath after;
+  if (!result.completed)
+    after = {missed_by(result, reference, path ? &*path : nullptr, loop.period_s()), truth()};
+  if (true_pose) result.truth = score_trial(result, after, true, score);
+  result.sensed = score_trial(result, after, false, score);
   return result;
 }
 

@@ -84,4 +84,21 @@ Path::Nearest Path::nearest(const Vector2& position_m) const {
   return best;
 }
 
+std::vector<Vector2> Path::corners_m(double min_turn_rad) const {
+  std::vector<Vector2> vertices;  // without repetitions, the last one not the first again
+  for (const Vector2& point : points_m_)
+    if (vertices.empty() || point != vertices.back()) vertices.push_back(point);
+  if (closed_) vertices.pop_back();
+  const std::size_t count = vertices.size();
+  std::vector<Vector2> corners;
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool end = !closed_ && (i == 0 || i + 1 == count);
+    const Vector2 in = vertices[i] - vertices[(i + count - 1) % count];
+    const Vector2 out = vertices[(i + 1) % count] - vertices[i];
+    const double turn_rad = std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out));
+    if (end || std::abs(turn_rad) >= min_turn_rad) corners.push_back(vertices[i]);
+  }
+  return corners;
+}
+
 }  // namespace lodestone::geometry

@@ -54,7 +54,7 @@ Trial read_trial(const runs::TrialRecord& record) {
       trial.temperature_C.push_back(row.value_or(runs::PerCoil{kNone, kNone, kNone, kNone}));
   }
   const runs::TrialFigures& figures = record.figures();
-  trial.error_mm = figures.cross_track_rms_mm.value_or(figures.final_error_mm);
+  trial.error_mm = figures.error_mm();
   trial.success = figures.success;
   trial.completed = record.completed;
   trial.stop_reason = record.stop_reason;

@@ -62,6 +62,25 @@ TEST_CASE("the loop pulses at the rig's clock and hands the controller its memor
   CHECK_FALSE(bench.device.on);
 }
 
+TEST_CASE("a controller is told the next points of a path, and of a point that it stays") {
+  Bench bench;
+  for (int step = 0; step < 8; ++step) bench.sensor.push(0.0, 0.0);
+  tests::FunctionController controller([](const task::Observation&) { return Vector2(0.1, 0.0); });
+  bench.run(controller);
+  CHECK(controller.seen.front().ahead.empty());
+  safety::Supervisor coils(bench.device, bench.safety, tests::paper_rig(), bench.clock);
+  control::ControlLoop loop(bench.config, bench.action, coils, bench.sensor, bench.clock);
+  control::PathReferenceConfig config;
+  config.speed_m_s = 0.01;
+  control::PathReference reference(geometry::Path({{0.0, 0.0}, {0.01, 0.0}}, false), config);
+  controller.seen.clear();
+  loop.run(controller, reference);
+  const auto& ahead = controller.seen.front().ahead;
+  REQUIRE(ahead.size() >= 10);
+  CHECK(ahead[1].in_s == Approx(0.6));
+  CHECK(ahead[1].point_m.x() == Approx(0.006));
+}
+
 TEST_CASE("every fault stops the coils and is the reason of the outcome") {
   Bench bench;
   bench.sensor.push(0.0, 0.0);

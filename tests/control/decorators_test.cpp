@@ -69,6 +69,31 @@ TEST_CASE("hold gives no current within its radius") {
   CHECK(controller.act(after({0, 0}, 0.0, {0.0025, 0.0})).x() == 0.3);
 }
 
+TEST_CASE("a needle is led to where its target will be, but not around a corner") {
+  control::DecoratorConfig config;
+  config.lead_s = 1.5;
+  auto inner =
+      std::make_unique<tests::FunctionController>([](const task::Observation&) { return Vector2(); });
+  const tests::FunctionController& asked = *inner;
+  control::Lead controller(std::move(inner), config);
+  task::Observation observation;
+  observation.target_m = {0.0, 0.0};
+  controller.act(observation);
+  CHECK(asked.seen.back().target_m.isZero(0.0));  // it stays
+  for (int step = 1; step <= 10; ++step) observation.ahead.push_back({{0.001 * step, 0.0}, 0.4 * step});
+  controller.act(observation);
+  CHECK((asked.seen.back().target_m - Vector2(0.00375, 0.0)).norm() < 1e-12);
+  CHECK(asked.seen.back().ahead.size() == 10);
+  for (int step = 3; step <= 10; ++step) observation.ahead[step - 1].point_m = {0.002, 0.001 * (step - 2)};
+  controller.act(observation);
+  CHECK((asked.seen.back().target_m - Vector2(0.002, 0.0)).norm() < 1e-12);  // the corner
+  observation.target_m = {0.002, 0.0};
+  observation.ahead.erase(observation.ahead.begin(), observation.ahead.begin() + 2);
+  for (task::TargetAhead& point : observation.ahead) point.in_s -= 0.8;
+  controller.act(observation);
+  CHECK((asked.seen.back().target_m - Vector2(0.002, 0.00375)).norm() < 1e-12);
+}
+
 TEST_CASE("decorators that are off leave the controller as it is") {
   auto inner = constant(0.3, 0.0);
   control::Controller* raw = inner.get();
@@ -132,5 +157,6 @@ TEST_CASE("a decorated controller keeps the contract") {
   config.stall_gain = 1.2;
   config.hold_radius_m = 0.002;
   config.direction_dither_deg = 30.0;
+  config.lead_s = 1.0;
   tests::check_controller(*control::decorate(constant(0.7, -0.4), config));
 }

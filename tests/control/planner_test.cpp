@@ -40,6 +40,30 @@ TEST_CASE("in a world it knows, the planner goes straight to the target and stay
   CHECK(planner.act(observation).isZero(0.0));  // nothing beats lying still
 }
 
+TEST_CASE("in a world it knows, the planner is where a moving target is when that is there") {
+  control::PlannerConfig config;
+  config.goal_radius_m = 0.0;
+  config.current_cost = 0.0;
+  config.candidates = 400;
+  config.iterations = 8;
+  control::Planner planner(model(), config, 1);
+  planner.reset();
+  task::Observation observation;
+  constexpr double kStep_m = 0.001;
+  double x_m = 0.0;
+  for (int step = 0; step < 10; ++step) {
+    observation.target_m = {x_m, 0.01};
+    observation.ahead.clear();
+    for (int next = 1; next <= 5; ++next)
+      observation.ahead.push_back({{x_m + next * kStep_m, 0.01}, 0.3 * next});
+    const Vector2 action = planner.act(observation);
+    observation.pose.x_m += 10.0 * kGain_m * action.x();
+    observation.pose.y_m += 10.0 * kGain_m * action.y();
+    x_m += kStep_m;
+    if (step > 3) CHECK((observation.pose.position_m() - Vector2(x_m, 0.01)).norm() < 0.4e-3);
+  }
+}
+
 TEST_CASE("plans repeat after a reset, and bad settings are refused") {
   control::Planner planner(model(), {}, 1);
   task::Observation observation;

@@ -37,6 +37,22 @@ TEST_CASE("a path waits at its start for the needle, then moves along at its spe
   CHECK(reference.approaching());
 }
 
+TEST_CASE("what lies ahead of a moving target is told, up to the end of the path") {
+  control::PathReferenceConfig config;
+  config.speed_m_s = 0.002;
+  control::PathReference reference(geometry::Path::square(0.02), config);
+  reference.target(1.0, {0.04, 0.0});
+  CHECK(reference.ahead(1.0, 0.5, 3).empty());  // when it sets out depends on the needle
+  reference.target(2.0, {0.01, -0.01});
+  const auto ahead = reference.ahead(3.0, 0.5, 100);
+  REQUIRE(ahead.size() == 100);
+  CHECK(ahead[0].in_s == 0.5);
+  CHECK((ahead[0].point_m - Vector2(0.01, -0.01 + 0.003)).norm() < 1e-12);
+  CHECK((ahead[19].point_m - Vector2(0.01 - 0.002, 0.01)).norm() < 1e-12);  // around the first corner
+  CHECK((ahead[99].point_m - Vector2(0.01, -0.01)).norm() < 1e-12);         // the end, not the next lap
+  CHECK(control::PointReference({0.01, 0.0}, 3.0).ahead(0.0, 0.3, 5).empty());
+}
+
 TEST_CASE("a closed path is followed as often as asked") {
   control::PathReferenceConfig config;
   config.speed_m_s = 0.01;

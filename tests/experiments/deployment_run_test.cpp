@@ -28,7 +28,6 @@ experiments::TrialResult drive_one(const experiments::TrialPlan& plan, experimen
   }
   const double error_mm = 1e3 * plan.start.position_m().norm();
   result.truth.emplace();
-  result.truth->errors_mm = {error_mm};
   result.truth->final_error_mm = error_mm;
   result.sensed = *result.truth;
   result.completed = true;

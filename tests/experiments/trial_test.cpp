@@ -64,6 +64,28 @@ TEST_CASE("a trial that is stopped at once is scored where the needle was to lie
   CHECK(result.truth->final_error_mm == Approx(15.0).margin(1e-3));
 }
 
+TEST_CASE("a trial that is stopped on its path is scored to the end of the schedule, where the needle lies") {
+  Bench bench;
+  bench.plan.path = geometry::Path({{0.015, 0.0}, {0.009, 0.0}}, false);
+  experiments::TrialPlan& plan = bench.plan;
+  plan.task = "path";
+  const auto whole = bench.run([&] { return bench.session->truth()->true_pose(); });
+  CHECK(whole.completed);
+  int seen = 0;
+  const auto stopped = bench.run([&] {
+    if (++seen == 3) bench.session->coils().request_stop("no");
+    return bench.session->truth()->true_pose();
+  });
+  CHECK_FALSE(stopped.completed);
+  CHECK(stopped.samples.size() < whole.samples.size());
+  REQUIRE(stopped.truth);
+  CHECK_FALSE(stopped.truth->success);
+  CHECK(*stopped.truth->completion < *whole.truth->completion);
+  CHECK(*stopped.truth->corners_reached == 0.5);  // the ends of an open path: it began at one
+  CHECK(stopped.truth->final_error_mm > 3.0);
+  CHECK(stopped.sensed.final_error_mm > 3.0);
+}
+
 TEST_CASE("a heading that is off fails a trial of a pose") {
   Bench bench;
   bench.plan.target_m = bench.plan.start.position_m();

@@ -22,6 +22,18 @@ TEST_CASE("a square has its length, corners and cross-track distances") {
   CHECK(nearest.arc_m == Approx(0.014));
 }
 
+TEST_CASE("corners are where a path turns sharply, and the ends of an open one") {
+  const auto corners = Path::square(0.02).corners_m();
+  REQUIRE(corners.size() == 4);
+  CHECK((corners[0] - Vector2(0.01, -0.01)).norm() < 1e-12);
+  CHECK((corners[3] - Vector2(-0.01, -0.01)).norm() < 1e-12);
+  CHECK(Path::circle(0.015).corners_m().empty());
+  const Path hook({{0.0, 0.0}, {0.01, 0.0}, {0.01, 0.0}, {0.02, 0.001}, {0.02, 0.02}}, false);
+  const auto turns = hook.corners_m();
+  REQUIRE(turns.size() == 3);
+  CHECK((turns[1] - Vector2(0.02, 0.001)).norm() < 1e-12);
+}
+
 TEST_CASE("a circle stays within its polygon's error of the true circle") {
   const Path circle = Path::circle(0.015);
   for (int i = 0; i < 50; ++i) {

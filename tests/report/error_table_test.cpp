@@ -18,6 +18,6 @@ TEST_CASE("a row has the interval of its trials' errors and of their success") {
 
 TEST_CASE("the table for terminals has a line for each row") {
   const std::string text = error_table_text(error_rows(lodestone::tests::small_run()));
-  CHECK(std::count(text.begin(), text.end(), '\n') == 4);
+  CHECK(std::count(text.begin(), text.end(), '\n') == 5);
   CHECK(text.find("0.62") != std::string::npos);
 }

@@ -23,7 +23,7 @@ runs::TrialRecord record(bool known) {
   made.time_s = {0.0, 0.3};
   made.sensed_trajectory = {runs::PoseMm{1.1, -2.0, 0.5}, std::nullopt};
   made.approach = {1, 0};
-  made.sensed.errors_mm = {0.1, 1.0 / 3.0};
+  made.sensed.corner_errors_mm = {0.1, 1.0 / 3.0};
   made.sensed.cross_track_rms_mm = 0.2;
   if (!known) return made;
   made.trajectory = {{1.0, -2.0, 0.5}, {1.5, -2.0, 0.5}};
@@ -45,7 +45,7 @@ TEST_CASE("trials read back to the last digit, and one without a true pose has n
   REQUIRE(trials->size() == 2);
   CHECK(common::artefact_to_json(trials->at(0)) == list[0]);
   CHECK(trials->at(0).figures().final_error_mm == 0.25);
-  CHECK(trials->at(0).truth->errors_mm[1] == 1.0 / 3.0);
+  CHECK(trials->at(0).truth->corner_errors_mm->at(1) == 1.0 / 3.0);
   CHECK_FALSE(trials->at(1).truth);
   CHECK_FALSE(trials->at(1).trajectory);
   CHECK_FALSE(list[1].contains("final_error_mm"));

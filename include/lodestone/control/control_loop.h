@@ -70,6 +70,8 @@ class ControlLoop {
   /// calling thread goes before others until it returns (common::RealtimeThread).
   LoopOutcome run(Controller& controller, Reference& reference, const Observer& observer = {});
 
+  double period_s() const { return config_.period_s(); }
+
   /// From any thread: switches the coils off now and ends the run, or the next one where none is under way.
   /// The reason is the outcome's stop_reason.
   void interrupt(const std::string& reason);

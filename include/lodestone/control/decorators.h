@@ -16,6 +16,7 @@ struct DecoratorConfig {
   double direction_dither_fraction = 1.0;
   double hold_radius_m = 0.0;
   double hold_heading_deg = 10.0;
+  double lead_s = 0.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -40,6 +41,11 @@ struct DecoratorConfig {
             "no current while sensed within this of the target; 0 is off", {0.0, 0.1});
     v.field("hold_heading_deg", hold_heading_deg, "deg",
             "and, where the target has a heading, within this of it", {0.0, 180.0});
+    v.field("lead_s", lead_s, "s",
+            "along a path the needle is sent to where its target will be so much later, but not around a "
+            "corner: what "
+            "chases a moving point comes late by about its own time to get there; 0 is off",
+            {0.0, 6.0});
   }
 };
 
@@ -80,7 +86,21 @@ class Hold final : public Controller {
   DecoratorConfig config_;
 };
 
-/// Hold around adaptive gain around `controller`, each only where the configuration turns it on.
+/// Sends the needle to where a moving target will be, so that it arrives with it: as far ahead as the way
+/// there is straight, so that no corner is cut.
+class Lead final : public Controller {
+ public:
+  Lead(std::unique_ptr<Controller> inner, const DecoratorConfig& config)
+      : inner_(std::move(inner)), lead_s_(config.lead_s) {}
+  void reset() override { inner_->reset(); }
+  geometry::Vector2 act(const task::Observation& observation) override;
+
+ private:
+  std::unique_ptr<Controller> inner_;
+  double lead_s_;
+};
+
+/// Lead around hold around adaptive gain around `controller`, each only where the configuration turns it on.
 std::unique_ptr<Controller> decorate(std::unique_ptr<Controller> controller, const DecoratorConfig& config);
 
 }  // namespace lodestone::control

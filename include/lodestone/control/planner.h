@@ -51,8 +51,8 @@ struct PlannerModel {
 
 /// Plans anew at every step by the cross-entropy method (Rubinstein; Chua et al., PETS, 2018): tries
 /// sequences of pulses in the learned simulator, one outcome per member of the ensemble, keeps the best,
-/// looks around them again, and gives the first pulse of their mean. The cost is the mean distance to the
-/// target over the horizon.
+/// looks around them again, and gives the first pulse of their mean. The cost is the mean distance over the
+/// horizon to where the target will be.
 class Planner final : public Controller {
  public:
   Planner(std::shared_ptr<const PlannerModel> model, const PlannerConfig& config, std::uint64_t seed);

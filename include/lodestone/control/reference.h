@@ -1,8 +1,10 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "lodestone/geometry/path.h"
+#include "lodestone/task/observation.h"
 
 namespace lodestone::control {
 
@@ -16,6 +18,10 @@ class Reference {
   virtual geometry::Vector2 target(double time_s, const geometry::Vector2& position_m) = 0;
   /// Heading the needle should lie at there, where the task wants one.
   virtual std::optional<double> target_heading_rad() const { return std::nullopt; }
+  /// Where the target will be at each of the next `count` steps of `step_s`; empty for one that stays.
+  virtual std::vector<task::TargetAhead> ahead(double /*time_s*/, double /*step_s*/, int /*count*/) const {
+    return {};
+  }
   /// True once there is nothing left to follow.
   virtual bool finished(double time_s) const = 0;
 };
@@ -61,6 +67,8 @@ class PathReference final : public Reference {
       : path_(std::move(path)), config_(config) {}
   void reset() override { started_s_ = -1.0; }
   geometry::Vector2 target(double time_s, const geometry::Vector2& position_m) override;
+  /// Empty during the approach: when the target will set out depends on the needle.
+  std::vector<task::TargetAhead> ahead(double time_s, double step_s, int count) const override;
   bool finished(double time_s) const override;
 
   /// True while the needle still approaches the start of the path.
@@ -70,6 +78,8 @@ class PathReference final : public Reference {
   double duration_s() const;
 
  private:
+  geometry::Vector2 moving_target(double time_s) const;
+
   geometry::Path path_;
   PathReferenceConfig config_;
   double started_s_ = -1.0;

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lodestone/common/error.h"
@@ -75,6 +76,7 @@ class EpisodeBatch {
 
  private:
   struct Slot {
+    explicit Slot(common::RandomStream stream) : random(std::move(stream)) {}
     geometry::Pose2 pose;
     task::Observation seen;
     std::int64_t step = 0;

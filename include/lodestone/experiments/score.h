@@ -9,7 +9,8 @@
 
 namespace lodestone::experiments {
 
-/// One moment of a run, for scoring.
+/// One moment of a run, for scoring: where the needle was, or lay as far as anybody knows, and where it
+/// should be.
 struct ScoredSample {
   double time_s = 0.0;
   geometry::Vector2 position_m = geometry::Vector2::Zero();
@@ -22,6 +23,8 @@ struct ScoreConfig {
   double success_radius_m = 0.003;
   double hold_s = 5.0;
   double success_heading_deg = 15.0;
+  double completion_window_s = 3.0;
+  double success_completion = 0.95;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -32,6 +35,11 @@ struct ScoreConfig {
             "the error while holding is the mean over this long at the end, from the first "
             "time within the success radius on",
             {0.0, 3600.0});
+    v.field("completion_window_s", completion_window_s, "s",
+            "a point of a path counts as reached only within so long before or after its time",
+            {0.0, 3600.0});
+    v.field("success_completion", success_completion, "", "share of a path's points that must be reached",
+            {0.0, 1.0});
   }
 };
 
@@ -39,10 +47,17 @@ struct ScoreConfig {
 /// least one; the last one closes the run.
 runs::TrialFigures score_point(const std::vector<ScoredSample>& samples, const ScoreConfig& config);
 
-/// Scores a run along a path: reached where its cross-track RMS is within the radius. A run that never left
-/// the approach is scored by its last sample, and failed.
+/// Scores a run along a path, to the end of its schedule; samples of the approach are left out, and at least
+/// one is not. The reference's points are the targets of the samples. Success: enough of them reached (see
+/// completion()), every corner approached to within the radius, and the cross-track RMS within it, so that
+/// neither a needle that lies still nor one that comes late or cuts corners succeeds.
 runs::TrialFigures score_path(const std::vector<ScoredSample>& samples, const geometry::Path& path,
                               const ScoreConfig& config);
+
+/// Share of the reference's points that the needle came within the radius of, each within the window around
+/// its time and none before one that it comes after: the largest share for which there are such moments.
+/// Moments may serve several points.
+double completion(const std::vector<ScoredSample>& samples, const ScoreConfig& config);
 
 /// Throws LogicFault when there are no trials.
 runs::ErrorStatistics summarise_trials(const std::vector<const runs::TrialFigures*>& trials);

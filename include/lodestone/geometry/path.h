@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "lodestone/geometry/angle.h"
 #include "lodestone/geometry/pose2.h"
 
 namespace lodestone::geometry {
@@ -36,6 +37,9 @@ class Path {
   /// Point at an arc length; closed paths wrap, open ones stop at their ends.
   Vector2 at(double arc_m) const;
   Nearest nearest(const Vector2& position_m) const;
+  /// The vertices where the direction turns by at least `min_turn_rad`, in order along the path, and the ends
+  /// of an open one.
+  std::vector<Vector2> corners_m(double min_turn_rad = kPi / 6.0) const;
 
  private:
   std::vector<Vector2> points_m_;  // closed paths repeat the first point at the end

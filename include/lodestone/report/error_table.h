@@ -16,13 +16,16 @@ struct ErrorRow {
   std::string rig;         ///< "explored", "unseen", "real", or "paper"
   std::optional<double> mean_mm = {}, std_mm = {}, median_mm = {}, rms_mm = {};
   std::optional<double> sensed_mean_mm = {}, sensed_std_mm = {};
-  std::optional<double> time_rms_mm = {}, hold_mm = {}, seconds_to_reach = {}, success_rate = {}, trials = {};
+  std::optional<double> target_deviation_mm = {}, target_deviation_std_mm = {};
+  std::optional<double> completion = {}, corners_reached = {}, time_rms_mm = {}, frechet_mm = {};
+  std::optional<double> hold_mm = {}, seconds_to_reach = {}, success_rate = {}, trials = {}, stopped = {};
   /// 95 %: bootstrap over the trials, each with its RMS error; Wilson's of the fraction of successes.
   std::optional<common::Interval> rms_interval_mm = {}, success_interval = {};
   bool published = false;  ///< from Table II of the paper
 };
 
-/// Task by task: the paper's Table II first, then what this run measured.
+/// Task by task: the paper's Table II first, then what this run measured. The paper's figure of the square is
+/// a deviation from the targets, ours beside it likewise.
 std::vector<ErrorRow> error_rows(const RunData& run);
 
 /// The same as plain text, for terminals.

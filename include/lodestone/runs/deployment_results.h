@@ -19,14 +19,17 @@ constexpr std::array<const char*, 6> kTasks = {"centre", "point", "pose", "squar
 
 /// How well one trial went, by one source of positions.
 struct TrialFigures {
-  std::vector<double>
-      errors_mm;  ///< point: the distance at the end; path: the cross-track error of every sample
   double final_error_mm = 0.0;  ///< distance to the target at the end
   bool success = false;
   std::optional<double> hold_error_mm;
   std::optional<double> heading_error_deg;
   std::optional<double> cross_track_rms_mm;
-  std::optional<double> time_rms_error_mm;
+  std::optional<double> time_rms_error_mm;    ///< paths: RMS distance to the moving reference
+  std::optional<double> target_deviation_mm;  ///< the same as a mean: the paper's measure of a path (V-D)
+  std::optional<double> completion;       ///< share of the reference's points reached in order and in time
+  std::optional<double> corners_reached;  ///< share of the path's corners
+  std::optional<std::vector<double>> corner_errors_mm;  ///< closest approach to each of them
+  std::optional<double> frechet_mm;  ///< discrete Frechet distance between needle and reference
   std::optional<std::int64_t> steps_to_reach;
   std::optional<double> seconds_to_reach;
 
@@ -38,10 +41,16 @@ struct TrialFigures {
     v.field("heading_error_deg", heading_error_deg);
     v.field("cross_track_rms_mm", cross_track_rms_mm);
     v.field("time_rms_error_mm", time_rms_error_mm);
+    v.field("target_deviation_mm", target_deviation_mm);
+    v.field("completion", completion);
+    v.field("corners_reached", corners_reached);
+    v.field("corner_errors_mm", corner_errors_mm);
+    v.field("frechet_mm", frechet_mm);
     v.field("steps_to_reach", steps_to_reach);
     v.field("seconds_to_reach", seconds_to_reach);
-    v.field("errors_mm", errors_mm);
   }
+  /// The one error of a trial: of a path the cross-track RMS, of a point the distance at the end.
+  double error_mm() const { return cross_track_rms_mm.value_or(final_error_mm); }
 };
 
 using PointMm = std::array<double, 2>;  ///< x, y in mm
@@ -99,13 +108,13 @@ struct TrialRecord {
   const TrialFigures& figures() const { return truth ? *truth : sensed; }
 };
 
-/// Errors of several trials by one source of positions: over the pooled errors_mm of all, and means over the
-/// trials that have a figure.
+/// Errors of several trials by one source of positions: of the error_mm() of each, so that every trial counts
+/// the same, and means over the trials that have a figure.
 struct ErrorStatistics {
   double mean_error_mm = 0.0, std_error_mm = 0.0, median_error_mm = 0.0, rms_error_mm = 0.0;
   double success_rate = 0.0;
   std::optional<double> steps_to_reach, seconds_to_reach, hold_error_mm, heading_error_deg,
-      cross_track_rms_mm, time_rms_error_mm;
+      cross_track_rms_mm, time_rms_error_mm, target_deviation_mm, completion, corners_reached, frechet_mm;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -120,20 +129,24 @@ struct ErrorStatistics {
     v.field("heading_error_deg", heading_error_deg);
     v.field("cross_track_rms_mm", cross_track_rms_mm);
     v.field("time_rms_error_mm", time_rms_error_mm);
+    v.field("target_deviation_mm", target_deviation_mm);
+    v.field("completion", completion);
+    v.field("corners_reached", corners_reached);
+    v.field("frechet_mm", frechet_mm);
   }
 };
 
 /// One task by one controller on one kind of rig.
 struct TaskSummary {
   std::int64_t n_trials = 0;
-  std::int64_t n_stopped = 0;            ///< trials that ended early
+  std::int64_t stopped = 0;              ///< trials that ended early; they count as failed
   std::optional<ErrorStatistics> truth;  ///< against true poses; absent where nobody knows them
   ErrorStatistics sensed;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("n_trials", n_trials);
-    v.field("n_stopped", n_stopped);
+    v.field("stopped", stopped);
     v.part("mean_error_mm", truth);
     v.field("sensed", sensed);
   }

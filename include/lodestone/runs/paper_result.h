@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "lodestone/common/config.h"
@@ -10,13 +11,16 @@
 namespace lodestone::runs {
 
 /// Errors of one task under one controller, pooled over training seeds: the distance at the end of a trial,
-/// or the cross-track RMS of one. Intervals are 95 %.
+/// or the cross-track RMS of one. Intervals are 95 %. What only paths have, as means over the trials, is
+/// absent for points.
 struct PooledErrors {
   double mean_error_mm = 0.0, std_error_mm = 0.0, rms_error_mm = 0.0;
   double iqm_error_mm = 0.0;  ///< interquartile mean
   std::array<double, 2> iqm_interval_mm = {};
   double success_rate = 0.0;
   std::array<double, 2> success_interval = {};
+  std::optional<double> target_deviation_mm, target_deviation_std_mm;  ///< the paper's measure of a path
+  std::optional<double> time_rms_error_mm, completion, corners_reached, frechet_mm;
   std::int64_t n_trials = 0, n_seeds = 0, n_stopped = 0;
 
   template <class Visitor>
@@ -28,6 +32,12 @@ struct PooledErrors {
     v.field("iqm_interval_mm", iqm_interval_mm);
     v.field("success_rate", success_rate);
     v.field("success_interval", success_interval);
+    v.field("target_deviation_mm", target_deviation_mm);
+    v.field("target_deviation_std_mm", target_deviation_std_mm);
+    v.field("time_rms_error_mm", time_rms_error_mm);
+    v.field("completion", completion);
+    v.field("corners_reached", corners_reached);
+    v.field("frechet_mm", frechet_mm);
     v.field("n_trials", n_trials);
     v.field("n_seeds", n_seeds);
     v.field("n_stopped", n_stopped);

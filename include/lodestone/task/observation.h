@@ -10,10 +10,18 @@
 
 namespace lodestone::task {
 
+/// Where the target will be.
+struct TargetAhead {
+  geometry::Vector2 point_m;
+  double in_s;
+};
+
 /// What a controller knows when it decides, in SI units in the dish frame.
 struct Observation {
   geometry::Pose2 pose;  ///< as sensed
   geometry::Vector2 target_m = geometry::Vector2::Zero();
+  std::vector<TargetAhead>
+      ahead;  ///< of a target that moves, one for each of the next steps; empty: it stays
   std::optional<double> target_heading_rad;                           ///< where the task wants one
   geometry::Vector2 last_action = geometry::Vector2::Zero();          ///< in [-1, 1]^2; zero after a reset
   geometry::Vector2 last_displacement_m = geometry::Vector2::Zero();  ///< sensed motion since the last action
