@@ -20,7 +20,9 @@ void coils_tick(struct Coils* coils, uint32_t now_us, bool emergency_stop) {
   }
   coils->emergency_stop = emergency_stop;
   if (emergency_stop) coils_cut(coils, kFaultEmergencyStop);
-  if (coils->pulsing && coils->uptime_ms - coils->heard_ms > kHostSilenceMs) coils_cut(coils, kFaultHostSilent);
+  /* A pulse that a fault has ended may not have ended yet. */
+  const bool may_flow = coils->pulsing || (coils->faults != 0 && coils_stopping(coils));
+  if (may_flow && coils->uptime_ms - coils->heard_ms > kHostSilenceMs) coils_cut(coils, kFaultHostSilent);
   if (coils->pulsing && now_us - coils->pulse_us >= coils->length_us) coils_all_off(coils);
   coils_watch_stopping(coils);
   coils_watch_contactor(coils);

@@ -83,6 +83,12 @@ void coils_watch_stopping(struct Coils* coils) {
   }
 }
 
+bool coils_stopping(const struct Coils* coils) {
+  bool any = false;
+  for (uint8_t i = 0; i < kCoils; ++i) any = any || coils->stopping[i];
+  return any;
+}
+
 /* Voltage = current x resistance, as a fraction of the supply that is there now. */
 static int16_t duty_for(const struct Coils* coils, uint8_t coil, int16_t current_mA) {
   const uint32_t supply_mV = coils->controllers[coil / 2].supply_dV * 100ul;

@@ -18,6 +18,8 @@ void coils_start_pulse(struct Coils* coils, const int16_t* current_mA, uint16_t 
 /* A coil that is still not measured without current too long after it was switched off: the controllers are
  * left alone until they stop by themselves, and the contactor opens. */
 void coils_watch_stopping(struct Coils* coils);
+/* A coil has been switched off and not been measured without current since. */
+bool coils_stopping(const struct Coils* coils);
 /* Closes the contactor once all currents are known, and opens it when one is not known for too long: an
  * output that stuck then would go unseen. */
 void coils_watch_contactor(struct Coils* coils);
