@@ -145,7 +145,10 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     // A camera that runs freely gives its image sooner or later; the pulses still come evenly.
     if (config_.decide_s > 0.0) rest_until(start_s + due_s + config_.decide_s);
     if (interruption_.raised()) throw_interrupted();
-    if (record.estimate.valid) coils_.apply({record.current_A, config_.pulse_s});
+    if (record.estimate.valid) {
+      coils_.apply({record.current_A, config_.pulse_s});
+      sensor_.pulsed(record.current_A);
+    }
     rest_until(start_s + static_cast<double>(step + 1) * config_.period_s());
   }
 }

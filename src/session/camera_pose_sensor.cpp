@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include "lodestone/geometry/angle.h"
+#include "lodestone/rig/rendered_camera.h"
+
 namespace lodestone::session {
 
 namespace {
@@ -19,16 +22,17 @@ imaging::FrameGuardConfig guard_config(const CameraSensorConfig& config, const i
 }  // namespace
 
 CameraPoseSensor::CameraPoseSensor(rig::Camera& camera, std::shared_ptr<const vision::Segmenter> segmenter,
-                                   const imaging::BenchGeometry& bench, const imaging::LensConfig& lens,
+                                   const physics::RigDescription& rig, const imaging::LensConfig& lens,
                                    const CameraSensorConfig& config,
                                    std::optional<imaging::Calibration> calibration)
     : camera_(camera),
       segmenter_(std::move(segmenter)),
-      bench_(bench),
+      bench_(rig::bench_of(rig)),
       lens_(lens),
       config_(config),
       guard_(guard_config(config, lens, calibration), "camera"),
-      calibration_(std::move(calibration)) {
+      calibration_(std::move(calibration)),
+      field_(rig.coils.geometry) {
   if (calibration_) calibrate();
 }
 
@@ -47,18 +51,39 @@ control::PoseEstimate CameraPoseSensor::observe() {
   if (!localiser_) calibrate();
   const vision::Localisation found = localiser_->locate(frame_.image);
   control::PoseEstimate estimate;
-  estimate.valid = found.found;
-  estimate.reason = found.reason;
   estimate.stamp_s = frame_.stamp_s;
-  if (!found.found) return estimate;
+  estimate.reason = found.reason;
+  last_m_.reset();
+  if (!found.axis_found) return estimate;
   estimate.pose = found.pose;
+  last_m_ = found.pose.position_m();
+  estimate.valid = find_head(found, estimate.pose) >= config_.min_head_probability;
+  estimate.reason = estimate.valid ? "" : "head and tail cannot be told apart";
   estimate.position_sigma_m = std::sqrt(found.covariance(0, 0) + found.covariance(1, 1));
   estimate.heading_sigma_rad = std::sqrt(found.covariance(2, 2));
   return estimate;
 }
 
+double CameraPoseSensor::find_head(const vision::Localisation& found, geometry::Pose2& pose) {
+  const double probability =
+      heading_.see(pose.heading_rad, std::sqrt(found.covariance(2, 2)), found.tape_log_odds);
+  if (probability >= 0.5) return probability;
+  pose.heading_rad = geometry::wrap_angle(pose.heading_rad + geometry::kPi);
+  return 1.0 - probability;
+}
+
+void CameraPoseSensor::pulsed(const std::array<double, rig::kCoilCount>& current_A) {
+  const geometry::Vector2 drive_A(current_A[0] - current_A[1], current_A[2] - current_A[3]);
+  if (drive_A.isZero(0.0)) return;
+  if (!last_m_) return heading_.pulse_somewhere();
+  const geometry::Vector2 field_T = field_.at(drive_A, *last_m_).field_T;
+  heading_.pulse(std::atan2(field_T.y(), field_T.x()));
+}
+
 void CameraPoseSensor::reset() {
   guard_.reset();
+  heading_.reset();
+  last_m_.reset();
   if (localiser_) localiser_->forget();
 }
 

@@ -43,15 +43,14 @@ std::string reset_text(int cause) {
 
 /// The camera and what it sees.
 struct Watcher {
-  Watcher(const RigCheckConfig& config, const imaging::BenchGeometry& bench)
-      : camera(rig::open_camera(config.rig.camera)) {
+  explicit Watcher(const RigCheckConfig& config) : camera(rig::open_camera(config.rig.camera)) {
     const imaging::Frame frame = camera->grab(2.0);
     size = std::to_string(frame.image.cols) + " x " + std::to_string(frame.image.rows) + " pixels";
     std::optional<imaging::Calibration> calibration;
     if (!config.sensor.calibration.empty())
       calibration = imaging::read_calibration(config.sensor.calibration);
-    sensor.emplace(*camera, vision::Segmenter::load(config.sensor.segmenter), bench, config.sensor.scene.lens,
-                   config.sensor.camera, calibration);
+    sensor.emplace(*camera, vision::Segmenter::load(config.sensor.segmenter), config.rig,
+                   config.sensor.scene.lens, config.sensor.camera, calibration);
   }
   std::unique_ptr<rig::Camera> camera;
   std::string size;
@@ -130,7 +129,7 @@ class Walk {
   }
 
   void open_camera() {
-    watcher_.emplace(config_, rig::bench_of(config_.rig));
+    watcher_.emplace(config_);
     tell("camera", watcher_->size);
     const control::PoseEstimate seen = watcher_->sensor->observe();
     tell("needle", seen.valid ? "seen at x " + number(1e3 * seen.pose.x_m, "mm") + ", y " +

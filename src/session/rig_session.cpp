@@ -55,7 +55,7 @@ struct SerialParts {
       watched = running.get();
       camera = std::move(running);
     }
-    sensor.emplace(*camera, segmenter, rig::bench_of(rig), sensing.scene.lens, sensing.camera, calibration);
+    sensor.emplace(*camera, segmenter, rig, sensing.scene.lens, sensing.camera, calibration);
     device = std::make_unique<rig::SerialCoils>(rig.serial, rig.coils);
     coils.emplace(*device, safety, rig, clock, safety::Supervisor::Poses::kRequired, true);
     if (ask)

@@ -37,7 +37,7 @@ RigSensor::RigSensor(rig::VirtualRig& rig, const SensingConfig& config,
       watched_ = watched.get();
       camera_ = std::move(watched);
     }
-    by_camera_.emplace(*camera_, std::move(segmenter), config.scene.bench, config.scene.lens, config.camera,
+    by_camera_.emplace(*camera_, std::move(segmenter), rig.config(), config.scene.lens, config.camera,
                        bench.calibration);
   } else {
     simulated_.emplace([&rig] { return rig.true_pose(); }, clock != nullptr ? *clock : rig.clock(),
@@ -49,6 +49,10 @@ RigSensor::~RigSensor() = default;
 
 control::PoseEstimate RigSensor::observe() {
   return by_camera_ ? by_camera_->observe() : simulated_->observe();
+}
+
+void RigSensor::pulsed(const std::array<double, rig::kCoilCount>& current_A) {
+  if (by_camera_) by_camera_->pulsed(current_A);
 }
 
 void RigSensor::reset() {

@@ -34,9 +34,9 @@ bool Localiser::inside(const geometry::Pose2& pose, const cv::Rect& area) const 
 
 Localisation Localiser::look(const cv::Mat& image, const cv::Rect& area) const {
   const Evidence evidence = segmenter_->segment(view_.cut(image, area));
-  Localisation found{fit_rod(evidence, segmenter_->grid_of(view_, area), config_.rod, last_heading_rad_)};
-  if (found.found && !inside(found.pose, area)) {
-    found.found = false;
+  Localisation found{fit_rod(evidence, segmenter_->grid_of(view_, area), config_.rod)};
+  if (found.axis_found && !inside(found.pose, area)) {
+    found.found = found.axis_found = false;
     found.reason = "the needle leaves the view";
   }
   return found;
@@ -48,26 +48,25 @@ Localisation Localiser::look_near(const cv::Mat& image, double side_m) const {
   const auto side_px = static_cast<std::int64_t>(std::lround(side_m / view_.pixel_m()));
   const std::int64_t fitting_px = std::max<std::int64_t>(1, side_px / multiple) * multiple;
   Localisation found = look(image, view_.around(*last_m_, static_cast<int>(fitting_px)));
-  found.tracked = found.found;
+  found.tracked = found.axis_found;
   return found;
 }
 
 void Localiser::remember(const Localisation& found) {
-  if (!found.found) {
+  if (!found.axis_found) {
     forget();
     return;
   }
   const geometry::Vector2 now_m = found.pose.position_m();
   still_ = last_m_ && (now_m - *last_m_).norm() < config_.still_m;
   last_m_ = now_m;
-  last_heading_rad_ = found.pose.heading_rad;
 }
 
 Localisation Localiser::locate(const cv::Mat& image) {
   Localisation found;
   if (last_m_ && still_) found = look_near(image, config_.still_crop_m);
-  if (last_m_ && !found.found) found = look_near(image, config_.crop_m);
-  if (!found.found) found = look(image, view_.whole());
+  if (last_m_ && !found.axis_found) found = look_near(image, config_.crop_m);
+  if (!found.axis_found) found = look(image, view_.whole());
   remember(found);
   return found;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lodestone/common/random.h"
+#include "lodestone/geometry/angle.h"
 
 namespace lodestone::vision {
 
@@ -55,12 +56,10 @@ float log_odds_at(const cv::Mat& map, double column, double row) {
 
 class RodFitter {
  public:
-  RodFitter(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config,
-            const std::optional<double>& last_heading_rad)
+  RodFitter(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config)
       : evidence_(evidence),
         grid_(grid),
         config_(config),
-        last_heading_rad_(last_heading_rad),
         needle_pixels_(config.needle_length_m * config.needle_diameter_m / (grid.pixel_m * grid.pixel_m)) {}
 
   Rod fit() {
@@ -75,9 +74,9 @@ class RodFitter {
     Rod rod;
     rod.support = support(line);
     find_head(line, rod);
-    if (rod.head_certainty < config_.min_head_certainty)
-      return nothing("head and tail cannot be told apart: the tape is not seen");
-    rod.found = true;
+    rod.axis_found = true;
+    rod.found = rod.head_certainty >= config_.min_head_certainty;
+    if (!rod.found) rod.reason = "head and tail cannot be told apart: the tape is not seen";
     rod.pose = {line.centre_m.x(), line.centre_m.y(), geometry::wrap_angle(line.angle_rad)};
     rod.covariance = covariance(line);
     return rod;
@@ -299,13 +298,10 @@ class RodFitter {
         sum += core(evidence_.tape, line, sign * (0.5 * config_.needle_length_m - (i + 1) * kProfileStep_m));
       return sum / std::max(steps, 1);
     };
-    double ahead = mean(1.0) - mean(-1.0);
-    if (last_heading_rad_) {
-      const double turned = std::cos(line.angle_rad - *last_heading_rad_);
-      if (std::abs(turned) > 0.5) ahead += turned > 0.0 ? config_.continuity : -config_.continuity;
-    }
-    if (ahead < 0.0) line.angle_rad += 3.14159265358979323846;
-    rod.head_certainty = probability(std::abs(ahead));
+    const double ahead = mean(1.0) - mean(-1.0);
+    if (ahead < 0.0) line.angle_rad += geometry::kPi;
+    rod.tape_log_odds = std::abs(ahead);
+    rod.head_certainty = probability(rod.tape_log_odds);
   }
 
   Eigen::Matrix3d covariance(const Line& line) const {
@@ -323,7 +319,6 @@ class RodFitter {
   const Evidence& evidence_;
   const MaskGrid& grid_;
   const RodConfig& config_;
-  const std::optional<double>& last_heading_rad_;
   double needle_pixels_;
   std::vector<MaskPoint> points_;
   double weight_ = 0.0;
@@ -340,9 +335,8 @@ RodConfig rod_of(const imaging::BenchGeometry& bench, RodConfig config) {
   return config;
 }
 
-Rod fit_rod(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config,
-            const std::optional<double>& last_heading_rad) {
-  return RodFitter(evidence, grid, config, last_heading_rad).fit();
+Rod fit_rod(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config) {
+  return RodFitter(evidence, grid, config).fit();
 }
 
 }  // namespace lodestone::vision

@@ -52,7 +52,7 @@ struct Bench {
     return config;
   }
   session::CameraPoseSensor sensor(rig::Camera& source) const {
-    return {source, shipped_segmenter(), scene().bench, scene().lens, {}};
+    return {source, shipped_segmenter(), physics::RigDescription{}, scene().lens, {}};
   }
 
   rig::VirtualRig rig;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "lodestone/geometry/pose2.h"
+#include "lodestone/rig/coils.h"
 
 namespace lodestone::control {
 
@@ -23,6 +25,8 @@ class PoseSensor {
  public:
   virtual ~PoseSensor() = default;
   virtual PoseEstimate observe() = 0;
+  /// What the coils were asked for since the last observation, for a sensor that expects the needle to obey.
+  virtual void pulsed(const std::array<double, rig::kCoilCount>& /*current_A*/) {}
 };
 
 }  // namespace lodestone::control

@@ -60,6 +60,7 @@ class RigSensor final : public control::PoseSensor {
   ~RigSensor() override;
 
   control::PoseEstimate observe() override;
+  void pulsed(const std::array<double, rig::kCoilCount>& current_A) override;
   /// The needle has been placed elsewhere.
   void reset();
   /// Null when the sensor is simulated.

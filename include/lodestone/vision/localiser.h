@@ -29,7 +29,7 @@ struct LocaliserConfig {
 };
 
 struct Localisation : Rod {
-  bool tracked = false;  ///< found near the last pose; otherwise the whole dish was searched
+  bool tracked = false;  ///< seen near the last pose; otherwise the whole dish was searched
 };
 
 /// Camera image -> pose. Looks around the last pose first, and over the whole dish when the needle is not
@@ -43,13 +43,9 @@ class Localiser {
   /// size.
   Localisation locate(const cv::Mat& image);
   /// The next image is searched as a whole, or around `near_m`.
-  void forget() {
-    last_m_.reset();
-    last_heading_rad_.reset();
-  }
+  void forget() { last_m_.reset(); }
   void expect(const geometry::Vector2& near_m) {
     last_m_ = near_m;
-    last_heading_rad_.reset();
     still_ = false;
   }
 
@@ -63,7 +59,6 @@ class Localiser {
   LocaliserConfig config_;
   imaging::DishView view_;
   std::optional<geometry::Vector2> last_m_;
-  std::optional<double> last_heading_rad_;
   bool still_ = false;
 };
 

@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
-#include <optional>
 #include <string>
 
 #include "lodestone/common/config.h"
@@ -33,7 +32,6 @@ struct RodConfig {
   double min_visible = 0.35;
   double min_support = 0.50;
   double min_head_certainty = 0.90;
-  double continuity = 3.0;
   double sigma_scale = 1.0;
 
   template <class Visitor>
@@ -47,13 +45,11 @@ struct RodConfig {
     v.field("min_support", min_support, "", "mean probability along the rod below which it is no needle",
             {0.0, 1.0});
     v.field("min_head_certainty", min_head_certainty, "",
-            "probability that head and tail are told apart rightly, below which there is no pose",
+            "probability, by its tape in one image, that head and tail are told apart rightly, below which "
+            "there is an "
+            "axis and no pose",
             {0.5, 1.0});
-    v.field("continuity", continuity, "log-odds",
-            "how much the last heading speaks for the head being where it was, when the needle has turned by "
-            "less than "
-            "60 degrees or by more than 120; counts beside the tape",
-            {0.0, 20.0});
+    v.retired("continuity", "nothing: the head is told by the field that was commanded");
     v.field("sigma_scale", sigma_scale, "", "factor on the standard deviations of the result", {0.01, 100.0});
   }
 
@@ -69,19 +65,20 @@ RodConfig rod_of(const imaging::BenchGeometry& bench, RodConfig config = {});
 /// A needle, or why there is none.
 struct Rod {
   bool found = false;
-  std::string reason;                                    ///< empty when found
+  bool axis_found =
+      false;           ///< also where its tape does not tell head from tail: the heading is the likelier one
+  std::string reason;  ///< empty when found
   geometry::Pose2 pose;                                  ///< of the middle of the needle, dish frame
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of x_m, y_m, heading_rad
-  double head_certainty = 0.0;                           ///< probability that the head is where the pose says
-  double support = 0.0;                                  ///< mean probability along the rod
+  double tape_log_odds = 0.0;   ///< >= 0: of the head being where the pose says, by the tape
+  double head_certainty = 0.0;  ///< the same as a probability
+  double support = 0.0;         ///< mean probability along the rod
 };
 
 /// Mask -> clusters -> line by RANSAC (Fischler and Bolles, 1981), then weighted least squares -> the place
 /// along the line where a rod of the needle's length explains the log-odds best -> head by the tape (section
 /// IV-B1 of the paper; the rod's place and the covariance are additions). Sub-pixel: pixels count by their
 /// probability. The same input always gives the same result.
-/// `last_heading_rad`, when given, is the needle's heading in the image before.
-Rod fit_rod(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config,
-            const std::optional<double>& last_heading_rad = std::nullopt);
+Rod fit_rod(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config);
 
 }  // namespace lodestone::vision

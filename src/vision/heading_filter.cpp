@@ -1,0 +1,131 @@
+#include "lodestone/vision/heading_filter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lodestone/geometry/angle.h"
+#include "lodestone/geometry/pose2.h"
+
+namespace lodestone::vision {
+
+namespace {
+
+using geometry::kPi;
+using geometry::kRadPerDeg;
+
+constexpr double kStuck = 0.4;  // of all pulses turn nothing
+constexpr double kSlack_rad =
+    10.0 * kRadPerDeg;  // beyond either end of the way: overshoot, and a field that is not quite known
+constexpr double kEitherWay_rad = 160.0 * kRadPerDeg;  // a field so far off may turn the needle either way
+constexpr double kAnything = 4e-4;                     // of all pulses do what no rule says
+constexpr double kUnexpected = 1e-4;  // less than any pulse leaves at an axis where it may turn the needle to
+constexpr double kStill_rad =
+    10.0 * kRadPerDeg;  // a needle that has turned further without a pulse was moved
+constexpr double kLeastSigma_rad = 1.5 * kRadPerDeg;
+constexpr double kSureOfTape = 4.6;  // log-odds of 0.99
+constexpr int kContradictions = 3;
+
+}  // namespace
+
+int HeadingFilter::bin_of(double angle_rad) {
+  const double turns = angle_rad / (2.0 * kPi);
+  const int bin = static_cast<int>(std::floor((turns - std::floor(turns)) * kBins));
+  return std::min(bin, kBins - 1);
+}
+
+void HeadingFilter::add_peak(Histogram& to, double angle_rad, double sigma_rad, double mass) {
+  const double bin_rad = 2.0 * kPi / kBins;
+  const int reach = std::min(kBins / 2 - 1, static_cast<int>(std::ceil(3.0 * sigma_rad / bin_rad)));
+  double sum = 0.0;
+  for (int offset = -reach; offset <= reach; ++offset)
+    sum += std::exp(-0.5 * std::pow(offset * bin_rad / sigma_rad, 2));
+  for (int offset = -reach; offset <= reach; ++offset)
+    to[static_cast<std::size_t>(bin_of(angle_rad + offset * bin_rad))] +=
+        mass * std::exp(-0.5 * std::pow(offset * bin_rad / sigma_rad, 2)) / sum;
+}
+
+double HeadingFilter::mass_near(const Histogram& of, double angle_rad, double sigma_rad) {
+  const double bin_rad = 2.0 * kPi / kBins;
+  const int reach = std::min(kBins / 2 - 1, static_cast<int>(std::ceil(3.0 * sigma_rad / bin_rad)));
+  double mass = 0.0;
+  for (int offset = -reach; offset <= reach; ++offset)
+    mass += of[static_cast<std::size_t>(bin_of(angle_rad + offset * bin_rad))] *
+            std::exp(-0.5 * std::pow(offset * bin_rad / sigma_rad, 2));
+  return mass;
+}
+
+void HeadingFilter::start_over() {
+  before_.fill(1.0 / kBins);
+  tape_log_odds_ = 0.0;
+  axis_rad_.reset();
+  contradictions_ = 0;
+}
+
+void HeadingFilter::reset() {
+  start_over();
+  now_ = before_;
+}
+
+void HeadingFilter::pulse(double field_rad) {
+  const double bin_rad = 2.0 * kPi / kBins;
+  Histogram after;
+  after.fill(kAnything / kBins);
+  const auto spread = [&](double from_rad, double turn_rad, double mass) {
+    const double low_rad = from_rad + std::min(turn_rad, 0.0) - kSlack_rad;
+    const int bins = static_cast<int>(std::ceil((std::abs(turn_rad) + 2.0 * kSlack_rad) / bin_rad));
+    for (int i = 0; i < bins; ++i)
+      after[static_cast<std::size_t>(bin_of(low_rad + i * bin_rad))] += mass / bins;
+  };
+  for (int i = 0; i < kBins; ++i) {
+    const double mass = (1.0 - kAnything) * now_[static_cast<std::size_t>(i)];
+    if (mass < 1e-12) continue;
+    const double from_rad = (i + 0.5) * bin_rad;
+    const double turn_rad = geometry::wrap_angle(field_rad - from_rad);
+    after[static_cast<std::size_t>(i)] += kStuck * mass;
+    if (std::abs(turn_rad) < kEitherWay_rad) {
+      spread(from_rad, turn_rad, (1.0 - kStuck) * mass);
+    } else {
+      spread(from_rad, turn_rad, 0.5 * (1.0 - kStuck) * mass);
+      spread(from_rad, turn_rad - std::copysign(2.0 * kPi, turn_rad), 0.5 * (1.0 - kStuck) * mass);
+    }
+  }
+  before_ = after;
+  now_ = after;
+  tape_log_odds_ = 0.0;
+  axis_rad_.reset();
+  contradictions_ = 0;
+}
+
+double HeadingFilter::see(double angle_rad, double sigma_rad, double tape_log_odds) {
+  const double sigma = std::max(sigma_rad, kLeastSigma_rad);
+  double there = mass_near(before_, angle_rad, sigma);
+  double opposite = mass_near(before_, angle_rad + kPi, sigma);
+  const auto believed = [&] {
+    const double sign = std::cos(angle_rad - tape_at_rad_) >= 0.0 ? 1.0 : -1.0;
+    return std::log(there / opposite) + sign * tape_log_odds_;
+  };
+  const auto tape_alone = [&] {
+    start_over();
+    there = opposite = 1.0;
+  };
+  const bool moved = axis_rad_ && std::abs(std::sin(angle_rad - *axis_rad_)) > std::sin(kStill_rad);
+  if (moved || there + opposite < kUnexpected) tape_alone();
+  axis_rad_ = angle_rad;
+  if (tape_log_odds >= tape_log_odds_) {
+    tape_log_odds_ = tape_log_odds;
+    tape_at_rad_ = angle_rad;
+  }
+  contradictions_ = tape_log_odds >= kSureOfTape && believed() < kSureOfTape ? contradictions_ + 1 : 0;
+  if (contradictions_ >= kContradictions) {
+    tape_alone();
+    tape_log_odds_ = tape_log_odds;
+    tape_at_rad_ = angle_rad;
+  }
+  const double probability = 1.0 / (1.0 + std::exp(-believed()));
+  now_.fill(0.0);
+  add_peak(now_, angle_rad, sigma, probability);
+  add_peak(now_, angle_rad + kPi, sigma, 1.0 - probability);
+  return probability;
+}
+
+}  // namespace lodestone::vision

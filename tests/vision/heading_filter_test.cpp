@@ -1,0 +1,126 @@
+#include "lodestone/vision/heading_filter.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+#include "lodestone/geometry/angle.h"
+#include "lodestone/geometry/pose2.h"
+
+using namespace lodestone;
+using geometry::kRadPerDeg;
+using vision::HeadingFilter;
+
+namespace {
+
+constexpr double kSigma_rad = 0.5 * kRadPerDeg;
+constexpr double kTape = 6.0;  // log-odds of a tape that is well seen
+
+double see_deg(HeadingFilter& filter, double angle_deg, double tape = 0.0) {
+  return filter.see(angle_deg * kRadPerDeg, kSigma_rad, tape);
+}
+
+}  // namespace
+
+TEST_CASE("at first only the tape tells the head") {
+  HeadingFilter filter;
+  CHECK(see_deg(filter, 30.0) == Approx(0.5));
+  CHECK(see_deg(filter, 30.0, kTape) == Approx(1.0 / (1.0 + std::exp(-kTape))));
+}
+
+TEST_CASE("a needle that lies still keeps its head") {
+  HeadingFilter filter;
+  see_deg(filter, 30.0, kTape);
+  filter.pulse(33.0 * kRadPerDeg);
+  CHECK(see_deg(filter, 31.0) > 0.99);
+  filter.pulse(33.0 * kRadPerDeg);
+  CHECK(see_deg(filter, 31.0 + 180.0) < 0.01);
+}
+
+TEST_CASE("a needle that turns towards the field has its head on the way there, however far it turns") {
+  for (const double turned_deg : {20.0, 66.0, 97.0, 130.0}) {
+    CAPTURE(turned_deg);
+    HeadingFilter filter;
+    see_deg(filter, -10.0, kTape);
+    filter.pulse(130.0 * kRadPerDeg);
+    CHECK(see_deg(filter, -10.0 + turned_deg) > 0.99);
+    filter.pulse((turned_deg - 10.0 + 90.0) * kRadPerDeg);  // and goes on from there
+    CHECK(see_deg(filter, -10.0 + turned_deg + 45.0 + 180.0) < 0.01);
+  }
+}
+
+TEST_CASE("a field from behind may turn it either way, and then nobody knows") {
+  HeadingFilter filter;
+  see_deg(filter, 0.0, kTape);
+  filter.pulse(178.0 * kRadPerDeg);
+  const double probability = see_deg(filter, 90.0);
+  CHECK(probability > 0.1);
+  CHECK(probability < 0.9);
+  CHECK(see_deg(filter, 90.0, kTape) > 0.99);  // but for the tape
+}
+
+TEST_CASE("images of a needle that lies still are no new evidence, but a tape that insists is") {
+  HeadingFilter filter;
+  see_deg(filter, 0.0, kTape);
+  filter.pulse(5.0 * kRadPerDeg);
+  CHECK(see_deg(filter, 180.0, 2.0) < 0.05);
+  for (int image = 0; image < 20; ++image) CHECK(see_deg(filter, 180.0, 2.0) < 0.05);
+  for (int image = 0; image < 2; ++image) CHECK(see_deg(filter, 180.0, kTape) < 0.99);
+  CHECK(see_deg(filter, 180.0, kTape) > 0.99);  // somebody has turned it
+}
+
+TEST_CASE("a tape that was clear in one image is remembered in the next") {
+  HeadingFilter filter;
+  see_deg(filter, 0.0, kTape);
+  CHECK(see_deg(filter, 0.2) > 0.99);
+  CHECK(see_deg(filter, 180.2) < 0.01);
+}
+
+TEST_CASE("a needle that turned without a field was moved by somebody: the tape alone counts") {
+  HeadingFilter filter;
+  see_deg(filter, 0.0, kTape);
+  CHECK(see_deg(filter, 120.0) == Approx(0.5));
+  CHECK(see_deg(filter, -60.0, kTape) > 0.99);
+  filter.pulse(-40.0 * kRadPerDeg);
+  CHECK(see_deg(filter, 60.0) == Approx(0.5));  // where no turn towards that field ends
+  CHECK(see_deg(filter, 60.0, kTape) > 0.99);
+}
+
+TEST_CASE("steps that were not seen leave open what they may have done") {
+  HeadingFilter filter;
+  see_deg(filter, 0.0, kTape);
+  filter.pulse(100.0 * kRadPerDeg);
+  filter.pulse(100.0 * kRadPerDeg);
+  CHECK(see_deg(filter, 60.0) > 0.99);
+  filter.pulse(60.0 * kRadPerDeg);
+  filter.pulse_somewhere();
+  CHECK(see_deg(filter, 60.0) == Approx(0.5));
+}
+
+// A needle that obeys the rule, and one time in 2,500 does not.
+TEST_CASE("what is called sure is right as often as that says") {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  HeadingFilter filter;
+  double heading_rad = 0.3;
+  filter.see(heading_rad, kSigma_rad, kTape);
+  int sure = 0;
+  int wrong = 0;
+  constexpr int kSteps = 20000;
+  for (int step = 0; step < kSteps; ++step) {
+    const double field_rad = geometry::kPi * (2.0 * unit(random) - 1.0);
+    filter.pulse(field_rad);
+    if (unit(random) > 0.4) heading_rad += unit(random) * geometry::wrap_angle(field_rad - heading_rad);
+    if (unit(random) < 4e-4) heading_rad = 2.0 * geometry::kPi * unit(random);
+    const bool tape_seen = unit(random) < 0.3;
+    const bool shown_turned = !tape_seen && unit(random) < 0.5;  // without a tape either end may be named
+    const double probability =
+        filter.see(heading_rad + (shown_turned ? geometry::kPi : 0.0), kSigma_rad, tape_seen ? kTape : 0.0);
+    const double right = shown_turned ? 1.0 - probability : probability;
+    if (std::max(right, 1.0 - right) < 0.99) continue;
+    ++sure;
+    wrong += right < 0.5 ? 1 : 0;
+  }
+  CHECK(sure > 0.85 * kSteps);
+  CHECK(wrong < 0.002 * kSteps);
+}
