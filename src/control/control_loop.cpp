@@ -59,8 +59,10 @@ geometry::Vector2 decide(Controller& controller, const task::Observation& observ
 }  // namespace
 
 ControlLoop::ControlLoop(const ControlLoopConfig& config, const task::ActionConfig& action, Guard& coils,
-                         PoseSensor& sensor, common::Clock& clock)
-    : config_(config), action_(action), coils_(coils), sensor_(sensor), clock_(clock) {}
+                         PoseSensor& sensor, common::Clock& clock, const physics::RigDescription* rig)
+    : config_(config), action_(action), coils_(coils), sensor_(sensor), clock_(clock) {
+  if (rig != nullptr) recovery_.emplace(config.recovery, *rig);
+}
 
 LoopOutcome ControlLoop::run(Controller& controller, Reference& reference, const Observer& observer) {
   LoopOutcome outcome;
@@ -97,10 +99,21 @@ void ControlLoop::rest_until(double time_s) {
   if (!clock_.wait_until(time_s, &interruption_)) throw_interrupted();
 }
 
+void ControlLoop::pulse(const StepRecord& record) {
+  if (record.probe)
+    coils_.probe({record.current_A, config_.pulse_s});
+  else if (record.estimate.valid)
+    coils_.apply({record.current_A, config_.pulse_s});
+  else
+    return;
+  sensor_.pulsed(record.current_A);
+}
+
 void ControlLoop::follow(Controller& controller, Reference& reference, const Observer& observer,
                          LoopOutcome& outcome) {
   controller.reset();
   reference.reset();
+  if (recovery_) recovery_->reset();
   Memory memory;
   std::int64_t invalid_in_a_row = 0;
   const double start_s = clock_.now_s();
@@ -128,10 +141,15 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
         record.action = decide(controller, observation);
         record.current_A = task::coil_currents(task::axis_drive(record.action, action_));
       }
+      if (recovery_) recovery_->seen(record.estimate.pose);
       memory.has_pose = true;
       memory.position_m = seen_m;
     } else {
       ++invalid_in_a_row;
+      const std::optional<geometry::Vector2> probe_A =
+          recovery_ && !record.last ? recovery_->next_probe() : std::nullopt;
+      record.probe = probe_A.has_value();
+      if (probe_A) record.current_A = task::coil_currents(*probe_A);
       if (record.estimate.reason.empty())
         record.estimate.reason = "the sensor gave a pose that is not a number";
     }
@@ -145,10 +163,7 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     // A camera that runs freely gives its image sooner or later; the pulses still come evenly.
     if (config_.decide_s > 0.0) rest_until(start_s + due_s + config_.decide_s);
     if (interruption_.raised()) throw_interrupted();
-    if (record.estimate.valid) {
-      coils_.apply({record.current_A, config_.pulse_s});
-      sensor_.pulsed(record.current_A);
-    }
+    pulse(record);
     rest_until(start_s + static_cast<double>(step + 1) * config_.period_s());
   }
 }

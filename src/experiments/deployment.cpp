@@ -180,7 +180,8 @@ std::string video_file(const std::string& folder, RigKind kind, const Controller
 
 TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& config, const TrialPlan& plan,
                            const ControllerSource& source, const TruePose& truth, const TrialWatch& watch) {
-  control::ControlLoop loop(config.loop, source.action, bench.coils(), bench.sensor(), bench.clock());
+  control::ControlLoop loop(config.loop, source.action, bench.coils(), bench.sensor(), bench.clock(),
+                            &config.rig);
   const std::unique_ptr<control::Controller> controller = source.make();
   TrialResult result = run_trial(plan, loop, *controller, truth, config.score, watch,
                                  [&bench] { return bench.coils().temperature_C(); });
@@ -235,7 +236,7 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   if (realtime) rig.keep_pace_with(wall);
   common::Clock& clock = *drive.clock;
   safety::Supervisor coils(*drive.coils, config_.safety, config_.rig, clock);
-  control::ControlLoop loop(config_.loop, source.action, coils, *sensor, clock);
+  control::ControlLoop loop(config_.loop, source.action, coils, *sensor, clock, &config_.rig);
   const std::unique_ptr<control::Controller> controller = source.make();
   std::optional<TrialVideo> video;
   const bool filmed = config_.record.enabled && sensor->camera() != nullptr && !video_folder.empty() &&

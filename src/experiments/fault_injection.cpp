@@ -104,6 +104,7 @@ struct Chain {
         controller(common::RandomStream(seed, "drill/drive")),
         record(folder + "/record.csv") {
     serial.max_pulse_s = 0.5;
+    timing.max_invalid_poses = 10;  // a run is 6 s long, and must show that it stops
     action.scale = kDrive_A;
     bench.watch = [this](double now_s, const std::array<double, rig::kCoilCount>& current_A) {
       watch(now_s, current_A);

@@ -97,7 +97,11 @@ void Supervisor::observe(const control::PoseEstimate& estimate) {
   });
 }
 
-void Supervisor::apply(const rig::CoilPulse& pulse) {
+void Supervisor::apply(const rig::CoilPulse& pulse) { give(pulse, /*probe=*/false); }
+
+void Supervisor::probe(const rig::CoilPulse& pulse) { give(pulse, /*probe=*/true); }
+
+void Supervisor::give(const rig::CoilPulse& pulse, bool probe) {
   rig::CoilPulse safe = pulse;
   guarded([&] {
     operator_.check();
@@ -106,7 +110,10 @@ void Supervisor::apply(const rig::CoilPulse& pulse) {
     context.passed_s = std::max(0.0, clock_.now_s() - last_s_);
     context.on_s = std::min(last_.duration_s, context.passed_s);
     thermal_.advance(last_.current_A, context.on_s, context.passed_s);
-    if (needle_required_) needle_seen_.check(safe, context);
+    if (probe)
+      needle_seen_.check_probe(safe);
+    else if (needle_required_)
+      needle_seen_.check(safe, context);
     context.status = coils_.status();
     temperature_C_ = context.status.temperature_C;
     for (const auto& check : pulse_checks_) check->check(safe, context);

@@ -53,7 +53,6 @@ control::PoseEstimate CameraPoseSensor::observe() {
   control::PoseEstimate estimate;
   estimate.stamp_s = frame_.stamp_s;
   estimate.reason = found.reason;
-  last_m_.reset();
   if (!found.axis_found) return estimate;
   estimate.pose = found.pose;
   last_m_ = found.pose.position_m();
@@ -74,8 +73,7 @@ double CameraPoseSensor::find_head(const vision::Localisation& found, geometry::
 
 void CameraPoseSensor::pulsed(const std::array<double, rig::kCoilCount>& current_A) {
   const geometry::Vector2 drive_A(current_A[0] - current_A[1], current_A[2] - current_A[3]);
-  if (drive_A.isZero(0.0)) return;
-  if (!last_m_) return heading_.pulse_somewhere();
+  if (drive_A.isZero(0.0) || !last_m_) return;
   const geometry::Vector2 field_T = field_.at(drive_A, *last_m_).field_T;
   heading_.pulse(std::atan2(field_T.y(), field_T.x()));
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "lodestone/control/controller.h"
 #include "lodestone/control/guard.h"
 #include "lodestone/control/pose_sensor.h"
+#include "lodestone/control/recovery.h"
 #include "lodestone/control/reference.h"
 #include "lodestone/rig/coils.h"
 #include "lodestone/task/action.h"
@@ -22,7 +24,8 @@ struct ControlLoopConfig {
   double pulse_s = 0.1;
   double rest_s = 0.2;
   double decide_s = 0.0;
-  std::int64_t max_invalid_poses = 10;
+  std::int64_t max_invalid_poses = 20;
+  RecoveryConfig recovery;
 
   double period_s() const { return pulse_s + rest_s; }
   template <class Visitor>
@@ -36,6 +39,7 @@ struct ControlLoopConfig {
             {0.0, 1.0});
     v.field("max_invalid_poses", max_invalid_poses, "",
             "observations in a row without a pose that stop the run", {1, 100000});
+    v.group("recovery", recovery, "what is tried when the needle is not seen");
   }
 };
 
@@ -46,6 +50,7 @@ struct StepRecord {
   geometry::Vector2 target_m = geometry::Vector2::Zero();
   geometry::Vector2 action = geometry::Vector2::Zero();  ///< as given, clipped to [-1, 1]
   std::array<double, rig::kCoilCount> current_A{};       ///< as asked of the coils
+  bool probe = false;                                    ///< the needle was not seen, and this looked for it
   bool last = false;                                     ///< the closing observation: no pulse followed
 };
 
@@ -61,13 +66,14 @@ class ControlLoop {
   /// Called at every observation, before the pulse: scoring looks at the true pose here.
   using Observer = std::function<void(const StepRecord&)>;
 
-  /// Everything must outlive the loop. `action` must map to amperes.
+  /// Everything must outlive the loop. `action` must map to amperes. Without a `rig` a needle that is not
+  /// seen is waited for; with one it is looked for, too (Recovery).
   ControlLoop(const ControlLoopConfig& config, const task::ActionConfig& action, Guard& coils,
-              PoseSensor& sensor, common::Clock& clock);
+              PoseSensor& sensor, common::Clock& clock, const physics::RigDescription* rig = nullptr);
 
   /// Never throws for what sensor, controller or coils do: any fault stops the coils and is the outcome's
-  /// stop_reason, and so is the user's interrupt. Without a valid pose no pulse is given. In real time the
-  /// calling thread goes before others until it returns (common::RealtimeThread).
+  /// stop_reason, and so is the user's interrupt. Without a valid pose the controller is not asked. In real
+  /// time the calling thread goes before others until it returns (common::RealtimeThread).
   LoopOutcome run(Controller& controller, Reference& reference, const Observer& observer = {});
 
   double period_s() const { return config_.period_s(); }
@@ -78,6 +84,7 @@ class ControlLoop {
 
  private:
   void rest_until(double time_s);
+  void pulse(const StepRecord& record);
   [[noreturn]] void throw_interrupted();
   void follow(Controller& controller, Reference& reference, const Observer& observer, LoopOutcome& outcome);
 
@@ -86,6 +93,7 @@ class ControlLoop {
   Guard& coils_;
   PoseSensor& sensor_;
   common::Clock& clock_;
+  std::optional<Recovery> recovery_;
   common::Interruption interruption_;
   std::mutex mutex_;  // of the reason
   std::string interrupted_by_;

@@ -15,6 +15,9 @@ class Guard {
   /// What the sensor saw; poses that are not valid are handed in, too.
   virtual void observe(const PoseEstimate& estimate) = 0;
   virtual void apply(const rig::CoilPulse& pulse) = 0;
+  /// A weak pulse for a needle that is not seen, to find it: the only one that needs no pose, and few of
+  /// them.
+  virtual void probe(const rig::CoilPulse& pulse) = 0;
   virtual void stop() noexcept = 0;
 };
 

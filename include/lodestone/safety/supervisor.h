@@ -78,6 +78,8 @@ class Supervisor final : public rig::Coils, public control::Guard {
   void observe(const control::PoseEstimate& estimate) override;
   /// Throws HardwareError with the reason when the pulse is refused.
   void apply(const rig::CoilPulse& pulse) override;
+  /// The same without a pose: at most 2 A, and at most 6 since the last pose.
+  void probe(const rig::CoilPulse& pulse) override;
   /// Switches off now; the next pulse may switch on again.
   void stop() noexcept override { coils_.stop(); }
   rig::CoilStatus status() override { return coils_.status(); }
@@ -95,6 +97,7 @@ class Supervisor final : public rig::Coils, public control::Guard {
  private:
   [[noreturn]] void latch(const std::string& reason);
   void refuse_if_stopped();
+  void give(const rig::CoilPulse& pulse, bool probe);
   template <class Action>
   void guarded(const Action& action);
 

@@ -84,7 +84,7 @@ class CameraPoseSensor final : public control::PoseSensor {
   imaging::Frame frame_;
   control::DipoleField field_;
   vision::HeadingFilter heading_;
-  std::optional<geometry::Vector2> last_m_;
+  std::optional<geometry::Vector2> last_m_;  // where the needle was seen last
 };
 
 }  // namespace lodestone::session

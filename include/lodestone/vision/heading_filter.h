@@ -18,8 +18,6 @@ class HeadingFilter {
   void reset();
   /// The coils made a field of this direction where the needle lies.
   void pulse(double field_rad);
-  /// They made one, but nobody knows where the needle was.
-  void pulse_somewhere() { reset(); }
 
   /// The axis as an image shows it, `angle_rad` towards the end that the tape speaks for with `tape_log_odds`
   /// >= 0 (0: no tape was seen). Returns the probability that the head is there. Images between two pulses
