@@ -123,7 +123,7 @@ EmulationBench::EmulationBench(const EmulationBenchConfig& config, std::string f
 }
 
 void EmulationBench::add(const std::string& figure, double value, const char* unit, double bound) {
-  result_.figures.push_back({figure, value, unit, bound, value <= bound});
+  result_.figures.push_back(at_most(figure, value, unit, bound));
 }
 
 ControllerSource EmulationBench::source() const {

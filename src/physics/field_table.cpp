@@ -115,8 +115,8 @@ geometry::Vector2 FieldTable::per_ampere(const geometry::Vector2& point_m) const
 }
 
 std::shared_ptr<const FieldTable> make_field_table(const CoilGeometry& geometry, double dish_radius_m,
-                                                   double margin_m) {
-  return std::make_shared<const FieldTable>(geometry, dish_radius_m + 0.5e-3 + margin_m);
+                                                   double margin_m, double spacing_m) {
+  return std::make_shared<const FieldTable>(geometry, dish_radius_m + 0.5e-3 + margin_m, spacing_m);
 }
 
 }  // namespace lodestone::physics

@@ -32,7 +32,7 @@ CameraPoseSensor::CameraPoseSensor(rig::Camera& camera, std::shared_ptr<const vi
       config_(config),
       guard_(guard_config(config, lens, calibration), "camera"),
       calibration_(std::move(calibration)),
-      field_(rig.coils.geometry) {
+      field_(rig) {
   if (calibration_) calibrate();
 }
 
@@ -72,10 +72,8 @@ double CameraPoseSensor::find_head(const vision::Localisation& found, geometry::
 }
 
 void CameraPoseSensor::pulsed(const std::array<double, rig::kCoilCount>& current_A) {
-  const geometry::Vector2 drive_A(current_A[0] - current_A[1], current_A[2] - current_A[3]);
-  if (drive_A.isZero(0.0) || !last_m_) return;
-  const geometry::Vector2 field_T = field_.at(drive_A, *last_m_).field_T;
-  heading_.pulse(std::atan2(field_T.y(), field_T.x()));
+  if (!last_m_) return;
+  if (const auto field_rad = field_.direction_rad(current_A, *last_m_)) heading_.pulse(*field_rad);
 }
 
 void CameraPoseSensor::reset() {

@@ -14,10 +14,12 @@ using geometry::kPi;
 using geometry::kRadPerDeg;
 
 constexpr double kStuck = 0.4;  // of all pulses turn nothing
-constexpr double kSlack_rad =
-    10.0 * kRadPerDeg;  // beyond either end of the way: overshoot, and a field that is not quite known
-constexpr double kEitherWay_rad = 160.0 * kRadPerDeg;  // a field so far off may turn the needle either way
-constexpr double kAnything = 4e-4;                     // of all pulses do what no rule says
+// Beyond either end of the way (overshoot, coils that are not quite where they should be, a field that
+// changes as the needle moves) the chance falls by e over so much.
+constexpr double kTail_rad = 8.0 * kRadPerDeg;
+constexpr double kInTails = 0.1;
+constexpr double kEitherWay_rad = 155.0 * kRadPerDeg;  // a field so far off may turn the needle either way
+constexpr double kAnything = 4e-3;    // of all pulses do what no rule says: the needle runs against the wall
 constexpr double kUnexpected = 1e-4;  // less than any pulse leaves at an axis where it may turn the needle to
 constexpr double kStill_rad =
     10.0 * kRadPerDeg;  // a needle that has turned further without a pulse was moved
@@ -70,11 +72,20 @@ void HeadingFilter::pulse(double field_rad) {
   const double bin_rad = 2.0 * kPi / kBins;
   Histogram after;
   after.fill(kAnything / kBins);
+  const auto add = [&](double at_rad, double mass) {
+    after[static_cast<std::size_t>(bin_of(at_rad))] += mass;
+  };
   const auto spread = [&](double from_rad, double turn_rad, double mass) {
-    const double low_rad = from_rad + std::min(turn_rad, 0.0) - kSlack_rad;
-    const int bins = static_cast<int>(std::ceil((std::abs(turn_rad) + 2.0 * kSlack_rad) / bin_rad));
+    const int bins = 1 + static_cast<int>(std::abs(turn_rad) / bin_rad);
     for (int i = 0; i < bins; ++i)
-      after[static_cast<std::size_t>(bin_of(low_rad + i * bin_rad))] += mass / bins;
+      add(from_rad + std::copysign(i * bin_rad, turn_rad), (1.0 - kInTails) * mass / bins);
+    const int reach = static_cast<int>(5.0 * kTail_rad / bin_rad);
+    const double share = 0.5 * kInTails * mass * (1.0 - std::exp(-bin_rad / kTail_rad));
+    for (int i = 0; i < reach; ++i) {
+      const double tail = share * std::exp(-i * bin_rad / kTail_rad);
+      add(from_rad - std::copysign((i + 1) * bin_rad, turn_rad), tail);
+      add(from_rad + turn_rad + std::copysign((i + 1) * bin_rad, turn_rad), tail);
+    }
   };
   for (int i = 0; i < kBins; ++i) {
     const double mass = (1.0 - kAnything) * now_[static_cast<std::size_t>(i)];

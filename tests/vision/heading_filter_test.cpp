@@ -82,7 +82,7 @@ TEST_CASE("a needle that turned without a field was moved by somebody: the tape 
   CHECK(see_deg(filter, 120.0) == Approx(0.5));
   CHECK(see_deg(filter, -60.0, kTape) > 0.99);
   filter.pulse(-40.0 * kRadPerDeg);
-  CHECK(see_deg(filter, 60.0) == Approx(0.5));  // where no turn towards that field ends
+  CHECK(see_deg(filter, 60.0) == Approx(0.5).margin(0.05));  // where no turn towards that field ends
   CHECK(see_deg(filter, 60.0, kTape) > 0.99);
 }
 
@@ -118,6 +118,6 @@ TEST_CASE("what is called sure is right as often as that says") {
     ++sure;
     wrong += right < 0.5 ? 1 : 0;
   }
-  CHECK(sure > 0.85 * kSteps);
+  CHECK(sure > 0.8 * kSteps);
   CHECK(wrong < 0.002 * kSteps);
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lodestone/experiments/bounded_figure.h"
 #include "lodestone/experiments/deployment.h"
 #include "lodestone/experiments/fault_injection.h"
 
@@ -49,24 +50,6 @@ struct EmulationBenchConfig {
             "largest relative difference from the simulated coils' mean error", {0.0, 10.0});
   }
   void validate() const { deployment.rig.validate(); }
-};
-
-/// One number that must keep to a bound.
-struct BoundedFigure {
-  std::string figure;
-  double value = 0.0;
-  std::string unit;
-  double bound = 0.0;
-  bool ok = false;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("figure", figure);
-    v.field("value", value);
-    v.field("unit", unit);
-    v.field("bound", bound);
-    v.field("ok", ok);
-  }
 };
 
 /// Times of the firmware's answers.

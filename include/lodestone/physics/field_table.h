@@ -36,6 +36,6 @@ class FieldTable {
 /// Table over a dish of the given radius with a margin for the needle's ends, and a further one for coils
 /// that stand elsewhere than they should.
 std::shared_ptr<const FieldTable> make_field_table(const CoilGeometry& geometry, double dish_radius_m,
-                                                   double margin_m = 0.0);
+                                                   double margin_m = 0.0, double spacing_m = 1e-3);
 
 }  // namespace lodestone::physics

@@ -3,7 +3,6 @@
 #include <memory>
 #include <optional>
 
-#include "lodestone/control/dipole_field.h"
 #include "lodestone/control/pose_sensor.h"
 #include "lodestone/imaging/bench.h"
 #include "lodestone/imaging/calibration.h"
@@ -11,6 +10,7 @@
 #include "lodestone/imaging/frame_guard.h"
 #include "lodestone/physics/rig_description.h"
 #include "lodestone/rig/camera.h"
+#include "lodestone/vision/commanded_field.h"
 #include "lodestone/vision/heading_filter.h"
 #include "lodestone/vision/localiser.h"
 
@@ -82,7 +82,7 @@ class CameraPoseSensor final : public control::PoseSensor {
   std::optional<imaging::Calibration> calibration_;
   std::optional<vision::Localiser> localiser_;
   imaging::Frame frame_;
-  control::DipoleField field_;
+  vision::CommandedField field_;
   vision::HeadingFilter heading_;
   std::optional<geometry::Vector2> last_m_;  // where the needle was seen last
 };

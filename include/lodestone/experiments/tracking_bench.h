@@ -1,0 +1,112 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lodestone/experiments/bounded_figure.h"
+#include "lodestone/experiments/deployment.h"
+
+namespace lodestone::experiments {
+
+/// What `bench tracking` measures, and what it must keep to.
+struct TrackingBenchConfig {
+  DeploymentConfig deployment;
+  std::int64_t threads = 0;
+  std::int64_t transitions = 20000;
+  std::string dynamics;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    deployment.visit(v);
+    v.field("threads", threads, "", "trials at the same time; 0 means one per processor", {0, 1024});
+    v.field("transitions", transitions, "", "steps of the explorer whose tape is masked", {100, 1e7});
+    v.field(
+        "dynamics", dynamics, "",
+        "folder of the dynamics checkpoint that the planner, which drives by camera, plans in; empty: the "
+        "proportional baseline drives");
+  }
+  void validate() const { deployment.rig.validate(); }
+};
+
+/// Steps with current whose tape was masked: the head before is known, the axis after is seen.
+struct MaskedTape {
+  std::int64_t steps = 0;
+  std::int64_t undecided = 0, wrong = 0;  ///< of those that were decided
+  std::int64_t wrong_by_nearest = 0;  ///< where the end nearest to the old heading were taken, of all steps
+  double wrong_share = 0.0, undecided_share = 0.0;
+  std::array<double, 2> wrong_interval = {}, undecided_interval = {};  ///< 95 %
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("steps", steps);
+    v.field("undecided", undecided);
+    v.field("wrong", wrong);
+    v.field("wrong_by_nearest", wrong_by_nearest);
+    v.field("wrong_share", wrong_share);
+    v.field("undecided_share", undecided_share);
+    v.field("wrong_interval", wrong_interval);
+    v.field("undecided_interval", undecided_interval);
+  }
+};
+
+/// Squares and circles by camera on unseen rigs.
+struct CameraTrials {
+  std::int64_t trials = 0, observations = 0;
+  std::int64_t unseen = 0;                   ///< observations without a pose
+  std::int64_t flipped = 0;                  ///< poses with head and tail exchanged
+  std::int64_t lost = 0;                     ///< trials that ended for want of a pose
+  std::array<double, 2> lost_interval = {};  ///< 95 %, of the share
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("trials", trials);
+    v.field("observations", observations);
+    v.field("unseen", unseen);
+    v.field("flipped", flipped);
+    v.field("lost", lost);
+    v.field("lost_interval", lost_interval);
+  }
+};
+
+/// `tracking.json`.
+struct TrackingResult {
+  static constexpr const char* kFile = "tracking.json";
+  common::Json machine;
+  std::optional<MaskedTape> masked_tape;  ///< steps of the explorer, which asks for fields of any direction
+  std::optional<MaskedTape> masked_while_driven;  ///< steps of the trials by camera
+  std::optional<CameraTrials> camera;
+  std::vector<BoundedFigure> figures;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("machine", machine);
+    v.field("masked_tape", masked_tape);
+    v.field("masked_while_driven", masked_while_driven);
+    v.field("camera", camera);
+    v.field("figures", figures);
+  }
+};
+
+/// How well the needle is kept in sight. Throws Interrupted.
+class TrackingBench {
+ public:
+  /// `config` must outlive the bench.
+  explicit TrackingBench(const TrackingBenchConfig& config);
+
+  /// Of steps of the explorer.
+  void mask_tape();
+  /// Unseen rigs; and of their steps, too.
+  void drive_by_camera();
+  const TrackingResult& result() const { return result_; }
+
+ private:
+  void close(MaskedTape& masked, const std::string& where);
+
+  const TrackingBenchConfig& config_;
+  TrackingResult result_;
+};
+
+}  // namespace lodestone::experiments

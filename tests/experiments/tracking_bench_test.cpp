@@ -1,0 +1,29 @@
+#include "lodestone/experiments/tracking_bench.h"
+
+#include <catch2/catch.hpp>
+
+using namespace lodestone;
+
+TEST_CASE("the head is told by the field where the tape is masked, and a camera keeps the needle in sight") {
+  experiments::TrackingBenchConfig config;
+  config.transitions = 2000;
+  config.threads = 1;
+  config.deployment.trials.count = 1;
+  config.deployment.sensor.kind = "simulated";
+  experiments::TrackingBench bench(config);
+  bench.mask_tape();
+  bench.drive_by_camera();
+  const experiments::MaskedTape& tape = *bench.result().masked_tape;
+  CHECK(tape.steps > 1500);
+  CHECK(tape.wrong <= 3);
+  CHECK(tape.undecided < tape.steps / 3);
+  CHECK(tape.wrong_by_nearest > tape.wrong);
+  CHECK(tape.wrong_interval[1] >= tape.wrong_share);
+  const experiments::CameraTrials& trials = *bench.result().camera;
+  CHECK(trials.trials == 2);
+  CHECK(trials.observations > 100);
+  CHECK(bench.result().masked_while_driven->steps > 50);
+  CHECK(bench.result().masked_while_driven->wrong <= 1);
+  CHECK(trials.lost == 0);
+  CHECK(bench.result().figures.size() == 6);
+}
