@@ -44,6 +44,16 @@ void flatten(const Json& json, const std::string& prefix, std::map<std::string, 
     flatten(value, prefix.empty() ? key : prefix + "." + key, out);
 }
 
+/// What a run leaves behind that is killed while it writes its first file.
+bool unborn(const fs::path& file) {
+  return file.filename().string().rfind(std::string(kStateFile + 1) + ".tmp", 0) == 0;
+}
+
+bool holds_nothing(const std::string& folder) {
+  return std::all_of(fs::directory_iterator(folder), fs::directory_iterator(),
+                     [](const fs::directory_entry& entry) { return unborn(entry.path()); });
+}
+
 std::string joined(const std::vector<std::string>& items) {
   std::string text;
   for (std::size_t i = 0; i < std::min(items.size(), kMostNamed); ++i) text += (i > 0 ? "; " : "") + items[i];
@@ -81,7 +91,7 @@ RunFolder::RunFolder(RunRequest request) : request_(std::move(request)) {
   if (folder.empty())
     throw ConfigError(request_.verb + ": --out DIR is missing; name the folder to write into");
   state_.verb = request_.verb;
-  if (!fs::exists(folder) || (fs::is_directory(folder) && fs::is_empty(folder))) return;
+  if (!fs::exists(folder) || (fs::is_directory(folder) && holds_nothing(folder))) return;
   if (!request_.resume)
     throw ConfigError("--out " + folder +
                       " is not empty: name a new folder, or go on with the run in it with --resume");
@@ -131,6 +141,8 @@ void RunFolder::begin() {
   begun_ = true;
   common::make_folders(path());
   if (lock_ < 0) lock();
+  if (stage_ == RunStage::kFresh && holds_nothing(path()))
+    for (const auto& entry : fs::directory_iterator(path())) fs::remove(entry.path());
   update(state_);  // first, so that a run that is killed right here is found again
   if (stage_ == RunStage::kFresh) {
     Json manifest = {{"verb", request_.verb}, {"seed", request_.seed}};

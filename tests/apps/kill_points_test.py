@@ -29,12 +29,8 @@ def content(folder, results):
 
 
 def goes_on(arguments, folder):
-    """What a user does next: --resume; where nothing was begun yet, the same command again, as the message says."""
-    made = start([*arguments, "--resume"], folder)
-    if made.returncode == 2 and not any(folder.glob("run.json")):
-        shutil.rmtree(folder, ignore_errors=True)
-        made = start(arguments, folder)
-    return made
+    """What a user does next."""
+    return start([*arguments, "--resume"], folder)
 
 
 def sweep(name, arguments, results, most=None, exit_code=0):

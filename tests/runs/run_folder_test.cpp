@@ -58,6 +58,20 @@ TEST_CASE("a run that was killed while it began is begun again") {
   CHECK(std::filesystem::exists(root / "run/config.json"));
 }
 
+TEST_CASE("a run that was killed at its first word leaves nothing that is in anybody's way") {
+  const lodestone::tests::TemporaryFolder root;
+  for (const bool resume : {false, true}) {
+    const std::string folder = root / (resume ? "resumed" : "again");
+    std::filesystem::create_directories(folder);
+    lodestone::common::write_file_atomically(folder + "/run.json.tmp4711", "{");
+    RunFolder run(request(folder, resume));
+    CHECK(run.stage() == RunStage::kFresh);
+    run.begin();
+    CHECK_FALSE(std::filesystem::exists(folder + "/run.json.tmp4711"));
+    CHECK(lodestone::runs::find_run(folder));
+  }
+}
+
 TEST_CASE("a folder in use is refused: not empty, no run, another verb, other settings by name") {
   const lodestone::tests::TemporaryFolder root;
   const std::string folder = root / "run";
