@@ -29,8 +29,8 @@ std::optional<geometry::Vector2> Recovery::next_probe() {
   ++blind_;
   if (blind_ % kStepsPerProbe != 0) return std::nullopt;
   const std::int64_t probe = blind_ / kStepsPerProbe - 1;
-  if (probe < config_.turns) return turn(probe);
-  if (probe < config_.turns + config_.pulls) return pull();
+  if (probe < config_.turning_probes) return turn(probe);
+  if (probe < config_.turning_probes + config_.pulling_probes) return pull();
   return std::nullopt;
 }
 

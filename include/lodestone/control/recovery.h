@@ -13,17 +13,18 @@ namespace lodestone::control {
 
 /// What is tried when the needle is not seen.
 struct RecoveryConfig {
-  std::int64_t turns = 4;
-  std::int64_t pulls = 2;
+  std::int64_t turning_probes = 4;
+  std::int64_t pulling_probes = 2;
   double turn_A = 1.0;
   double turn_max_A = 1.5;
   double pull_A = 2.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("turns", turns, "",
+    v.field("turning_probes", turning_probes, "",
             "weak pulses that turn a needle that is not seen, so that the image changes; 0 is off", {0, 4});
-    v.field("pulls", pulls, "", "then so many towards the dish centre, where it was seen before", {0, 2});
+    v.field("pulling_probes", pulling_probes, "",
+            "then so many towards the dish centre, where it was seen before", {0, 2});
     v.field("turn_A", turn_A, "A", "current of the first turns", {0.1, 2.0});
     v.field("turn_max_A", turn_max_A, "A", "and of the last ones", {0.1, 2.0});
     v.field("pull_A", pull_A, "A", "current of the pulls", {0.1, 2.0});
