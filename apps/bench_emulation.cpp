@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "bounds.h"
 #include "common_options.h"
 #include "lodestone/common/artefact.h"
 #include "lodestone/experiments/emulation_bench.h"
@@ -81,21 +82,11 @@ void bench_emulation(const CommonOptions& options) {
     const std::size_t before = result.figures.size();
     (bench.*part.measure)();
     part.print(result);
-    for (std::size_t i = before; i < result.figures.size(); ++i) {
-      const experiments::BoundedFigure& one = result.figures[i];
-      std::printf("%-52s %9.3f %-3s bound %.3f  %s\n", one.figure.c_str(), one.value, one.unit.c_str(),
-                  one.bound, one.ok ? "ok" : "BROKEN");
-    }
-    std::fflush(stdout);
+    print_bounds(result.figures, before);
   }
   common::write_artefact(run.file(EmulationResult::kFile), result);
   run.finish();
-  const auto good = [](const experiments::BoundedFigure& one) { return one.ok; };
-  const auto first = std::find_if_not(result.figures.begin(), result.figures.end(), good);
-  if (first == result.figures.end()) return;
-  throw common::HardwareError(
-      "bench emulation: " + std::to_string(std::count_if(first, result.figures.end(), std::not_fn(good))) +
-      " bounds are broken, the first: " + first->figure);
+  check_bounds("bench emulation", result.figures);
 }
 
 }  // namespace

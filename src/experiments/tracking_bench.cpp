@@ -71,7 +71,7 @@ std::array<double, 2> interval_of(std::int64_t count, std::int64_t of) {
   return {interval.low, interval.high};
 }
 
-void add_trial(const TrialResult& trial, CameraTrials& result) {
+void add_trial(const TrialResult& trial, TrackedTrials& result) {
   ++result.trials;
   if (trial.stop_reason.rfind("no pose", 0) == 0) ++result.lost;
   for (const TrialSample& sample : trial.samples) {
@@ -85,7 +85,12 @@ void add_trial(const TrialResult& trial, CameraTrials& result) {
 
 }  // namespace
 
-TrackingBench::TrackingBench(const TrackingBenchConfig& config) : config_(config) {
+TrackingBench::TrackingBench(const TrackingBenchConfig& config)
+    : config_(config),
+      source_(config.dynamics.empty()
+                  ? baseline_source(config.deployment)
+                  : planner_source(config.deployment, inference::load_dynamics(config.dynamics),
+                                   config.dynamics)) {
   result_.machine = common::build_and_host_facts();
 }
 
@@ -116,18 +121,14 @@ void TrackingBench::close(MaskedTape& masked, const std::string& where) {
   result_.figures.push_back(at_most(where + ": undecided", 100.0 * masked.undecided_share, "%", 1.5));
 }
 
-void TrackingBench::drive_by_camera() {
+void TrackingBench::drive() {
   const Deployment deployment(config_.deployment);
-  const ControllerSource source =
-      config_.dynamics.empty()
-          ? baseline_source(config_.deployment)
-          : planner_source(config_.deployment, inference::load_dynamics(config_.dynamics), config_.dynamics);
   common::ThreadPool pool(static_cast<std::size_t>(config_.threads));
-  CameraTrials& trials = result_.camera.emplace();
+  TrackedTrials& trials = result_.trials.emplace();
   MaskedTape& masked = result_.masked_while_driven.emplace();
   const vision::CommandedField field(config_.deployment.rig);
   const std::int64_t count = config_.deployment.trials.count;
-  common::Progress progress("trials by camera", 2 * count);
+  common::Progress progress("trials", 2 * count);
   for (const char* task : {"square", "circle"})
     for (std::int64_t first = 0; first < count; first += static_cast<std::int64_t>(pool.size())) {
       if (common::interrupted()) throw common::Interrupted("bench tracking: stopped by the user");
@@ -136,7 +137,7 @@ void TrackingBench::drive_by_camera() {
       for (std::int64_t index = first; index < last; ++index)
         plans.push_back(plan_trial(config_.deployment, task, index, std::nullopt, std::nullopt,
                                    [&](const geometry::Pose2& pose) { return deployment.fits(pose); }));
-      for (const TrialResult& trial : deployment.run(plans, RigKind::kUnseen, source, pool)) {
+      for (const TrialResult& trial : deployment.run(plans, RigKind::kUnseen, source_, pool)) {
         add_trial(trial, trials);
         add_steps(trial, field, config_.deployment.sensor.camera.min_head_probability, masked);
       }
@@ -146,9 +147,9 @@ void TrackingBench::drive_by_camera() {
   close(masked, "masked tape, driven");
   trials.lost_interval = interval_of(trials.lost, trials.trials);
   result_.figures.push_back(
-      at_most("trials by camera that ended for want of a pose", static_cast<double>(trials.lost), "", 0.0));
+      at_most("trials that ended for want of a pose", static_cast<double>(trials.lost), "", 0.0));
   result_.figures.push_back(
-      at_most("poses by camera with head and tail exchanged", static_cast<double>(trials.flipped), "", 0.0));
+      at_most("poses with head and tail exchanged", static_cast<double>(trials.flipped), "", 0.0));
 }
 
 }  // namespace lodestone::experiments

@@ -4,7 +4,7 @@
 
 using namespace lodestone;
 
-TEST_CASE("the head is told by the field where the tape is masked, and a camera keeps the needle in sight") {
+TEST_CASE("the head is told by the field where the tape is masked, and no trial loses its needle") {
   experiments::TrackingBenchConfig config;
   config.transitions = 2000;
   config.threads = 1;
@@ -12,14 +12,14 @@ TEST_CASE("the head is told by the field where the tape is masked, and a camera 
   config.deployment.sensor.kind = "simulated";
   experiments::TrackingBench bench(config);
   bench.mask_tape();
-  bench.drive_by_camera();
+  bench.drive();
   const experiments::MaskedTape& tape = *bench.result().masked_tape;
   CHECK(tape.steps > 1500);
   CHECK(tape.wrong <= 3);
   CHECK(tape.undecided < tape.steps / 3);
   CHECK(tape.wrong_by_nearest > tape.wrong);
   CHECK(tape.wrong_interval[1] >= tape.wrong_share);
-  const experiments::CameraTrials& trials = *bench.result().camera;
+  const experiments::TrackedTrials& trials = *bench.result().trials;
   CHECK(trials.trials == 2);
   CHECK(trials.observations > 100);
   CHECK(bench.result().masked_while_driven->steps > 50);

@@ -23,10 +23,9 @@ struct TrackingBenchConfig {
     deployment.visit(v);
     v.field("threads", threads, "", "trials at the same time; 0 means one per processor", {0, 1024});
     v.field("transitions", transitions, "", "steps of the explorer whose tape is masked", {100, 1e7});
-    v.field(
-        "dynamics", dynamics, "",
-        "folder of the dynamics checkpoint that the planner, which drives by camera, plans in; empty: the "
-        "proportional baseline drives");
+    v.field("dynamics", dynamics, "",
+            "folder of the dynamics checkpoint that the planner, which drives, plans in; empty: the "
+            "proportional baseline drives");
   }
   void validate() const { deployment.rig.validate(); }
 };
@@ -52,8 +51,8 @@ struct MaskedTape {
   }
 };
 
-/// Squares and circles by camera on unseen rigs.
-struct CameraTrials {
+/// Squares and circles on unseen rigs, by the sensor of the configuration.
+struct TrackedTrials {
   std::int64_t trials = 0, observations = 0;
   std::int64_t unseen = 0;                   ///< observations without a pose
   std::int64_t flipped = 0;                  ///< poses with head and tail exchanged
@@ -76,8 +75,8 @@ struct TrackingResult {
   static constexpr const char* kFile = "tracking.json";
   common::Json machine;
   std::optional<MaskedTape> masked_tape;  ///< steps of the explorer, which asks for fields of any direction
-  std::optional<MaskedTape> masked_while_driven;  ///< steps of the trials by camera
-  std::optional<CameraTrials> camera;
+  std::optional<MaskedTape> masked_while_driven;  ///< steps of the trials
+  std::optional<TrackedTrials> trials;
   std::vector<BoundedFigure> figures;
 
   template <class Visitor>
@@ -85,7 +84,7 @@ struct TrackingResult {
     v.field("machine", machine);
     v.field("masked_tape", masked_tape);
     v.field("masked_while_driven", masked_while_driven);
-    v.field("camera", camera);
+    v.field("trials", trials);
     v.field("figures", figures);
   }
 };
@@ -93,19 +92,20 @@ struct TrackingResult {
 /// How well the needle is kept in sight. Throws Interrupted.
 class TrackingBench {
  public:
-  /// `config` must outlive the bench.
+  /// `config` must outlive the bench. Throws what reading its dynamics checkpoint does.
   explicit TrackingBench(const TrackingBenchConfig& config);
 
   /// Of steps of the explorer.
   void mask_tape();
   /// Unseen rigs; and of their steps, too.
-  void drive_by_camera();
+  void drive();
   const TrackingResult& result() const { return result_; }
 
  private:
   void close(MaskedTape& masked, const std::string& where);
 
   const TrackingBenchConfig& config_;
+  ControllerSource source_;
   TrackingResult result_;
 };
 
