@@ -49,7 +49,7 @@ struct RodConfig {
             "there is an "
             "axis and no pose",
             {0.5, 1.0});
-    v.retired("continuity", "nothing: the head is told by the field that was commanded");
+    v.retired("continuity", "sensor.camera.min_head_probability");
     v.field("sigma_scale", sigma_scale, "", "factor on the standard deviations of the result", {0.01, 100.0});
   }
 
