@@ -15,9 +15,6 @@ namespace {
 
 using vision::TrainSegmenterConfig;
 
-/// Images by which the checkpoint's own figures are measured.
-constexpr std::int64_t kEvaluationFrames = 200;
-
 /// What is trained, and for which rig.
 struct SegmenterRunConfig {
   rig::RigConfig rig;
@@ -50,7 +47,7 @@ void train_segmenter(const CommonOptions& options) {
   vision::LocaliserConfig localiser;
   localiser.rod = vision::rod_of(config.scenes.bench);
   const vision::SegmenterEvaluation evaluation = vision::evaluate_segmenter(
-      segmenter, config.scenes, localiser, kEvaluationFrames,
+      segmenter, config.scenes, localiser, config.training.evaluation_samples,
       common::derive_seed(static_cast<std::uint64_t>(config.seed), "evaluation"), pool);
   common::Json metrics = common::artefact_to_json(evaluation);
   metrics["validation_dice"] = result.validation_dice;

@@ -17,6 +17,7 @@ namespace lodestone::vision {
 struct SegmenterTrainingConfig {
   std::int64_t samples = 4000;
   std::int64_t validation_samples = 400;
+  std::int64_t evaluation_samples = 200;
   std::int64_t epochs = 30;
   std::int64_t batch_size = 32;
   double learning_rate = 3e-3;
@@ -31,6 +32,8 @@ struct SegmenterTrainingConfig {
   void visit(Visitor& v) {
     v.field("samples", samples, "", "rendered training images", {8, 1000000});
     v.field("validation_samples", validation_samples, "", "rendered images to choose weights by",
+            {1, 100000});
+    v.field("evaluation_samples", evaluation_samples, "", "rendered images to measure the result by",
             {1, 100000});
     v.field("epochs", epochs, "", "passes over the training images", {1, 10000});
     v.field("batch_size", batch_size, "images", "images per step; a multiple of 4", {4, 4096});
