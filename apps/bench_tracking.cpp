@@ -26,18 +26,28 @@ void print_masked(const char* whose, const experiments::MaskedTape& tape) {
       static_cast<long long>(tape.wrong_by_nearest));
 }
 
+void print_trials(const std::string& how, const experiments::TrackedTrials& trials) {
+  std::printf(
+      "%s: %lld trials, %lld of %lld observations without a pose, %lld flipped, largest error %.2f mm, %lld "
+      "trials lost (95 %% interval of the share %.1f to %.1f %%); the region of 95 %% held %.1f %%, "
+      "normalised "
+      "innovation %.2f\n",
+      how.c_str(), static_cast<long long>(trials.trials), static_cast<long long>(trials.unseen),
+      static_cast<long long>(trials.observations), static_cast<long long>(trials.flipped), trials.worst_mm,
+      static_cast<long long>(trials.lost), 100.0 * trials.lost_interval[0], 100.0 * trials.lost_interval[1],
+      100.0 * trials.covered_share, trials.innovation);
+}
+
 void print(const TrackingResult& result, const std::string& sensor) {
   print_masked("the explorer", *result.masked_tape);
   print_masked("the trials", *result.masked_while_driven);
-  const experiments::TrackedTrials& trials = *result.trials;
-  std::printf(
-      "%s: %lld squares and circles, %lld of %lld observations without a pose, %lld flipped, %lld "
-      "trials lost (95 "
-      "%% interval of the share %.1f to %.1f %%)\n",
-      sensor == "camera" ? "by camera" : "by the simulated sensor", static_cast<long long>(trials.trials),
-      static_cast<long long>(trials.unseen), static_cast<long long>(trials.observations),
-      static_cast<long long>(trials.flipped), static_cast<long long>(trials.lost),
-      100.0 * trials.lost_interval[0], 100.0 * trials.lost_interval[1]);
+  print_trials((sensor == "camera" ? "by camera" : "by the simulated sensor"), *result.trials);
+  for (const experiments::SpoiledTrials& spoiled : result.spoiled) {
+    print_trials(spoiled.how, spoiled.tracked);
+    std::printf("  of these squares %.0f %% succeeded (95 %% interval %.1f to %.1f %%)\n",
+                100.0 * spoiled.success_share, 100.0 * spoiled.success_interval[0],
+                100.0 * spoiled.success_interval[1]);
+  }
   print_bounds(result.figures);
 }
 
@@ -51,6 +61,8 @@ void bench_tracking(const CommonOptions& options) {
   run.begin();
   bench.mask_tape();
   bench.drive();
+  bench.spoil();
+  bench.check();
   print(bench.result(), config.deployment.sensor.kind);
   common::write_artefact(run.file(TrackingResult::kFile), bench.result());
   run.finish();
@@ -62,8 +74,8 @@ void bench_tracking(const CommonOptions& options) {
 void add_bench_tracking(Verb& bench) {
   Verb& verb = bench.add_verb(
       "tracking",
-      "how well the needle is kept in sight: its head without a tape, trials on unseen rigs; exit code "
-      "1 when a bound is broken");
+      "how well the needle is kept in sight: its head without a tape, trials on unseen rigs, sensors "
+      "that fail; exit code 1 when a bound is broken");
   auto& options = configure<TrackingBenchConfig>(verb, bench_tracking);
   add_common_options(verb, options);
   add_virtual_rig_options(verb, options);

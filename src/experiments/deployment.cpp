@@ -245,7 +245,7 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
     video.emplace(video_file(video_folder, kind, source, plan), config_.record, config_.loop.period_s(),
                   sensing_.bench(), source.action.scale, plan);
   const auto watch = [&](const TrialSample& sample) {
-    const session::CameraPoseSensor* camera = sensor->camera();
+    const session::CameraDetector* camera = sensor->camera();
     if (video && camera->calibration())
       video->show(camera->frame(), camera->calibration()->camera, sample.step);
   };

@@ -16,7 +16,7 @@ TrialResult drive_one(session::RigSession& rig, const DeploymentConfig& config, 
     video.emplace(video_file(video_folder, RigKind::kReal, source, plan), record, config.loop.period_s(),
                   rig::bench_of(config.rig), source.action.scale, plan);
   TrialResult result = run_on_session(rig, config, plan, source, {}, [&](const TrialSample& sample) {
-    const session::CameraPoseSensor* camera = rig.camera();
+    const session::CameraDetector* camera = rig.camera();
     if (watch) watch(sample);
     if (video && camera->calibration())
       video->show(camera->frame(), camera->calibration()->camera, sample.step);

@@ -46,11 +46,11 @@ CircuitConfig RigDescription::circuit(int coil) const {
   return circuit;
 }
 
-bool RigDescription::fits(const geometry::Pose2& pose) const {
+bool RigDescription::fits(const geometry::Pose2& pose, double beyond_m) const {
   const geometry::Vector2 half =
       0.5 * needle.length_m * geometry::Vector2(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
-  return (pose.position_m() + half).norm() < dish.radius_m &&
-         (pose.position_m() - half).norm() < dish.radius_m;
+  const double reach_m = dish.radius_m + beyond_m;
+  return (pose.position_m() + half).norm() < reach_m && (pose.position_m() - half).norm() < reach_m;
 }
 
 }  // namespace lodestone::physics

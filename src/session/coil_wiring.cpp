@@ -236,6 +236,7 @@ void probe_wiring(WiringInference& inference, rig::Coils& coils, control::PoseSe
     pulse.duration_s = probe.pulse_s;
     coils.apply(pulse);
     clock.sleep_until(clock.now_s() + probe.pulse_s + probe.rest_s);
+    sensor.expect_nothing();  // nobody knows yet where such a pulse takes the needle
     const control::PoseEstimate after = sensor.observe();
     const bool moved = seen.valid && after.valid && inference.add({asked, asked_A, seen.pose, after.pose});
     seen = after;

@@ -49,12 +49,14 @@ struct Watcher {
     std::optional<imaging::Calibration> calibration;
     if (!config.sensor.calibration.empty())
       calibration = imaging::read_calibration(config.sensor.calibration);
-    sensor.emplace(*camera, vision::Segmenter::load(config.sensor.segmenter), config.rig,
-                   config.sensor.scene.lens, config.sensor.camera, calibration);
+    detector.emplace(*camera, vision::Segmenter::load(config.sensor.segmenter), config.rig,
+                     config.sensor.scene.lens, config.sensor.camera, calibration);
+    sensor.emplace(*detector, config.sensor.tracker, config.rig);
   }
   std::unique_ptr<rig::Camera> camera;
   std::string size;
-  std::optional<CameraPoseSensor> sensor;
+  std::optional<CameraDetector> detector;
+  std::optional<TrackedPoseSensor> sensor;
 };
 
 class Walk {

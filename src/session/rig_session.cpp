@@ -55,7 +55,8 @@ struct SerialParts {
       watched = running.get();
       camera = std::move(running);
     }
-    sensor.emplace(*camera, segmenter, rig, sensing.scene.lens, sensing.camera, calibration);
+    detector.emplace(*camera, segmenter, rig, sensing.scene.lens, sensing.camera, calibration);
+    sensor.emplace(*detector, sensing.tracker, rig);
     device = std::make_unique<rig::SerialCoils>(rig.serial, rig.coils);
     coils.emplace(*device, safety, rig, clock, safety::Supervisor::Poses::kRequired, true);
     if (ask)
@@ -67,7 +68,8 @@ struct SerialParts {
   common::SteadyClock clock;
   std::unique_ptr<rig::Camera> camera;
   const rig::FreeRunningCamera* watched = nullptr;
-  std::optional<CameraPoseSensor> sensor;
+  std::optional<CameraDetector> detector;
+  std::optional<TrackedPoseSensor> sensor;
   std::unique_ptr<rig::SerialCoils> device;
   std::optional<safety::Supervisor> coils;
   std::unique_ptr<Operator> needle_operator;
@@ -78,7 +80,7 @@ struct SerialParts {
 void RigSession::place(const geometry::Pose2& pose) {
   parts_.coils->stop();
   parts_.needle_operator->place(pose);
-  parts_.forget_pose();
+  parts_.sensor->forget();
 }
 
 std::unique_ptr<RigSession> make_virtual_session(const rig::VirtualRigConfig& rig,
@@ -92,7 +94,6 @@ std::unique_ptr<RigSession> make_virtual_session(const rig::VirtualRigConfig& ri
   parts.sensor = made->sensor.get();
   parts.clock = &made->rig.clock();
   parts.needle_operator = made.get();
-  parts.forget_pose = [sensor = made->sensor.get()] { sensor->reset(); };
   parts.fits = [rig = &made->rig](const geometry::Pose2& pose) { return rig->fits(pose); };
   parts.camera = made->sensor->camera();
   parts.watched = made->sensor->watched();
@@ -112,11 +113,10 @@ std::unique_ptr<RigSession> make_serial_session(const rig::RigConfig& rig, const
   parts.sensor = &*made->sensor;
   parts.clock = &made->clock;
   parts.needle_operator = made->needle_operator.get();
-  parts.forget_pose = [sensor = &*made->sensor] { sensor->reset(); };
   parts.fits = [known = physics::RigDescription(rig)](const geometry::Pose2& pose) {
     return known.fits(pose);
   };
-  parts.camera = &*made->sensor;
+  parts.camera = &*made->detector;
   parts.watched = made->watched;
   if (!folder.empty())
     common::log_info("bench connected on " + rig.serial.port + "; Ctrl-C" + (at_terminal ? ", any key" : "") +

@@ -43,22 +43,33 @@ RigSensor::RigSensor(rig::VirtualRig& rig, const SensingConfig& config,
     simulated_.emplace([&rig] { return rig.true_pose(); }, clock != nullptr ? *clock : rig.clock(),
                        config.simulated, draw_calibration_error(config.simulated, bench.seed), noise);
   }
+  NeedleDetector& detector =
+      by_camera_ ? static_cast<NeedleDetector&>(*by_camera_) : static_cast<NeedleDetector&>(*simulated_);
+  std::function<void()> wait;
+  if (watched_ != nullptr)
+    wait = [this, &rig, timeout_s = config.camera.timeout_s] { wait_for_image(rig, timeout_s); };
+  tracked_.emplace(detector, config.tracker, rig.config(), wait);
 }
 
 RigSensor::~RigSensor() = default;
 
-control::PoseEstimate RigSensor::observe() {
-  return by_camera_ ? by_camera_->observe() : simulated_->observe();
+/// Until an image has come that was begun later than the last that was used: an image that was begun at the
+/// same time may still be on its way.
+void RigSensor::wait_for_image(rig::VirtualRig& rig, double timeout_s) const {
+  common::Clock& clock = rig.clock();
+  const double until_s = clock.now_s() + timeout_s;
+  const auto come = [&] {
+    const auto latest = watched_->latest();
+    return latest != nullptr && latest->stamp_s > by_camera_->frame().stamp_s;
+  };
+  while (!come() && clock.now_s() < until_s) clock.sleep_until(clock.now_s() + kImagePeriod_s);
 }
 
-void RigSensor::pulsed(const std::array<double, rig::kCoilCount>& current_A) {
-  if (by_camera_) by_camera_->pulsed(current_A);
-}
+control::PoseEstimate RigSensor::observe() { return tracked_->observe(); }
 
-void RigSensor::reset() {
-  if (by_camera_) by_camera_->reset();
-  if (simulated_) simulated_->reset();
-}
+void RigSensor::pulsed(const std::array<double, rig::kCoilCount>& current_A) { tracked_->pulsed(current_A); }
+
+void RigSensor::forget() { tracked_->forget(); }
 
 std::string RigSensor::save() const { return rendered_ != nullptr ? rendered_->save() : simulated_->save(); }
 
@@ -67,6 +78,7 @@ void RigSensor::restore(const std::string& state) {
     rendered_->restore(state);
   else
     simulated_->restore(state);
+  forget();
 }
 
 Sensing::Sensing(const SensingConfig& config, const rig::VirtualRigConfig& rig) : config_(config) {

@@ -13,18 +13,21 @@ namespace {
 using geometry::kPi;
 using geometry::kRadPerDeg;
 
-constexpr double kStuck = 0.4;  // of all pulses turn nothing
 // Beyond either end of the way (overshoot, coils that are not quite where they should be, a field that
 // changes as the needle moves) the chance falls by e over so much.
-constexpr double kTail_rad = 8.0 * kRadPerDeg;
-constexpr double kInTails = 0.1;
-constexpr double kEitherWay_rad = 155.0 * kRadPerDeg;  // a field so far off may turn the needle either way
-constexpr double kAnything = 4e-3;    // of all pulses do what no rule says: the needle runs against the wall
+constexpr double kTail_rad = 7.0 * kRadPerDeg;
+constexpr double kInTails = 0.3;
+// A field from right behind turns the needle the longer way nearly as often; e times more seldom for each:
+constexpr double kLongWay = 0.4;
+constexpr double kBehind_rad = 6.0 * kRadPerDeg;
+constexpr double kNever = 1e-6;
+constexpr double kAnything = 1e-3;    // of all pulses do what no rule says: the needle runs against the wall
 constexpr double kUnexpected = 1e-4;  // less than any pulse leaves at an axis where it may turn the needle to
 constexpr double kStill_rad =
     10.0 * kRadPerDeg;  // a needle that has turned further without a pulse was moved
 constexpr double kLeastSigma_rad = 1.5 * kRadPerDeg;
-constexpr double kSureOfTape = 4.6;  // log-odds of 0.99
+constexpr double kSureOfTape = 4.6;     // log-odds of 0.99
+constexpr double kMostOfOneTape = 4.5;  // log-odds that the tape of one image alone is worth
 constexpr int kContradictions = 3;
 
 }  // namespace
@@ -59,6 +62,7 @@ double HeadingFilter::mass_near(const Histogram& of, double angle_rad, double si
 void HeadingFilter::start_over() {
   before_.fill(1.0 / kBins);
   tape_log_odds_ = 0.0;
+  tapes_ = 0;
   axis_rad_.reset();
   contradictions_ = 0;
 }
@@ -68,7 +72,7 @@ void HeadingFilter::reset() {
   now_ = before_;
 }
 
-void HeadingFilter::pulse(double field_rad) {
+void HeadingFilter::pulse(double field_rad, double sticks) {
   const double bin_rad = 2.0 * kPi / kBins;
   Histogram after;
   after.fill(kAnything / kBins);
@@ -92,19 +96,28 @@ void HeadingFilter::pulse(double field_rad) {
     if (mass < 1e-12) continue;
     const double from_rad = (i + 0.5) * bin_rad;
     const double turn_rad = geometry::wrap_angle(field_rad - from_rad);
-    after[static_cast<std::size_t>(i)] += kStuck * mass;
-    if (std::abs(turn_rad) < kEitherWay_rad) {
-      spread(from_rad, turn_rad, (1.0 - kStuck) * mass);
-    } else {
-      spread(from_rad, turn_rad, 0.5 * (1.0 - kStuck) * mass);
-      spread(from_rad, turn_rad - std::copysign(2.0 * kPi, turn_rad), 0.5 * (1.0 - kStuck) * mass);
-    }
+    after[static_cast<std::size_t>(i)] += sticks * mass;
+    const double turns = (1.0 - sticks) * mass;
+    const double long_way = kLongWay * std::exp(-(kPi - std::abs(turn_rad)) / kBehind_rad);
+    spread(from_rad, turn_rad, (1.0 - long_way) * turns);
+    if (long_way > kNever) spread(from_rad, turn_rad - std::copysign(2.0 * kPi, turn_rad), long_way * turns);
   }
   before_ = after;
   now_ = after;
   tape_log_odds_ = 0.0;
+  tapes_ = 0;
   axis_rad_.reset();
   contradictions_ = 0;
+}
+
+void HeadingFilter::remember_tape(double angle_rad, double log_odds) {
+  if (log_odds <= 0.0) return;
+  const bool agrees = tapes_ > 0 && std::cos(angle_rad - tape_at_rad_) > 0.0;
+  const bool replaces = tapes_ < 2 && log_odds >= std::min(tape_log_odds_, kMostOfOneTape);
+  if (!agrees && !replaces) return;
+  tapes_ = agrees ? tapes_ + 1 : 1;
+  tape_log_odds_ = agrees ? std::max(tape_log_odds_, log_odds) : log_odds;
+  tape_at_rad_ = angle_rad;
 }
 
 double HeadingFilter::see(double angle_rad, double sigma_rad, double tape_log_odds) {
@@ -113,7 +126,8 @@ double HeadingFilter::see(double angle_rad, double sigma_rad, double tape_log_od
   double opposite = mass_near(before_, angle_rad + kPi, sigma);
   const auto believed = [&] {
     const double sign = std::cos(angle_rad - tape_at_rad_) >= 0.0 ? 1.0 : -1.0;
-    return std::log(there / opposite) + sign * tape_log_odds_;
+    const double tape = tapes_ > 1 ? tape_log_odds_ : std::min(tape_log_odds_, kMostOfOneTape);
+    return std::log(there / opposite) + sign * tape;
   };
   const auto tape_alone = [&] {
     start_over();
@@ -122,15 +136,13 @@ double HeadingFilter::see(double angle_rad, double sigma_rad, double tape_log_od
   const bool moved = axis_rad_ && std::abs(std::sin(angle_rad - *axis_rad_)) > std::sin(kStill_rad);
   if (moved || there + opposite < kUnexpected) tape_alone();
   axis_rad_ = angle_rad;
-  if (tape_log_odds >= tape_log_odds_) {
-    tape_log_odds_ = tape_log_odds;
-    tape_at_rad_ = angle_rad;
-  }
+  remember_tape(angle_rad, tape_log_odds);
   contradictions_ = tape_log_odds >= kSureOfTape && believed() < kSureOfTape ? contradictions_ + 1 : 0;
   if (contradictions_ >= kContradictions) {
     tape_alone();
     tape_log_odds_ = tape_log_odds;
     tape_at_rad_ = angle_rad;
+    tapes_ = kContradictions;
   }
   const double probability = 1.0 / (1.0 + std::exp(-believed()));
   now_.fill(0.0);

@@ -39,6 +39,9 @@ Localisation Localiser::look(const cv::Mat& image, const cv::Rect& area) const {
     found.found = found.axis_found = false;
     found.reason = "the needle leaves the view";
   }
+  const auto cut_off = [&](const Rod& rod) { return !inside(rod.pose, area); };
+  found.candidates.erase(std::remove_if(found.candidates.begin(), found.candidates.end(), cut_off),
+                         found.candidates.end());
   return found;
 }
 

@@ -62,14 +62,27 @@ class RodFitter {
         config_(config),
         needle_pixels_(config.needle_length_m * config.needle_diameter_m / (grid.pixel_m * grid.pixel_m)) {}
 
-  Rod fit() {
+  RodFit fit() {
     find_clusters();
     if (static_cast<double>(points_.size()) < config_.min_visible * needle_pixels_)
       return nothing("no needle in view");
     const std::vector<Line> rods = find_rods();
     if (rods.empty()) return nothing("no needle in view: what is there is no straight rod");
-    if (rods.size() > 1) return nothing("more than one needle in view, or something like one");
-    Line line = rods.front();
+    RodFit found;
+    if (rods.size() > 1) found.reason = "more than one needle in view, or something like one";
+    for (const Line& line : rods) found.candidates.push_back(rod_of(line));
+    if (rods.size() == 1) static_cast<Rod&>(found) = found.candidates.front();
+    return found;
+  }
+
+ private:
+  static RodFit nothing(const std::string& reason) {
+    RodFit none;
+    none.reason = reason;
+    return none;
+  }
+
+  Rod rod_of(Line line) {
     refine(line);  // once more, so that weight and spread are this line's
     Rod rod;
     rod.support = support(line);
@@ -79,13 +92,6 @@ class RodFitter {
     if (!rod.found) rod.reason = "head and tail cannot be told apart: the tape is not seen";
     rod.pose = {line.centre_m.x(), line.centre_m.y(), geometry::wrap_angle(line.angle_rad)};
     rod.covariance = covariance(line);
-    return rod;
-  }
-
- private:
-  static Rod nothing(const std::string& reason) {
-    Rod rod;
-    rod.reason = reason;
     return rod;
   }
 
@@ -335,7 +341,7 @@ RodConfig rod_of(const imaging::BenchGeometry& bench, RodConfig config) {
   return config;
 }
 
-Rod fit_rod(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config) {
+RodFit fit_rod(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config) {
   return RodFitter(evidence, grid, config).fit();
 }
 

@@ -67,11 +67,16 @@ class ScriptedSensor final : public control::PoseSensor {
     return next;
   }
   void push(double x_m, double y_m, double heading_rad = 0.0) {
-    script.push_back({true, "", {x_m, y_m, heading_rad}, 0.0, 0.0, 0.0});
+    script.push_back({true, "", {x_m, y_m, heading_rad}, 0.0, 0.0, 0.0, false, {}});
   }
-  void push_invalid(const std::string& reason) { script.push_back({false, reason, {}, 0.0, 0.0, 0.0}); }
+  void push_invalid(const std::string& reason) {
+    script.push_back({false, reason, {}, 0.0, 0.0, 0.0, false, {}});
+  }
+
+  void forget() override { ++forgotten; }
 
   std::deque<control::PoseEstimate> script;
+  int forgotten = 0;
   bool throws = false;
   bool stalled = false;  ///< the same image for ever
 

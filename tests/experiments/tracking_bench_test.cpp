@@ -13,6 +13,8 @@ TEST_CASE("the head is told by the field where the tape is masked, and no trial 
   experiments::TrackingBench bench(config);
   bench.mask_tape();
   bench.drive();
+  config.spoiled_trials = 1;
+  bench.spoil();
   const experiments::MaskedTape& tape = *bench.result().masked_tape;
   CHECK(tape.steps > 1500);
   CHECK(tape.wrong <= 3);
@@ -25,5 +27,12 @@ TEST_CASE("the head is told by the field where the tape is masked, and no trial 
   CHECK(bench.result().masked_while_driven->steps > 50);
   CHECK(bench.result().masked_while_driven->wrong <= 1);
   CHECK(trials.lost == 0);
-  CHECK(bench.result().figures.size() == 6);
+  REQUIRE(bench.result().spoiled.size() == 4);
+  for (const experiments::SpoiledTrials& spoiled : bench.result().spoiled) {
+    CHECK(spoiled.tracked.trials == 1);
+    CHECK(spoiled.tracked.flipped == 0);
+    CHECK(spoiled.tracked.worst_mm < 3.0);
+  }
+  CHECK(bench.result().spoiled[2].tracked.unseen > bench.result().spoiled[0].tracked.unseen);
+  CHECK(bench.result().figures.size() == 13);
 }

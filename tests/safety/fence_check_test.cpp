@@ -14,6 +14,11 @@ TEST_CASE("a needle beyond the fence, or nowhere, is not trusted") {
   estimate.pose = {0.061, 0.0, 0.0};
   CHECK_THROWS_WITH(check.observe(estimate, 0.0),
                     Catch::Contains("61 mm from the dish centre") && Catch::Contains("60 mm"));
+  estimate.pose.x_m = 0.0595;
+  check.observe(estimate, 0.0);
+  estimate.position_sigma_m = 1e-3;  // it may lie further out
+  CHECK_THROWS_AS(check.observe(estimate, 0.0), safety::Distrust);
+  estimate.position_sigma_m = 0.0;
   estimate.pose.x_m = std::numeric_limits<double>::quiet_NaN();
   CHECK_THROWS_AS(check.observe(estimate, 0.0), safety::Distrust);
 }

@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include "lodestone/rig/virtual_rig.h"
-#include "lodestone/session/simulated_pose_sensor.h"
+#include "lodestone/session/simulated_detector.h"
+#include "lodestone/session/tracked_pose_sensor.h"
 
 using namespace lodestone;
 using Catch::Matchers::Contains;
@@ -50,8 +51,9 @@ session::WiringInference probe(const CoilWiring& wiring, const geometry::Pose2& 
   rig::VirtualRig rig(real, seed, field);
   rig.place(start);
   MiswiredCoils coils(rig.coils(), wiring);
-  session::SimulatedPoseSensor sensor([&rig] { return rig.true_pose(); }, rig.clock(), {}, {},
+  session::SimulatedDetector detector([&rig] { return rig.true_pose(); }, rig.clock(), {}, {},
                                       common::RandomStream(seed, "sensor"));
+  session::TrackedPoseSensor sensor(detector, {}, real);
   session::WiringInference inference = nothing_known();
   session::probe_wiring(inference, coils, sensor, rig.clock(), {});
   return inference;

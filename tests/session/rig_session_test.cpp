@@ -31,19 +31,19 @@ TEST_CASE("placing the needle goes with the coils off, and the sensor forgets") 
   tests::FakeOperator needle_operator;
   bool on_meanwhile = true;
   needle_operator.at_work = [&] { on_meanwhile = device.on; };
-  int forgotten = 0;
+  tests::ScriptedSensor sensor(clock);
   session::RigSession::Parts parts;
+  parts.sensor = &sensor;
   parts.coils = &coils;
   parts.clock = &clock;
   parts.needle_operator = &needle_operator;
-  parts.forget_pose = [&] { ++forgotten; };
   session::RigSession bench(parts);
   coils.apply({{1.0, 0.0, 0.0, 0.0}, 0.1});
   REQUIRE(device.on);
   bench.place({0.01, 0.02, 0.5});
   CHECK_FALSE(on_meanwhile);
   CHECK(needle_operator.placed.y_m == 0.02);
-  CHECK(forgotten == 1);
+  CHECK(sensor.forgotten == 1);
   CHECK(bench.truth() == nullptr);
   CHECK(bench.latest_image() == nullptr);
 }
@@ -71,12 +71,15 @@ TEST_CASE("a rig may be watched while the loop drives it, and stopped from there
   control::PointReference reference({0.01, 0.0}, 1e6);
   control::ControlLoop loop({}, {}, bench->coils(), bench->sensor(), bench->clock());
   std::atomic<int> steps{0};
+  std::atomic<bool> ended{false};
   control::LoopOutcome outcome;
-  std::thread driver(
-      [&] { outcome = loop.run(controller, reference, [&](const control::StepRecord&) { ++steps; }); });
+  std::thread driver([&] {
+    outcome = loop.run(controller, reference, [&](const control::StepRecord&) { ++steps; });
+    ended = true;
+  });
   int images = 0;
   double last_s = -1.0;
-  while (steps < 3) {
+  while (steps < 3 && !ended) {
     bench->coils().status();
     const auto image = bench->latest_image();
     if (image && image->stamp_s > last_s) {

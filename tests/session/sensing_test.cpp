@@ -27,7 +27,7 @@ TEST_CASE("a simulated sensor sees the needle near to where it lies, and goes on
   CHECK(seen.valid);
   CHECK(seen.pose.x_m == Approx(0.01).margin(1e-3));
   const std::string state = sensor->save();
-  sensor->reset();
+  sensor->forget();
   const double first_m = sensor->observe().pose.x_m;
   sensor->restore(state);
   CHECK(sensor->observe().pose.x_m == first_m);

@@ -16,6 +16,11 @@ namespace {
 constexpr double kSigma_rad = 0.5 * kRadPerDeg;
 constexpr double kTape = 6.0;  // log-odds of a tape that is well seen
 
+/// Two images of a needle whose tape is well seen.
+void show_head(HeadingFilter& filter, double angle_deg) {
+  for (int image = 0; image < 2; ++image) filter.see(angle_deg * kRadPerDeg, kSigma_rad, kTape);
+}
+
 double see_deg(HeadingFilter& filter, double angle_deg, double tape = 0.0) {
   return filter.see(angle_deg * kRadPerDeg, kSigma_rad, tape);
 }
@@ -25,12 +30,13 @@ double see_deg(HeadingFilter& filter, double angle_deg, double tape = 0.0) {
 TEST_CASE("at first only the tape tells the head") {
   HeadingFilter filter;
   CHECK(see_deg(filter, 30.0) == Approx(0.5));
+  CHECK(see_deg(filter, 30.0, kTape) < 0.99);  // one image may err
   CHECK(see_deg(filter, 30.0, kTape) == Approx(1.0 / (1.0 + std::exp(-kTape))));
 }
 
 TEST_CASE("a needle that lies still keeps its head") {
   HeadingFilter filter;
-  see_deg(filter, 30.0, kTape);
+  show_head(filter, 30.0);
   filter.pulse(33.0 * kRadPerDeg);
   CHECK(see_deg(filter, 31.0) > 0.99);
   filter.pulse(33.0 * kRadPerDeg);
@@ -41,7 +47,7 @@ TEST_CASE("a needle that turns towards the field has its head on the way there, 
   for (const double turned_deg : {20.0, 66.0, 97.0, 130.0}) {
     CAPTURE(turned_deg);
     HeadingFilter filter;
-    see_deg(filter, -10.0, kTape);
+    show_head(filter, -10.0);
     filter.pulse(130.0 * kRadPerDeg);
     CHECK(see_deg(filter, -10.0 + turned_deg) > 0.99);
     filter.pulse((turned_deg - 10.0 + 90.0) * kRadPerDeg);  // and goes on from there
@@ -51,17 +57,18 @@ TEST_CASE("a needle that turns towards the field has its head on the way there, 
 
 TEST_CASE("a field from behind may turn it either way, and then nobody knows") {
   HeadingFilter filter;
-  see_deg(filter, 0.0, kTape);
+  show_head(filter, 0.0);
   filter.pulse(178.0 * kRadPerDeg);
   const double probability = see_deg(filter, 90.0);
   CHECK(probability > 0.1);
   CHECK(probability < 0.9);
-  CHECK(see_deg(filter, 90.0, kTape) > 0.99);  // but for the tape
+  show_head(filter, 90.0);
+  CHECK(see_deg(filter, 90.0) > 0.99);  // but for the tape
 }
 
 TEST_CASE("images of a needle that lies still are no new evidence, but a tape that insists is") {
   HeadingFilter filter;
-  see_deg(filter, 0.0, kTape);
+  show_head(filter, 0.0);
   filter.pulse(5.0 * kRadPerDeg);
   CHECK(see_deg(filter, 180.0, 2.0) < 0.05);
   for (int image = 0; image < 20; ++image) CHECK(see_deg(filter, 180.0, 2.0) < 0.05);
@@ -71,24 +78,26 @@ TEST_CASE("images of a needle that lies still are no new evidence, but a tape th
 
 TEST_CASE("a tape that was clear in one image is remembered in the next") {
   HeadingFilter filter;
-  see_deg(filter, 0.0, kTape);
+  show_head(filter, 0.0);
   CHECK(see_deg(filter, 0.2) > 0.99);
   CHECK(see_deg(filter, 180.2) < 0.01);
 }
 
 TEST_CASE("a needle that turned without a field was moved by somebody: the tape alone counts") {
   HeadingFilter filter;
-  see_deg(filter, 0.0, kTape);
+  show_head(filter, 0.0);
   CHECK(see_deg(filter, 120.0) == Approx(0.5));
-  CHECK(see_deg(filter, -60.0, kTape) > 0.99);
+  show_head(filter, -60.0);
+  CHECK(see_deg(filter, -60.0) > 0.99);
   filter.pulse(-40.0 * kRadPerDeg);
   CHECK(see_deg(filter, 60.0) == Approx(0.5).margin(0.05));  // where no turn towards that field ends
-  CHECK(see_deg(filter, 60.0, kTape) > 0.99);
+  show_head(filter, 60.0);
+  CHECK(see_deg(filter, 60.0) > 0.99);
 }
 
 TEST_CASE("steps that were not seen leave open what they may have done") {
   HeadingFilter filter;
-  see_deg(filter, 0.0, kTape);
+  show_head(filter, 0.0);
   filter.pulse(100.0 * kRadPerDeg);
   filter.pulse(100.0 * kRadPerDeg);
   CHECK(see_deg(filter, 60.0) > 0.99);
@@ -100,7 +109,7 @@ TEST_CASE("what is called sure is right as often as that says") {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   HeadingFilter filter;
   double heading_rad = 0.3;
-  filter.see(heading_rad, kSigma_rad, kTape);
+  show_head(filter, heading_rad / kRadPerDeg);
   int sure = 0;
   int wrong = 0;
   constexpr int kSteps = 20000;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 
 #include "lodestone/geometry/pose2.h"
@@ -17,6 +18,9 @@ struct PoseEstimate {
   double stamp_s = 0.0;  ///< on the rig's clock
   bool fault =
       false;  ///< the sensor itself has failed (a camera that is gone), which no next observation mends
+  /// How far from where it was expected, squared and in units of the spread that was expected (normalised
+  /// innovation of 2 degrees of freedom: 2 on average); nothing where nothing was expected.
+  std::optional<double> innovation;
 };
 
 /// Where the needle is. Implementations: simulated (true pose plus the localiser's measured error);
@@ -27,6 +31,10 @@ class PoseSensor {
   virtual PoseEstimate observe() = 0;
   /// What the coils were asked for since the last observation, for a sensor that expects the needle to obey.
   virtual void pulsed(const std::array<double, rig::kCoilCount>& /*current_A*/) {}
+  /// The needle was moved in a way that nobody can foresee.
+  virtual void expect_nothing() {}
+  /// It has been placed elsewhere: a new episode begins.
+  virtual void forget() {}
 };
 
 }  // namespace lodestone::control

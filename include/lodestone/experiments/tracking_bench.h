@@ -16,6 +16,7 @@ struct TrackingBenchConfig {
   DeploymentConfig deployment;
   std::int64_t threads = 0;
   std::int64_t transitions = 20000;
+  std::int64_t spoiled_trials = 100;
   std::string dynamics;
 
   template <class Visitor>
@@ -23,6 +24,8 @@ struct TrackingBenchConfig {
     deployment.visit(v);
     v.field("threads", threads, "", "trials at the same time; 0 means one per processor", {0, 1024});
     v.field("transitions", transitions, "", "steps of the explorer whose tape is masked", {100, 1e7});
+    v.field("spoiled_trials", spoiled_trials, "",
+            "squares on the explored rig for each way in which the simulated localiser fails", {1, 1e6});
     v.field("dynamics", dynamics, "",
             "folder of the dynamics checkpoint that the planner, which drives, plans in; empty: the "
             "proportional baseline drives");
@@ -58,6 +61,9 @@ struct TrackedTrials {
   std::int64_t flipped = 0;                  ///< poses with head and tail exchanged
   std::int64_t lost = 0;                     ///< trials that ended for want of a pose
   std::array<double, 2> lost_interval = {};  ///< 95 %, of the share
+  double worst_mm = 0.0;                     ///< largest error of a pose
+  double covered_share = 0.0;  ///< of the poses: true place within the region that shall hold 95 %
+  double innovation = 0.0;     ///< mean normalised innovation; 2 where surprises are as large as expected
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -67,6 +73,25 @@ struct TrackedTrials {
     v.field("flipped", flipped);
     v.field("lost", lost);
     v.field("lost_interval", lost_interval);
+    v.field("worst_mm", worst_mm);
+    v.field("covered_share", covered_share);
+    v.field("innovation", innovation);
+  }
+};
+
+/// Squares under a simulated localiser that fails often.
+struct SpoiledTrials {
+  std::string how;
+  TrackedTrials tracked;
+  double success_share = 0.0;
+  std::array<double, 2> success_interval = {};  ///< 95 %
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("how", how);
+    v.field("tracked", tracked);
+    v.field("success_share", success_share);
+    v.field("success_interval", success_interval);
   }
 };
 
@@ -77,6 +102,7 @@ struct TrackingResult {
   std::optional<MaskedTape> masked_tape;  ///< steps of the explorer, which asks for fields of any direction
   std::optional<MaskedTape> masked_while_driven;  ///< steps of the trials
   std::optional<TrackedTrials> trials;
+  std::vector<SpoiledTrials> spoiled;
   std::vector<BoundedFigure> figures;
 
   template <class Visitor>
@@ -85,6 +111,7 @@ struct TrackingResult {
     v.field("masked_tape", masked_tape);
     v.field("masked_while_driven", masked_while_driven);
     v.field("trials", trials);
+    v.field("spoiled", spoiled);
     v.field("figures", figures);
   }
 };
@@ -97,12 +124,18 @@ class TrackingBench {
 
   /// Of steps of the explorer.
   void mask_tape();
-  /// Unseen rigs; and of their steps, too.
+  /// Unseen rigs, by the configured sensor; and of their steps, too.
   void drive();
+  /// The explored rig, by a simulated localiser that misses, sees what is not there, or takes tail for head.
+  void spoil();
+  /// What needs no trials: a needle moved by hand, covered, or lying still; and what the tracker costs.
+  void check();
   const TrackingResult& result() const { return result_; }
 
  private:
   void close(MaskedTape& masked, const std::string& where);
+
+  void drive_spoiled(const std::string& how, const session::SensorErrorConfig& errors, double least_success);
 
   const TrackingBenchConfig& config_;
   ControllerSource source_;

@@ -79,8 +79,8 @@ struct RigDescription {
   CircuitConfig circuit(int coil) const;
   /// Pull that just moves the needle where friction is at its mean, N.
   double breakaway_N() const { return friction.static_coefficient * needle.net_weight_N; }
-  /// Whether both ends of the needle lie inside the wall.
-  bool fits(const geometry::Pose2& pose) const;
+  /// Whether both ends of the needle lie inside the wall, or no further than `beyond_m` outside.
+  bool fits(const geometry::Pose2& pose, double beyond_m = 0.0) const;
 };
 
 }  // namespace lodestone::physics

@@ -26,9 +26,8 @@ class RigSession {
     control::PoseSensor* sensor = nullptr;
     common::Clock* clock = nullptr;
     Operator* needle_operator = nullptr;
-    std::function<void()> forget_pose;  ///< the needle has been placed elsewhere: the sensor searches anew
     std::function<bool(const geometry::Pose2&)> fits;
-    const CameraPoseSensor* camera = nullptr;         ///< null where there are no images
+    const CameraDetector* camera = nullptr;           ///< null where there are no images
     const rig::FreeRunningCamera* watched = nullptr;  ///< null where images come only when the sensor asks
     GroundTruth* truth = nullptr;  ///< null on a real or emulated rig: nobody knows it there
   };
@@ -42,7 +41,7 @@ class RigSession {
   /// Has the needle placed there, with the coils off; on a real bench about there. The sensor forgets where
   /// it was.
   void place(const geometry::Pose2& pose);
-  const CameraPoseSensor* camera() const { return parts_.camera; }
+  const CameraDetector* camera() const { return parts_.camera; }
   /// The newest image, at once, from any thread; null where there is none, or where images come only when the
   /// sensor asks.
   std::shared_ptr<const imaging::Frame> latest_image() const {

@@ -8,8 +8,9 @@
 #include "lodestone/imaging/scene_renderer.h"
 #include "lodestone/rig/free_running_camera.h"
 #include "lodestone/rig/rendered_camera.h"
-#include "lodestone/session/camera_pose_sensor.h"
-#include "lodestone/session/simulated_pose_sensor.h"
+#include "lodestone/session/camera_detector.h"
+#include "lodestone/session/simulated_detector.h"
+#include "lodestone/session/tracked_pose_sensor.h"
 
 namespace lodestone::session {
 
@@ -21,6 +22,7 @@ struct SensingConfig {
   CameraSensorConfig camera;
   imaging::SceneConfig scene;
   SensorErrorConfig simulated;
+  vision::TrackerConfig tracker;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -36,6 +38,7 @@ struct SensingConfig {
     v.group("camera", camera, "from images to poses");
     v.group("scene", scene, "what the bench looks like; sizes of dish, coils and needle come from the rig");
     v.group("simulated", simulated, "errors of the simulated localiser");
+    v.group("tracker", tracker, "from what images show to the pose");
   }
 };
 
@@ -61,10 +64,11 @@ class RigSensor final : public control::PoseSensor {
 
   control::PoseEstimate observe() override;
   void pulsed(const std::array<double, rig::kCoilCount>& current_A) override;
-  /// The needle has been placed elsewhere.
-  void reset();
+  void expect_nothing() override { tracked_->expect_nothing(); }
+  void forget() override;
+  const vision::PoseTracker& tracker() const { return tracked_->tracker(); }
   /// Null when the sensor is simulated.
-  const CameraPoseSensor* camera() const { return by_camera_ ? &*by_camera_ : nullptr; }
+  const CameraDetector* camera() const { return by_camera_ ? &*by_camera_ : nullptr; }
 
   /// Null where images do not come all the time.
   const rig::FreeRunningCamera* watched() const { return watched_; }
@@ -74,13 +78,16 @@ class RigSensor final : public control::PoseSensor {
   void restore(const std::string& state);
 
  private:
-  std::optional<SimulatedPoseSensor> simulated_;
+  void wait_for_image(rig::VirtualRig& rig, double timeout_s) const;
+
+  std::optional<SimulatedDetector> simulated_;
   class RigTime;
   std::unique_ptr<RigTime> rig_time_;
   std::unique_ptr<rig::Camera> camera_;
   rig::RenderedCamera* rendered_ = nullptr;
   rig::FreeRunningCamera* watched_ = nullptr;
-  std::optional<CameraPoseSensor> by_camera_;
+  std::optional<CameraDetector> by_camera_;
+  std::optional<TrackedPoseSensor> tracked_;
 };
 
 /// Makes sensors: reads the segmenter once, and paints and calibrates benches.

@@ -16,12 +16,14 @@ class HeadingFilter {
 
   /// Any heading is possible.
   void reset();
-  /// The coils made a field of this direction where the needle lies.
-  void pulse(double field_rad);
+  /// The coils made a field of this direction where the needle lies; with the probability `sticks` it did not
+  /// stir.
+  void pulse(double field_rad, double sticks = 0.4);
 
   /// The axis as an image shows it, `angle_rad` towards the end that the tape speaks for with `tape_log_odds`
   /// >= 0 (0: no tape was seen). Returns the probability that the head is there. Images between two pulses
-  /// show the same thing with the same errors: the one with the clearest tape counts, not their number. An
+  /// show the same thing with the same errors: the one with the clearest tape counts, not their number; but
+  /// the tape of one image alone is never quite believed. An
   /// axis where the needle cannot have come, and three clear tapes in a row that contradict what is believed,
   /// say that something else has moved it: then the tape alone counts.
   double see(double angle_rad, double sigma_rad, double tape_log_odds);
@@ -32,12 +34,14 @@ class HeadingFilter {
   static int bin_of(double angle_rad);
   static void add_peak(Histogram& to, double angle_rad, double sigma_rad, double mass);
   void start_over();
+  void remember_tape(double angle_rad, double log_odds);
   static double mass_near(const Histogram& of, double angle_rad, double sigma_rad);
 
   Histogram before_{};              // since the last pulse, before any image
   Histogram now_{};                 // with the images since
   double tape_log_odds_ = 0.0;      // of the clearest tape since the last pulse,
-  double tape_at_rad_ = 0.0;        // which speaks for this end
+  double tape_at_rad_ = 0.0;        // which speaks for this end,
+  int tapes_ = 0;                   // as so many images in a row do
   std::optional<double> axis_rad_;  // in the last image since the last pulse
   int contradictions_ = 0;
 };

@@ -28,7 +28,7 @@ struct LocaliserConfig {
   }
 };
 
-struct Localisation : Rod {
+struct Localisation : RodFit {
   bool tracked = false;  ///< seen near the last pose; otherwise the whole dish was searched
 };
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 #include <string>
+#include <vector>
 
 #include "lodestone/common/config.h"
 #include "lodestone/geometry/pose2.h"
@@ -49,7 +50,7 @@ struct RodConfig {
             "there is an "
             "axis and no pose",
             {0.5, 1.0});
-    v.retired("continuity", "sensor.camera.min_head_probability");
+    v.retired("continuity", "sensor.tracker.min_head_probability");
     v.field("sigma_scale", sigma_scale, "", "factor on the standard deviations of the result", {0.01, 100.0});
   }
 
@@ -75,10 +76,15 @@ struct Rod {
   double support = 0.0;         ///< mean probability along the rod
 };
 
+/// The one needle, if there is one, and all that may be it.
+struct RodFit : Rod {
+  std::vector<Rod> candidates;  ///< where there are several, none is found
+};
+
 /// Mask -> clusters -> line by RANSAC (Fischler and Bolles, 1981), then weighted least squares -> the place
 /// along the line where a rod of the needle's length explains the log-odds best -> head by the tape (section
 /// IV-B1 of the paper; the rod's place and the covariance are additions). Sub-pixel: pixels count by their
 /// probability. The same input always gives the same result.
-Rod fit_rod(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config);
+RodFit fit_rod(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config);
 
 }  // namespace lodestone::vision

@@ -1,4 +1,4 @@
-#include "lodestone/session/camera_pose_sensor.h"
+#include "lodestone/session/camera_detector.h"
 
 #include <catch2/catch.hpp>
 #include <functional>
@@ -8,6 +8,7 @@
 #include "lodestone/control/control_loop.h"
 #include "lodestone/safety/supervisor.h"
 #include "lodestone/session/sensing.h"
+#include "lodestone/session/tracked_pose_sensor.h"
 #include "paper_scenes.h"
 #include "session/pose_sensor_conformance.h"
 
@@ -31,7 +32,7 @@ class SpoiledCamera final : public rig::Camera {
     if (++count_ > good) spoil(frame);
     return frame;
   }
-  int good = 3;
+  int good = 4;  // the first step looks twice
   std::function<void(imaging::Frame&)> spoil = [](imaging::Frame&) {};
 
  private:
@@ -51,7 +52,7 @@ struct Bench {
     config.bench = rig::bench_of({});
     return config;
   }
-  session::CameraPoseSensor sensor(rig::Camera& source) const {
+  session::CameraDetector detector(rig::Camera& source) const {
     return {source, shipped_segmenter(), physics::RigDescription{}, scene().lens, {}};
   }
 
@@ -64,18 +65,21 @@ struct Bench {
 
 TEST_CASE("the camera sensor keeps the contract of a pose sensor") {
   Bench bench;
-  session::CameraPoseSensor sensor = bench.sensor(bench.camera);
+  session::CameraDetector detector = bench.detector(bench.camera);
+  session::TrackedPoseSensor sensor(detector, {}, {});
   tests::check_pose_sensor(sensor, bench.rig.clock());
 }
 
 TEST_CASE("it calibrates itself and finds the needle wherever it is placed") {
   for (const std::uint64_t seed : {1, 2, 3}) {
     Bench bench(seed);
-    session::CameraPoseSensor sensor = bench.sensor(bench.camera);
+    session::CameraDetector detector = bench.detector(bench.camera);
+    session::TrackedPoseSensor sensor(detector, {}, {});
     for (const geometry::Pose2& pose :
          {geometry::Pose2{0.02, -0.01, 2.5}, geometry::Pose2{-0.025, 0.005, -1.5},
           geometry::Pose2{0.0, 0.0, 0.0}}) {
       bench.rig.place(pose);
+      sensor.forget();
       const control::PoseEstimate estimate = sensor.observe();
       REQUIRE(estimate.valid);
       CHECK((estimate.pose.position_m() - pose.position_m()).norm() < 0.8e-3);
@@ -108,7 +112,8 @@ TEST_CASE("a spoiled image stops the coils, names the fault, and keeps what was 
     Bench bench;
     SpoiledCamera camera(bench.camera);
     camera.spoil = fault.spoil;
-    session::CameraPoseSensor sensor = bench.sensor(camera);
+    session::CameraDetector detector = bench.detector(camera);
+    session::TrackedPoseSensor sensor(detector, {}, {});
     tests::RecordingCoils recording;
     safety::Supervisor coils(recording, {}, tests::paper_rig(), bench.rig.clock());
     task::ActionConfig action = tests::paper_action();
@@ -133,8 +138,8 @@ TEST_CASE("an image without a dish is no reason to guess") {
   SpoiledCamera camera(bench.camera);
   camera.good = 0;
   camera.spoil = [](imaging::Frame& frame) { frame.image.setTo(cv::Scalar::all(90)); };
-  session::CameraPoseSensor sensor = bench.sensor(camera);
-  CHECK_THROWS_AS(sensor.observe(), common::DataError);
+  session::CameraDetector detector = bench.detector(camera);
+  CHECK_THROWS_AS(detector.look(), common::DataError);
 }
 
 TEST_CASE("an empty dish gives no pose, and a reason") {
@@ -143,11 +148,11 @@ TEST_CASE("an empty dish gives no pose, and a reason") {
   camera.good = 0;
   common::RandomStream random(1, "frames");
   camera.spoil = [&](imaging::Frame& frame) { frame.image = bench.renderer->render({}, random).image; };
-  session::CameraPoseSensor sensor = bench.sensor(camera);
+  session::CameraDetector detector = bench.detector(camera);
   for (int i = 0; i < 2; ++i) {
-    const control::PoseEstimate estimate = sensor.observe();
-    CHECK_FALSE(estimate.valid);
-    CHECK_THAT(estimate.reason, Catch::Contains("no needle"));
+    const vision::Sighting sighting = detector.look();
+    CHECK(sighting.candidates.empty());
+    CHECK_THAT(sighting.reason, Catch::Contains("no needle"));
   }
 }
 
@@ -164,7 +169,7 @@ TEST_CASE("sensing by camera goes on bitwise after a restart, and is calibrated 
   straight->observe();
   const auto resumed = sensing.make(rig, seen, common::RandomStream(2, "other"));
   resumed->restore(straight->save());
-  straight->reset();
+  straight->forget();
   const common::Json before = rig.save();
   const geometry::Pose2 one = straight->observe().pose;
   rig.restore(before);

@@ -6,7 +6,7 @@
 
 #include "lodestone/common/clock.h"
 #include "lodestone/common/random.h"
-#include "lodestone/control/pose_sensor.h"
+#include "lodestone/session/needle_detector.h"
 
 namespace lodestone::session {
 
@@ -22,6 +22,10 @@ struct SensorErrorConfig {
   double repeatability_m = 2.1e-5;
   double repeatability_deg = 0.018;
   double dropout = 0.003;
+  double outliers = 0.0;
+  double outlier_from_m = 0.01;
+  double outlier_to_m = 0.06;
+  double flips = 0.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -40,7 +44,11 @@ struct SensorErrorConfig {
             "standard deviation of the scale error, fixed per run", {0.0, 0.5});
     v.field("calibration_rotation_deg", calibration_rotation_deg, "deg",
             "standard deviation of the image's rotation, fixed per run", {0.0, 90.0});
-    v.field("dropout", dropout, "", "fraction of observations without a pose", {0.0, 1.0});
+    v.field("dropout", dropout, "", "fraction of images without a needle", {0.0, 1.0});
+    v.field("outliers", outliers, "", "fraction of images that show the needle elsewhere, from", {0.0, 1.0});
+    v.field("outlier_from_m", outlier_from_m, "m", "so far away", {0.0, 0.5});
+    v.field("outlier_to_m", outlier_to_m, "m", "to so far", {0.0, 0.5});
+    v.field("flips", flips, "", "fraction of images that show the tape at the wrong end", {0.0, 1.0});
   }
 };
 
@@ -58,16 +66,16 @@ CalibrationError draw_calibration_error(const SensorErrorConfig& config, std::ui
 
 /// True pose of a virtual rig as a localiser would report it: calibration error, then an error that changes
 /// when the needle moves (what an image shows of it), then a little white noise.
-class SimulatedPoseSensor final : public control::PoseSensor {
+class SimulatedDetector final : public NeedleDetector {
  public:
   /// `true_pose` and `clock` must outlive the sensor.
-  SimulatedPoseSensor(std::function<geometry::Pose2()> true_pose, const common::Clock& clock,
-                      const SensorErrorConfig& config, const CalibrationError& calibration,
-                      common::RandomStream noise);
-  control::PoseEstimate observe() override;
+  SimulatedDetector(std::function<geometry::Pose2()> true_pose, const common::Clock& clock,
+                    const SensorErrorConfig& config, const CalibrationError& calibration,
+                    common::RandomStream noise);
+  vision::Sighting look() override;
 
   /// The needle has been placed elsewhere: the next error is drawn anew.
-  void reset() { drawn_ = false; }
+  void reset() override { drawn_ = false; }
   /// State of the noise stream, for bitwise resumption after reset().
   std::string save() const { return noise_.save(); }
   void restore(const std::string& state) {
@@ -77,6 +85,7 @@ class SimulatedPoseSensor final : public control::PoseSensor {
 
  private:
   void draw_error(const geometry::Pose2& truth);
+  void spoil(geometry::Pose2& pose);
 
   std::function<geometry::Pose2()> true_pose_;
   const common::Clock& clock_;

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <utility>
+
+#include "lodestone/control/pose_sensor.h"
+#include "lodestone/session/needle_detector.h"
+#include "lodestone/vision/pose_tracker.h"
+
+namespace lodestone::session {
+
+/// Detector -> tracker -> pose. Looks again where an image leaves a doubt.
+class TrackedPoseSensor final : public control::PoseSensor {
+ public:
+  /// `detector` must outlive the sensor. `wait` is called before every look, where a next image needs
+  /// time to pass that does not pass by itself.
+  TrackedPoseSensor(NeedleDetector& detector, const vision::TrackerConfig& config,
+                    const physics::RigDescription& rig, std::function<void()> wait = {})
+      : detector_(detector), looks_(config.looks), wait_(std::move(wait)), tracker_(config, rig) {}
+
+  /// Throws HardwareError where the detector does.
+  control::PoseEstimate observe() override;
+  void pulsed(const std::array<double, rig::kCoilCount>& current_A) override { tracker_.pulse(current_A); }
+  void expect_nothing() override { tracker_.forget(); }
+  void forget() override;
+
+  const vision::PoseTracker& tracker() const { return tracker_; }
+
+ private:
+  control::PoseEstimate look();
+
+  NeedleDetector& detector_;
+  std::int64_t looks_;
+  std::function<void()> wait_;
+  vision::PoseTracker tracker_;
+};
+
+}  // namespace lodestone::session

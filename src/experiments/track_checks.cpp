@@ -1,0 +1,126 @@
+#include "lodestone/experiments/track_checks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lodestone/common/clock.h"
+#include "lodestone/control/reference.h"
+#include "lodestone/geometry/angle.h"
+
+namespace lodestone::experiments {
+namespace {
+
+constexpr double kMoved_m = 0.03;
+constexpr double kFound_m = 1e-3;
+
+session::SensorErrorConfig never_missing(session::SensorErrorConfig errors) {
+  errors.dropout = 0.0;
+  return errors;
+}
+
+/// A virtual rig, seen by the simulated localiser in every image.
+struct SeenRig {
+  SeenRig(const DeploymentConfig& config, std::uint64_t seed)
+      : rig(config.rig, seed),
+        detector([this] { return rig.true_pose(); }, rig.clock(), never_missing(config.sensor.simulated), {},
+                 common::RandomStream(seed, "sensor noise")) {}
+  rig::VirtualRig rig;
+  session::SimulatedDetector detector;
+};
+
+/// Sees nothing for a while.
+class BlindFor final : public control::PoseSensor {
+ public:
+  BlindFor(control::PoseSensor& sensor, std::int64_t from, std::int64_t steps)
+      : sensor_(sensor), from_(from), steps_(steps) {}
+  control::PoseEstimate observe() override {
+    control::PoseEstimate seen = sensor_.observe();
+    const bool blind = step_ >= from_ && step_ < from_ + steps_;
+    ++step_;
+    if (!blind) return seen;
+    seen.valid = false;
+    seen.reason = "covered";
+    return seen;
+  }
+  void pulsed(const std::array<double, rig::kCoilCount>& current_A) override { sensor_.pulsed(current_A); }
+
+ private:
+  control::PoseSensor& sensor_;
+  std::int64_t from_, steps_, step_ = 0;
+};
+
+}  // namespace
+
+std::int64_t looks_until_found(const DeploymentConfig& config, std::int64_t count) {
+  constexpr std::int64_t kMost = 1000;
+  std::int64_t most = 0;
+  common::RandomStream random(static_cast<std::uint64_t>(config.seed), "moved by hand");
+  for (std::int64_t i = 0; i < count; ++i) {
+    SeenRig seen(config, common::derive_seed(static_cast<std::uint64_t>(config.seed), "moved", i));
+    vision::PoseTracker tracker(config.sensor.tracker, config.rig);
+    const double way_rad = 2.0 * geometry::kPi * random.uniform();
+    const geometry::Vector2 half_m = 0.5 * kMoved_m * geometry::Vector2(std::cos(way_rad), std::sin(way_rad));
+    seen.rig.place({-half_m.x(), -half_m.y(), 2.0 * geometry::kPi * random.uniform()});
+    for (int look = 0; look < 5; ++look) tracker.see(seen.detector.look());
+    seen.rig.place({half_m.x(), half_m.y(), 2.0 * geometry::kPi * random.uniform()});
+    std::int64_t looks = 0;
+    for (bool found = false; !found && looks < kMost; ++looks) {
+      const vision::Track track = tracker.see(seen.detector.look());
+      found = track.seen && (track.pose.position_m() - half_m).norm() < kFound_m;
+    }
+    most = std::max(most, looks);
+  }
+  return most;
+}
+
+BlindDrive drive_blind(const DeploymentConfig& config, std::int64_t steps, std::uint64_t seed) {
+  constexpr std::int64_t kFrom = 10;
+  SeenRig seen(config, seed);
+  seen.rig.place({-0.02, -0.012, 0.7});
+  session::TrackedPoseSensor sensor(seen.detector, config.sensor.tracker, config.rig);
+  BlindFor blinded(sensor, kFrom, steps);
+  safety::Supervisor coils(seen.rig.coils(), config.safety, config.rig, seen.rig.clock());
+  const ControllerSource source = baseline_source(config);
+  control::ControlLoop loop(config.loop, source.action, coils, blinded, seen.rig.clock(), &config.rig);
+  control::PointReference far({0.025, 0.02},
+                              static_cast<double>(kFrom + steps + 10) * config.loop.period_s());
+  BlindDrive result;
+  loop.run(*source.make(), far, [&](const control::StepRecord& record) {
+    const double most_A = *std::max_element(record.current_A.begin(), record.current_A.end());
+    if (record.estimate.valid || most_A == 0.0) return;
+    ++result.pulses;
+    result.most_A = std::max(result.most_A, most_A);
+  });
+  return result;
+}
+
+double least_spread_m(const DeploymentConfig& config, double lies_s) {
+  SeenRig seen(config, static_cast<std::uint64_t>(config.seed));
+  seen.rig.place({0.01, -0.005, 0.3});
+  vision::PoseTracker tracker(config.sensor.tracker, config.rig);
+  double least_m = std::numeric_limits<double>::infinity();
+  for (double time_s = 0.0; time_s < lies_s; time_s += config.loop.period_s()) {
+    const vision::Track track = tracker.see(seen.detector.look());
+    if (track.located)
+      least_m = std::min(least_m, std::sqrt(track.covariance(0, 0) + track.covariance(1, 1)));
+  }
+  return least_m;
+}
+
+double tracker_ms(const DeploymentConfig& config, std::int64_t steps) {
+  SeenRig seen(config, static_cast<std::uint64_t>(config.seed));
+  seen.rig.place({0.01, -0.005, 0.3});
+  vision::PoseTracker tracker(config.sensor.tracker, config.rig);
+  const vision::Sighting sighting = seen.detector.look();
+  for (int look = 0; look < 3; ++look) tracker.see(sighting);
+  const common::SteadyClock clock;
+  const double start_s = clock.now_s();
+  for (std::int64_t step = 0; step < steps; ++step) {
+    tracker.pulse({1.0, 0.0, 0.5, 0.0});
+    tracker.see(sighting);
+  }
+  return 1e3 * (clock.now_s() - start_s) / static_cast<double>(steps);
+}
+
+}  // namespace lodestone::experiments

@@ -1,0 +1,345 @@
+#include "lodestone/vision/pose_tracker.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "lodestone/geometry/angle.h"
+
+namespace lodestone::vision {
+
+namespace {
+
+using geometry::Vector2;
+
+constexpr std::size_t kMostPlaces = 4;
+constexpr double kGate = 13.816;     // chi-square of 2 degrees of freedom, 99.9 %
+constexpr double kFloor_m = 0.1e-3;  // RMS distance
+constexpr double kFloor_rad = 0.15 * geometry::kRadPerDeg;
+constexpr double kRest_m = 0.05e-3;  // what a needle that sticks may still settle by
+// What the pull does, in units of the pull that breaks the needle loose. Measured on steps of the explorer
+// and of the planner on virtual rigs, where medians and spreads follow these lines from 0.1 to 4.
+constexpr double kSticksBelow = 0.23;  // where half of all pulses move nothing,
+constexpr double kSticksPower = 1.8;   // and how soon that changes
+constexpr double kSlip_m = 3.3e-3;     // grows with the square of the pull,
+constexpr double kSlipLinear = 1.2;    // and straight on from here
+constexpr double kSpread_m = 0.5e-3;   // of a slip, and these shares of its length:
+constexpr double kSpreadAlong = 0.5;
+constexpr double kSpreadAcross = 0.25;
+constexpr double kWild = 0.15;          // of all slips go anywhere:
+constexpr double kWildSpread_m = 1e-3;  // so wide, and by its length
+constexpr double kReach = 0.95;         // of the dish's radius is as far as a middle comes
+constexpr double kLearn = 0.1;          // weight of the last pulse in what is learned
+constexpr double kLogGain = 0.3;        // standard deviation, before anything is learned
+constexpr double kLogGainDrift = 0.02;
+constexpr int kUnforeseen = 3;  // looks that agree are a needle outside the gate: somebody has moved it
+constexpr int kSurprising = 2;  // and within it, but so far from where it was expected
+constexpr double kSurprise_m = 3e-3;
+constexpr double kAgree_m = 1e-3;
+constexpr double kBeyondWall_m = 1e-3;
+
+Eigen::Matrix2d noise_m2(const Rod& rod) {
+  Eigen::Matrix2d noise = rod.covariance.topLeftCorner<2, 2>();
+  const double rms2_m2 = noise.trace();
+  if (rms2_m2 < kFloor_m * kFloor_m)
+    noise += 0.5 * (kFloor_m * kFloor_m - rms2_m2) * Eigen::Matrix2d::Identity();
+  return noise;
+}
+
+double sticking(double ratio) { return 1.0 / (1.0 + std::pow(ratio / kSticksBelow, kSticksPower)); }
+
+double slip_m(double ratio) {
+  return kSlip_m * (ratio < kSlipLinear ? ratio * ratio : kSlipLinear * (2.0 * ratio - kSlipLinear));
+}
+
+/// By the logarithm of the ratio.
+double slip_slope_m(double ratio) { return kSlip_m * 2.0 * ratio * std::min(ratio, kSlipLinear); }
+
+double distance2(const Vector2& offset_m, const Eigen::Matrix2d& covariance_m2) {
+  return offset_m.dot(covariance_m2.inverse() * offset_m);
+}
+
+double density(const Vector2& offset_m, const Eigen::Matrix2d& covariance_m2) {
+  return std::exp(-0.5 * distance2(offset_m, covariance_m2)) /
+         (2.0 * geometry::kPi * std::sqrt(covariance_m2.determinant()));
+}
+
+/// The Gaussian with the mean and the covariance of a mixture of two.
+Place merged(const Place& a, const Place& b) {
+  Place both;
+  both.weight = a.weight + b.weight;
+  both.mean_m = (a.weight * a.mean_m + b.weight * b.mean_m) / both.weight;
+  const auto part = [&](const Place& place) {
+    const Vector2 off_m = place.mean_m - both.mean_m;
+    return Eigen::Matrix2d(place.weight / both.weight * (place.covariance_m2 + off_m * off_m.transpose()));
+  };
+  both.covariance_m2 = part(a) + part(b);
+  return both;
+}
+
+/// What merging two costs: an upper bound of the discrimination lost (Runnalls, IEEE Trans. AES 43, 2007).
+double cost(const Place& a, const Place& b) {
+  const auto entropy = [](const Place& place) {
+    return place.weight * std::log(place.covariance_m2.determinant());
+  };
+  return 0.5 * (entropy(merged(a, b)) - entropy(a) - entropy(b));
+}
+
+}  // namespace
+
+PoseTracker::PoseTracker(const TrackerConfig& config, const physics::RigDescription& rig)
+    : config_(config), rig_(rig), field_(rig) {
+  forget();
+}
+
+void PoseTracker::forget() {
+  heading_.reset();
+  places_.clear();
+  slip_.reset();
+  pulses_.clear();
+  log_gain_ = 0.0;
+  log_gain_variance_ = kLogGain * kLogGain;
+  scatter_ = 1.0;
+  doubtful_.reset();
+  agreeing_ = 0;
+  innovation_.reset();
+}
+
+PoseTracker::Slip PoseTracker::slip_from(const Vector2& from_m, const physics::Currents& current_A) const {
+  const Vector2 pull_N = field_.pull_N(current_A, from_m);
+  const double size_N = pull_N.norm();
+  Slip slip;
+  slip.from_m = from_m;
+  if (size_N > 0.0) slip.along = pull_N / size_N;
+  slip.ratio = std::exp(log_gain_) * size_N / rig_.breakaway_N();
+  slip.to_m = from_m + slip_m(slip.ratio) * slip.along;
+  const double reach_m = kReach * rig_.dish.radius_m;
+  if (slip.to_m.norm() > reach_m) slip.to_m *= reach_m / slip.to_m.norm();
+  return slip;
+}
+
+Eigen::Matrix2d PoseTracker::spread_m2(const Slip& slip) const {
+  const double length_m = slip_m(slip.ratio);
+  const double along_m2 = std::pow(kSpread_m + kSpreadAlong * length_m, 2) +
+                          log_gain_variance_ * std::pow(slip_slope_m(slip.ratio), 2);
+  const double across_m2 = std::pow(kSpread_m + kSpreadAcross * length_m, 2);
+  const Vector2 across(-slip.along.y(), slip.along.x());
+  return scatter_ *
+         (along_m2 * slip.along * slip.along.transpose() + across_m2 * across * across.transpose());
+}
+
+Eigen::Matrix2d PoseTracker::wild_spread_m2(const Slip& slip) const {
+  return scatter_ * std::pow(kWildSpread_m + slip_m(slip.ratio), 2) * Eigen::Matrix2d::Identity();
+}
+
+void PoseTracker::pulse(const physics::Currents& current_A) {
+  if (places_.empty()) return;
+  const auto field_rad = field_.direction_rad(current_A, places_.front().mean_m);
+  if (!field_rad) return;
+  pulses_.push_back({*field_rad, sticking(slip_from(places_.front().mean_m, current_A).ratio)});
+  std::vector<Place> after;
+  for (const Place& place : places_) {
+    const Slip slip = slip_from(place.mean_m, current_A);
+    if (after.empty()) slip_ = slip;
+    const double sticks = sticking(slip.ratio);
+    const double slips = place.weight * (1.0 - sticks);
+    after.push_back({place.mean_m, place.covariance_m2 + kRest_m * kRest_m * Eigen::Matrix2d::Identity(),
+                     sticks * place.weight});
+    after.push_back({slip.to_m, place.covariance_m2 + spread_m2(slip), (1.0 - kWild) * slips});
+    after.push_back({slip.to_m, place.covariance_m2 + wild_spread_m2(slip), kWild * slips});
+  }
+  places_ = after;
+  doubtful_.reset();
+  agreeing_ = 0;
+  if (pulses_.size() > 1) slip_.reset();  // what moved it how far is not known any more
+  log_gain_variance_ += kLogGainDrift * kLogGainDrift;
+  merge();
+}
+
+void PoseTracker::merge() {
+  while (places_.size() > kMostPlaces) {
+    std::size_t first = 0, second = 1;
+    double least = cost(places_[0], places_[1]);
+    for (std::size_t i = 0; i < places_.size(); ++i)
+      for (std::size_t j = i + 1; j < places_.size(); ++j)
+        if (const double c = cost(places_[i], places_[j]); c < least) {
+          least = c;
+          first = i;
+          second = j;
+        }
+    places_[first] = merged(places_[first], places_[second]);
+    places_.erase(places_.begin() + static_cast<std::ptrdiff_t>(second));
+  }
+  std::stable_sort(places_.begin(), places_.end(),
+                   [](const Place& a, const Place& b) { return a.weight > b.weight; });
+}
+
+bool PoseTracker::gated(const Rod& candidate) const {
+  return std::any_of(places_.begin(), places_.end(), [&](const Place& place) {
+    return distance2(candidate.pose.position_m() - place.mean_m, place.covariance_m2 + noise_m2(candidate)) <=
+           kGate;
+  });
+}
+
+double PoseTracker::likelihood(const Rod& candidate) const {
+  double sum = 0.0;
+  for (const Place& place : places_)
+    sum += place.weight *
+           density(candidate.pose.position_m() - place.mean_m, place.covariance_m2 + noise_m2(candidate));
+  return sum;
+}
+
+/// What may be the needle: a pose may err.
+std::vector<Rod> PoseTracker::in_the_dish(const std::vector<Rod>& candidates) const {
+  std::vector<Rod> inside;
+  std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(inside), [&](const Rod& rod) {
+    return rig_.fits(rod.pose, kBeyondWall_m + 3.0 * std::sqrt(noise_m2(rod).trace()));
+  });
+  return inside;
+}
+
+/// The candidate that the needle is, if one of those within the gate is far likelier than the others.
+std::optional<std::size_t> PoseTracker::choose(const std::vector<Rod>& candidates) const {
+  double sum = 0.0;
+  double best = 0.0;
+  std::optional<std::size_t> chosen;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (!gated(candidates[i])) continue;
+    const double here = likelihood(candidates[i]);
+    sum += here;
+    if (chosen && here <= best) continue;
+    best = here;
+    chosen = i;
+  }
+  return chosen && best >= config_.min_needle_probability * sum ? chosen : std::nullopt;
+}
+
+/// How many looks have to agree before it is believed to be there.
+int PoseTracker::looks_needed(const Rod& candidate) const {
+  const Vector2 at_m = candidate.pose.position_m();
+  if (places_.empty()) return kSurprising;
+  if (!gated(candidate)) return kUnforeseen;
+  const bool expected = std::any_of(places_.begin(), places_.end(), [&](const Place& place) {
+    return (at_m - place.mean_m).norm() <= kSurprise_m;
+  });
+  return expected ? 1 : kSurprising;
+}
+
+/// Whether so many looks in a row have shown it there.
+bool PoseTracker::confirmed(const Rod& candidate) {
+  const bool agrees =
+      doubtful_ && (candidate.pose.position_m() - doubtful_->pose.position_m()).norm() <= kAgree_m;
+  agreeing_ = agrees ? agreeing_ + 1 : 1;
+  doubtful_ = candidate;
+  return agreeing_ >= looks_needed(candidate);
+}
+
+/// `before`: the look that agrees with it.
+void PoseTracker::start(const Rod& candidate, const Rod& before) {
+  forget();
+  heading_.see(before.pose.heading_rad, std::sqrt(before.covariance(2, 2)), before.tape_log_odds);
+  places_.push_back({candidate.pose.position_m(), noise_m2(candidate), 1.0});
+}
+
+Track PoseTracker::see(const Sighting& sighting) {
+  innovation_.reset();
+  Track track;
+  const std::vector<Rod> candidates = in_the_dish(sighting.candidates);
+  if (candidates.empty()) {
+    track.search = true;
+    track.reason = sighting.reason.empty() ? "no needle in view" : sighting.reason;
+    if (!sighting.candidates.empty())
+      track.reason =
+          "what is seen reaches through the wall of the dish: check rig.dish.radius_m, rig.needle.length_m "
+          "and the calibration";
+    return track;
+  }
+  const std::optional<std::size_t> chosen = candidates.size() > 1 ? choose(candidates) : 0;
+  if (!chosen) {
+    track.search = true;
+    track.reason = "more than one needle in view, or something like one";
+    return track;
+  }
+  const Rod& needle = candidates[*chosen];
+  const bool foreseen = !places_.empty() && gated(needle);
+  const std::optional<Rod> before = doubtful_;
+  if (!confirmed(needle)) {
+    track.search = !places_.empty() && !foreseen;
+    track.reason = places_.empty() ? "a needle is seen for the first time: one image is not believed"
+                                   : "something is seen where the needle is not expected";
+    return track;
+  }
+  if (!foreseen) start(needle, *before);
+  update(needle);
+  track.located = true;
+  track.pose = needle.pose;
+  track.pose.x_m = places_.front().mean_m.x();
+  track.pose.y_m = places_.front().mean_m.y();
+  track.covariance = needle.covariance;
+  track.covariance.topLeftCorner<2, 2>() = places_.front().covariance_m2;
+  track.covariance(2, 2) = std::max(needle.covariance(2, 2), kFloor_rad * kFloor_rad);
+  double head =
+      heading_.see(needle.pose.heading_rad, std::sqrt(track.covariance(2, 2)), needle.tape_log_odds);
+  if (head < 0.5) {
+    track.pose.heading_rad = geometry::wrap_angle(needle.pose.heading_rad + geometry::kPi);
+    head = 1.0 - head;
+  }
+  track.seen = head >= config_.min_head_probability;
+  if (!track.seen) track.reason = "head and tail cannot be told apart";
+  return track;
+}
+
+void PoseTracker::update(const Rod& seen) {
+  const Vector2 now_m = seen.pose.position_m();
+  const Eigen::Matrix2d noise = noise_m2(seen);
+  if (!pulses_.empty()) {
+    Place all = places_.front();
+    for (std::size_t i = 1; i < places_.size(); ++i) all = merged(all, places_[i]);
+    innovation_ = distance2(now_m - all.mean_m, all.covariance_m2 + noise);
+    if (slip_) pulses_.front().sticks = learn(now_m, noise);
+  }
+  for (const Pulse& pulse : pulses_) heading_.pulse(pulse.field_rad, pulse.sticks);
+  std::vector<Place> after;
+  for (const Place& place : places_) {
+    const Eigen::Matrix2d spread = place.covariance_m2 + noise;
+    const Eigen::Matrix2d gain = place.covariance_m2 * spread.inverse();
+    const Vector2 off_m = now_m - place.mean_m;
+    after.push_back({place.mean_m + gain * off_m, (Eigen::Matrix2d::Identity() - gain) * place.covariance_m2,
+                     place.weight * density(off_m, spread) + 1e-300});
+  }
+  Place one = after.front();
+  for (std::size_t i = 1; i < after.size(); ++i) one = merged(one, after[i]);
+  one.weight = 1.0;
+  const double rms2_m2 = one.covariance_m2.trace();
+  if (rms2_m2 < kFloor_m * kFloor_m)
+    one.covariance_m2 += 0.5 * (kFloor_m * kFloor_m - rms2_m2) * Eigen::Matrix2d::Identity();
+  places_ = {one};
+  slip_.reset();
+  pulses_.clear();
+  doubtful_.reset();
+  agreeing_ = 0;
+}
+
+/// How far the pulse has moved it, against what was expected: an extended Kalman filter of the logarithm of
+/// the gain, and a running mean of the scatter. Returns the probability that it has not stirred.
+double PoseTracker::learn(const Vector2& now_m, const Eigen::Matrix2d& noise) {
+  const Slip& slip = *slip_;
+  const Eigen::Matrix2d both_m2 = 2.0 * noise;  // of this look and the one before
+  const double sticks = sticking(slip.ratio);
+  const Vector2 off_m = now_m - slip.to_m;
+  const Eigen::Matrix2d slip_m2 = spread_m2(slip) + both_m2;
+  const double stuck = sticks * density(now_m - slip.from_m, both_m2);
+  const double wild = (1.0 - sticks) * kWild * density(off_m, wild_spread_m2(slip) + both_m2);
+  const double slipped = (1.0 - sticks) * (1.0 - kWild) * density(off_m, slip_m2);
+  const double share = slipped / (stuck + wild + slipped + 1e-300);
+  scatter_ *= std::exp(kLearn * share * (std::min(distance2(off_m, slip_m2), kGate) / 2.0 - 1.0));
+  scatter_ = std::clamp(scatter_, 0.1, 10.0);
+  const double slope_m = slip_slope_m(slip.ratio);
+  const double gain = log_gain_variance_ * slope_m / slip.along.dot(slip_m2 * slip.along);
+  log_gain_ = std::clamp(log_gain_ + share * gain * slip.along.dot(off_m), -2.0, 2.0);
+  log_gain_variance_ *= 1.0 - share * gain * slope_m;
+  return stuck / (stuck + wild + slipped + 1e-300);
+}
+
+}  // namespace lodestone::vision

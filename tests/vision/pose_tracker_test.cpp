@@ -1,0 +1,168 @@
+#include "lodestone/vision/pose_tracker.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+#include "lodestone/geometry/angle.h"
+
+using namespace lodestone;
+using geometry::Pose2;
+using vision::PoseTracker;
+using vision::Rod;
+
+namespace {
+
+constexpr physics::Currents kPullToX = {8.0, 0.0, 0.0, 0.0};
+
+Rod rod(const Pose2& pose, double tape = 10.0) {
+  Rod rod;
+  rod.found = rod.axis_found = true;
+  rod.pose = pose;
+  rod.tape_log_odds = tape;
+  rod.covariance.diagonal() << 5e-9, 5e-9, 7e-6;
+  return rod;
+}
+
+vision::Track see(PoseTracker& tracker, const std::vector<Rod>& rods) { return tracker.see({0.0, rods, ""}); }
+
+/// Up to three looks.
+vision::Track insist(PoseTracker& tracker, const Rod& rod) {
+  vision::Track track = see(tracker, {rod});
+  for (int again = 0; again < 2 && !track.seen; ++again) track = see(tracker, {rod});
+  return track;
+}
+
+/// A tracker that has seen the needle there.
+PoseTracker tracking(const Pose2& pose) {
+  PoseTracker tracker({}, {});
+  for (int i = 0; i < 2; ++i) see(tracker, {rod(pose)});
+  return tracker;
+}
+
+}  // namespace
+
+TEST_CASE("a needle is expected where it lay, or along the pull") {
+  PoseTracker tracker = tracking({0.0, 0.0, 0.0});
+  tracker.pulse(kPullToX);
+  REQUIRE(tracker.places().size() == 3);
+  for (const vision::Place& place : tracker.places()) {
+    CHECK(place.mean_m.x() >= 0.0);
+    CHECK(std::abs(place.mean_m.y()) < 1e-4);
+  }
+}
+
+TEST_CASE("however often it was not seen, it is at no more than four places, and their weights are all") {
+  PoseTracker tracker = tracking({0.01, 0.005, 0.3});
+  for (int pulse = 0; pulse < 8; ++pulse) {
+    tracker.pulse({0.0, 0.0, 1.0 + pulse, 0.0});
+    CHECK(tracker.places().size() <= 4);
+    double sum = 0.0;
+    for (const vision::Place& place : tracker.places()) sum += place.weight;
+    CHECK(sum == Approx(1.0));
+  }
+  CHECK(insist(tracker, rod({0.01, 0.008, 1.5})).located);
+  CHECK(tracker.places().size() == 1);
+}
+
+TEST_CASE("what is seen where the needle cannot have come is not believed, until it stays there") {
+  PoseTracker tracker = tracking({0.0, 0.0, 0.0});
+  const Rod elsewhere = rod({-0.03, 0.01, 1.0});
+  CHECK_FALSE(see(tracker, {elsewhere}).located);
+  CHECK(see(tracker, {rod({0.0, 0.0, 0.0})}).seen);  // it was a reflection
+  CHECK_FALSE(see(tracker, {elsewhere}).located);
+  CHECK_FALSE(see(tracker, {rod({0.02, 0.02, 1.0})}).located);  // another one
+  CHECK_FALSE(see(tracker, {elsewhere}).located);
+  CHECK_FALSE(see(tracker, {elsewhere}).located);
+  const vision::Track moved = see(tracker, {elsewhere});  // somebody has moved it
+  CHECK(moved.seen);
+  CHECK(moved.pose.x_m == Approx(-0.03));
+}
+
+TEST_CASE("a needle that is new, or has slipped far, is looked at twice") {
+  PoseTracker tracker({}, {});
+  CHECK_FALSE(see(tracker, {rod({0.0, 0.0, 0.2})}).located);
+  CHECK(see(tracker, {rod({0.0, 0.0, 0.2})}).seen);
+  tracker.pulse({12.0, 0.0, 0.0, 0.0});
+  const Rod far = rod({0.014, 0.001, 0.1});
+  CHECK_FALSE(see(tracker, {far}).located);
+  CHECK(see(tracker, {far}).seen);
+}
+
+TEST_CASE("of several candidates the likeliest is taken, and none where two are likely") {
+  PoseTracker tracker = tracking({0.0, 0.0, 0.0});
+  const vision::Track one = see(tracker, {rod({0.02, 0.0, 0.5}), rod({0.0, 0.0, 0.0})});
+  CHECK(one.seen);
+  CHECK(one.pose.x_m == Approx(0.0).margin(1e-4));
+  tracker.pulse(kPullToX);
+  CHECK_FALSE(see(tracker, {rod({0.0015, 0.0005, 0.0}), rod({0.0015, -0.0005, 0.0})}).located);
+  PoseTracker fresh({}, {});
+  CHECK_FALSE(see(fresh, {rod({0.02, 0.0, 0.5}), rod({0.0, 0.0, 0.0})}).located);
+}
+
+TEST_CASE("what reaches through the wall is no needle") {
+  const physics::RigDescription rig;
+  const double furthest_m = rig.dish.radius_m - 0.5 * rig.needle.length_m;
+  PoseTracker tracker({}, rig);
+  CHECK(insist(tracker, rod({furthest_m + 0.5e-3, 0.0, 0.0})).seen);  // an image may err
+  tracker.forget();
+  const vision::Track outside = insist(tracker, rod({furthest_m + 3e-3, 0.0, 0.0}));
+  CHECK_FALSE(outside.located);
+  CHECK_THAT(outside.reason, Catch::Contains("wall"));
+}
+
+TEST_CASE("images of a needle that lies still never make its place certain") {
+  PoseTracker tracker = tracking({0.01, 0.0, 0.0});
+  for (int image = 0; image < 5000; ++image) {
+    const vision::Track track = see(tracker, {rod({0.01, 0.0, 0.0})});
+    REQUIRE(track.seen);
+    CHECK(track.covariance.topLeftCorner<2, 2>().trace() >= 0.999e-8);
+    CHECK(track.covariance(2, 2) >= std::pow(0.149 * geometry::kRadPerDeg, 2));
+  }
+}
+
+TEST_CASE("one image with the tape at the wrong end turns no needle") {
+  PoseTracker tracker = tracking({0.0, 0.0, 0.2});
+  const auto right = [](const vision::Track& track) {
+    return !track.seen || std::cos(track.pose.heading_rad) > 0.0;
+  };
+  CHECK(right(see(tracker, {rod({0.0, 0.0, 0.2 - geometry::kPi})})));
+  tracker.pulse(kPullToX);
+  CHECK(right(see(tracker, {rod({0.001, 0.0, 0.1 - geometry::kPi})})));
+  const vision::Track shown = see(tracker, {rod({0.001, 0.0, 0.1})});
+  CHECK(shown.seen);
+  CHECK(shown.pose.heading_rad == Approx(0.1).margin(1e-6));
+}
+
+// A needle that sticks one time in five, and is pulled half as strongly again as the description says.
+TEST_CASE("how far a pull moves it is learned, so that surprises are as large as expected") {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  const physics::RigDescription rig;
+  const vision::CommandedField field(rig);
+  PoseTracker tracker = tracking({0.0, 0.0, 0.0});
+  geometry::Vector2 at_m(0.0, 0.0);
+  double sum = 0.0;
+  int count = 0;
+  for (int step = 0; step < 3000; ++step) {
+    physics::Currents current_A{};
+    current_A[(at_m.x() > 0.0 ? 1U : 0U)] = 1.0 + 3.0 * unit(random);
+    current_A[(at_m.y() > 0.0 ? 3U : 2U)] = 1.0 + 3.0 * unit(random);
+    const geometry::Vector2 pull = field.pull_N(current_A, at_m) / rig.breakaway_N();
+    tracker.pulse(current_A);
+    const double ratio = 1.5 * pull.norm();
+    if (unit(random) > 0.2)
+      at_m += 3.3e-3 * ratio * ratio * (1.0 + 0.4 * normal(random)) * pull.normalized() +
+              0.4e-3 * geometry::Vector2(normal(random), normal(random));
+    const geometry::Vector2 seen_m = at_m + 0.07e-3 * geometry::Vector2(normal(random), normal(random));
+    const vision::Track track = insist(tracker, rod({seen_m.x(), seen_m.y(), 0.0}));
+    if (step < 300 || !tracker.innovation()) continue;
+    CHECK((!track.located || std::abs(track.pose.x_m - at_m.x()) < 1e-3));
+    sum += std::min(*tracker.innovation(), 30.0);
+    ++count;
+  }
+  CHECK(count > 2600);
+  CHECK(sum / count > 1.4);
+  CHECK(sum / count < 2.6);
+}
