@@ -78,7 +78,7 @@ BlindDrive drive_blind(const DeploymentConfig& config, std::int64_t steps, std::
   constexpr std::int64_t kFrom = 10;
   SeenRig seen(config, seed);
   seen.rig.place({-0.02, -0.012, 0.7});
-  session::TrackedPoseSensor sensor(seen.detector, config.sensor.tracker, config.rig);
+  session::TrackedPoseSensor sensor(seen.detector, config.sensor.tracker, config.rig, seen.rig.clock());
   BlindFor blinded(sensor, kFrom, steps);
   safety::Supervisor coils(seen.rig.coils(), config.safety, config.rig, seen.rig.clock());
   const ControllerSource source = baseline_source(config);

@@ -40,6 +40,7 @@ Trial read_trial(const runs::TrialRecord& record) {
   if (record.target_mm) trial.target_mm = point(*record.target_mm);
   trial.track_is_true = record.trajectory.has_value();
   trial.track_mm = track_of(record);
+  for (const auto& pose : record.sensed_trajectory) trial.unseen.push_back(!pose.has_value());
   trial.reference_mm = points_of(record.reference_mm);
   if (trial.reference_mm.empty() && trial.target_mm)
     trial.reference_mm.assign(trial.track_mm.size(), *trial.target_mm);

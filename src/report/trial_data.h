@@ -21,6 +21,7 @@ struct Trial {
   std::optional<std::pair<double, double>> target_mm;  ///< none for paths
   Points track_mm;  ///< true positions, or as sensed where nobody knows them
   bool track_is_true = true;
+  std::vector<bool> unseen;  ///< whether there was no pose
   Points reference_mm;       ///< where it should have been; the target, or the moving point of a path
   std::size_t approach = 0;  ///< so many observations at the start are the way to a path, not scored
   std::vector<double> time_s;

@@ -13,6 +13,7 @@ namespace {
 constexpr double kSuccessRadius_mm = 3.0;
 constexpr const char* kTargetColour = "#2f7d4f";
 constexpr const char* kApproachColour = "#9aa5b0";
+constexpr const char* kUnseenColour = "#d55e00";
 
 void draw_trial(const Trial& trial, DishSvg& dish) {
   const Points& track = trial.track_mm;
@@ -24,6 +25,8 @@ void draw_trial(const Trial& trial, DishSvg& dish) {
   if (trial.approach > 0)
     dish.line(Points(track.begin(), at(trial.approach + 1)), kApproachColour, 0.45, 0.6);
   dish.line(Points(at(trial.approach), track.end()), colour, 0.55, 0.6);
+  for (std::size_t i = 0; i < std::min(track.size(), trial.unseen.size()); ++i)
+    if (trial.unseen[i]) dish.dot(track[i].first, track[i].second, 0.5, kUnseenColour);
   dish.dot(track.front().first, track.front().second, 0.9, colour, true, 0.9);
   dish.dot(track.back().first, track.back().second, 0.95, colour);
 }
@@ -74,6 +77,10 @@ std::string legend_of(const std::vector<const Trial*>& trials) {
   if (any([](const Trial& trial) { return !trial.path_mm.empty(); })) text += "; green, dashed: the path";
   if (any([](const Trial& trial) { return trial.approach > 0; }))
     text += "; grey lines: the way to the start of a path, which is not scored";
+  const auto blind = [](const Trial& trial) {
+    return std::find(trial.unseen.begin(), trial.unseen.end(), true) != trial.unseen.end();
+  };
+  if (any(blind)) text += "; orange dots: moments at which the needle was not seen";
   return text + ".";
 }
 

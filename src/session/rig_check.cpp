@@ -51,10 +51,11 @@ struct Watcher {
       calibration = imaging::read_calibration(config.sensor.calibration);
     detector.emplace(*camera, vision::Segmenter::load(config.sensor.segmenter), config.rig,
                      config.sensor.scene.lens, config.sensor.camera, calibration);
-    sensor.emplace(*detector, config.sensor.tracker, config.rig);
+    sensor.emplace(*detector, config.sensor.tracker, config.rig, clock);
   }
   std::unique_ptr<rig::Camera> camera;
   std::string size;
+  common::SteadyClock clock;
   std::optional<CameraDetector> detector;
   std::optional<TrackedPoseSensor> sensor;
 };

@@ -56,7 +56,7 @@ struct SerialParts {
       camera = std::move(running);
     }
     detector.emplace(*camera, segmenter, rig, sensing.scene.lens, sensing.camera, calibration);
-    sensor.emplace(*detector, sensing.tracker, rig);
+    sensor.emplace(*detector, sensing.tracker, rig, clock);
     device = std::make_unique<rig::SerialCoils>(rig.serial, rig.coils);
     coils.emplace(*device, safety, rig, clock, safety::Supervisor::Poses::kRequired, true);
     if (ask)

@@ -48,7 +48,7 @@ RigSensor::RigSensor(rig::VirtualRig& rig, const SensingConfig& config,
   std::function<void()> wait;
   if (watched_ != nullptr)
     wait = [this, &rig, timeout_s = config.camera.timeout_s] { wait_for_image(rig, timeout_s); };
-  tracked_.emplace(detector, config.tracker, rig.config(), wait);
+  tracked_.emplace(detector, config.tracker, rig.config(), clock != nullptr ? *clock : rig.clock(), wait);
 }
 
 RigSensor::~RigSensor() = default;

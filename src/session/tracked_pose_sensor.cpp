@@ -24,8 +24,15 @@ control::PoseEstimate TrackedPoseSensor::look() {
 }
 
 control::PoseEstimate TrackedPoseSensor::observe() {
+  const double start_s = clock_.now_s();
+  double before_s = start_s;
   control::PoseEstimate estimate = look();
-  for (std::int64_t again = 1; again < looks_ && !estimate.valid; ++again) estimate = look();
+  for (std::int64_t again = 1; again < config_.looks && !estimate.valid; ++again) {
+    const double now_s = clock_.now_s();
+    if (now_s + (now_s - before_s) > start_s + config_.looks_s) break;
+    before_s = now_s;
+    estimate = look();
+  }
   return estimate;
 }
 

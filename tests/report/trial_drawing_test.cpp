@@ -29,6 +29,17 @@ TEST_CASE("the caption names what is drawn and nothing else") {
   CHECK_FALSE(holds(legend_of({&trials[1]}), "3 mm"));
 }
 
+TEST_CASE("moments at which the needle was not seen are marked, and said in the caption") {
+  auto trials = read_trials({path_trial("policy", "explored")});
+  trials[0].unseen = {false, true, false};
+  const auto drawn = select(trials, trials[0].task, "policy");
+  CHECK(holds(draw_trials(drawn, 42.5, "some"), "#d55e00"));
+  CHECK(holds(legend_of(drawn), "not seen"));
+  trials[0].unseen = {false, false, false};
+  CHECK_FALSE(holds(draw_trials(drawn, 42.5, "some"), "#d55e00"));
+  CHECK_FALSE(holds(legend_of(drawn), "not seen"));
+}
+
 TEST_CASE("a drawing becomes a file that opens by itself, an empty one none") {
   const lodestone::tests::TemporaryFolder folder;
   write_svg(folder / "images/a.svg", "<svg viewBox=\"0 0 1 1\"></svg>");

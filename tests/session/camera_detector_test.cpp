@@ -66,7 +66,7 @@ struct Bench {
 TEST_CASE("the camera sensor keeps the contract of a pose sensor") {
   Bench bench;
   session::CameraDetector detector = bench.detector(bench.camera);
-  session::TrackedPoseSensor sensor(detector, {}, {});
+  session::TrackedPoseSensor sensor(detector, {}, {}, bench.rig.clock());
   tests::check_pose_sensor(sensor, bench.rig.clock());
 }
 
@@ -74,7 +74,7 @@ TEST_CASE("it calibrates itself and finds the needle wherever it is placed") {
   for (const std::uint64_t seed : {1, 2, 3}) {
     Bench bench(seed);
     session::CameraDetector detector = bench.detector(bench.camera);
-    session::TrackedPoseSensor sensor(detector, {}, {});
+    session::TrackedPoseSensor sensor(detector, {}, {}, bench.rig.clock());
     for (const geometry::Pose2& pose :
          {geometry::Pose2{0.02, -0.01, 2.5}, geometry::Pose2{-0.025, 0.005, -1.5},
           geometry::Pose2{0.0, 0.0, 0.0}}) {
@@ -113,7 +113,7 @@ TEST_CASE("a spoiled image stops the coils, names the fault, and keeps what was 
     SpoiledCamera camera(bench.camera);
     camera.spoil = fault.spoil;
     session::CameraDetector detector = bench.detector(camera);
-    session::TrackedPoseSensor sensor(detector, {}, {});
+    session::TrackedPoseSensor sensor(detector, {}, {}, bench.rig.clock());
     tests::RecordingCoils recording;
     safety::Supervisor coils(recording, {}, tests::paper_rig(), bench.rig.clock());
     task::ActionConfig action = tests::paper_action();

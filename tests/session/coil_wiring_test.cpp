@@ -53,7 +53,7 @@ session::WiringInference probe(const CoilWiring& wiring, const geometry::Pose2& 
   MiswiredCoils coils(rig.coils(), wiring);
   session::SimulatedDetector detector([&rig] { return rig.true_pose(); }, rig.clock(), {}, {},
                                       common::RandomStream(seed, "sensor"));
-  session::TrackedPoseSensor sensor(detector, {}, real);
+  session::TrackedPoseSensor sensor(detector, {}, real, rig.clock());
   session::WiringInference inference = nothing_known();
   session::probe_wiring(inference, coils, sensor, rig.clock(), {});
   return inference;

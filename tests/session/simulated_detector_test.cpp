@@ -17,7 +17,7 @@ TEST_CASE("the simulated sensor keeps the contract of a pose sensor") {
   config.dropout = 0.3;
   session::SimulatedDetector detector([&] { return truth; }, clock, config, {},
                                       common::RandomStream(3, "noise"));
-  session::TrackedPoseSensor sensor(detector, {}, {});
+  session::TrackedPoseSensor sensor(detector, {}, {}, clock);
   tests::check_pose_sensor(sensor, clock);
 }
 

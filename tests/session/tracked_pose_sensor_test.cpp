@@ -4,7 +4,7 @@
 #include <deque>
 #include <vector>
 
-#include "lodestone/common/error.h"
+#include "control/fakes.h"
 
 using namespace lodestone;
 
@@ -40,7 +40,8 @@ class Scripted final : public session::NeedleDetector {
 TEST_CASE("a first image is looked at twice, and one that leaves no doubt once") {
   Scripted detector;
   detector.script = {{1.0, {rod({0.01, 0.0, 0.5})}, ""}};
-  session::TrackedPoseSensor sensor(detector, {}, {});
+  tests::ManualClock clock;
+  session::TrackedPoseSensor sensor(detector, {}, {}, clock);
   CHECK(sensor.observe().valid);
   CHECK(detector.looks == 2);
   CHECK(sensor.observe().valid);
@@ -54,7 +55,8 @@ TEST_CASE("an image without a needle is followed by another one, which is search
                      {1.0, {rod({0.01, 0.0, 0.5})}, ""},
                      {2.0, {}, "a reflection"},
                      {3.0, {rod({0.01, 0.0, 0.5})}, ""}};
-  session::TrackedPoseSensor sensor(detector, {}, {});
+  tests::ManualClock clock;
+  session::TrackedPoseSensor sensor(detector, {}, {}, clock);
   sensor.observe();
   const control::PoseEstimate seen = sensor.observe();
   CHECK(seen.valid);
@@ -74,7 +76,8 @@ TEST_CASE(
   detector.script = {{1.0, {rod({0.01, 0.0, 0.5})}, ""},
                      {1.0, {rod({0.01, 0.0, 0.5})}, ""},
                      {2.0, {rod({-0.02, 0.01, 1.5}), rod({0.01, 0.0, 0.5})}, ""}};
-  session::TrackedPoseSensor sensor(detector, {}, {});
+  tests::ManualClock clock;
+  session::TrackedPoseSensor sensor(detector, {}, {}, clock);
   sensor.observe();
   const control::PoseEstimate seen = sensor.observe();
   CHECK(seen.valid);
@@ -85,10 +88,21 @@ TEST_CASE(
 TEST_CASE("a needle that was placed elsewhere is not expected where it was") {
   Scripted detector;
   detector.script = {{1.0, {rod({0.01, 0.0, 0.5})}, ""}};
-  session::TrackedPoseSensor sensor(detector, {}, {});
+  tests::ManualClock clock;
+  session::TrackedPoseSensor sensor(detector, {}, {}, clock);
   sensor.observe();
   sensor.forget();
   CHECK(detector.resets == 1);
   detector.script = {{1.0, {rod({-0.03, 0.0, -2.5})}, ""}};
   CHECK(sensor.observe().valid);
+}
+
+TEST_CASE("it does not look again where that would make the pulse late") {
+  tests::ManualClock clock;
+  Scripted detector;
+  detector.script = {{1.0, {}, "a reflection"}};
+  session::TrackedPoseSensor sensor(detector, {}, {}, clock,
+                                    [&] { clock.sleep_until(clock.now_s() + 0.045); });
+  CHECK_FALSE(sensor.observe().valid);
+  CHECK(detector.looks == 2);  // a third would end after 0.135 s
 }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <utility>
 
+#include "lodestone/common/clock.h"
 #include "lodestone/control/pose_sensor.h"
 #include "lodestone/session/needle_detector.h"
 #include "lodestone/vision/pose_tracker.h"
@@ -14,11 +15,12 @@ namespace lodestone::session {
 /// Detector -> tracker -> pose. Looks again where an image leaves a doubt.
 class TrackedPoseSensor final : public control::PoseSensor {
  public:
-  /// `detector` must outlive the sensor. `wait` is called before every look, where a next image needs
-  /// time to pass that does not pass by itself.
+  /// `detector` and `clock`, which says how long looks take, must outlive the sensor. `wait` is called before
+  /// every look, where a next image needs time to pass that does not pass by itself.
   TrackedPoseSensor(NeedleDetector& detector, const vision::TrackerConfig& config,
-                    const physics::RigDescription& rig, std::function<void()> wait = {})
-      : detector_(detector), looks_(config.looks), wait_(std::move(wait)), tracker_(config, rig) {}
+                    const physics::RigDescription& rig, const common::Clock& clock,
+                    std::function<void()> wait = {})
+      : detector_(detector), config_(config), clock_(clock), wait_(std::move(wait)), tracker_(config, rig) {}
 
   /// Throws HardwareError where the detector does.
   control::PoseEstimate observe() override;
@@ -32,7 +34,8 @@ class TrackedPoseSensor final : public control::PoseSensor {
   control::PoseEstimate look();
 
   NeedleDetector& detector_;
-  std::int64_t looks_;
+  vision::TrackerConfig config_;
+  const common::Clock& clock_;
   std::function<void()> wait_;
   vision::PoseTracker tracker_;
 };

@@ -18,6 +18,7 @@ struct TrackerConfig {
   double min_head_probability = 0.99;
   double min_needle_probability = 0.99;
   std::int64_t looks = 3;
+  double looks_s = 0.1;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -30,6 +31,11 @@ struct TrackerConfig {
             "below which there is no pose",
             {0.5, 0.999});
     v.field("looks", looks, "", "images that are taken of one step where the first leaves a doubt", {1, 10});
+    v.field(
+        "looks_s", looks_s, "s",
+        "but none that would come later than this, if it takes as long as the one before: pulses shall come "
+        "evenly",
+        {0.0, 10.0});
   }
 };
 
