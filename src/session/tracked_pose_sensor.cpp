@@ -1,5 +1,6 @@
 #include "lodestone/session/tracked_pose_sensor.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lodestone::session {
@@ -23,15 +24,21 @@ control::PoseEstimate TrackedPoseSensor::look() {
   return estimate;
 }
 
-control::PoseEstimate TrackedPoseSensor::observe() {
+/// The first look of a step comes in the middle of an image, one right after it waits for a whole one.
+control::PoseEstimate TrackedPoseSensor::timed_look() {
+  constexpr double kForgotten = 0.98;  // a step
   const double start_s = clock_.now_s();
-  double before_s = start_s;
-  control::PoseEstimate estimate = look();
+  const control::PoseEstimate estimate = look();
+  longest_s_ = std::max(kForgotten * longest_s_, clock_.now_s() - start_s);
+  return estimate;
+}
+
+control::PoseEstimate TrackedPoseSensor::observe() {
+  const double until_s = clock_.now_s() + config_.looks_s;
+  control::PoseEstimate estimate = timed_look();
   for (std::int64_t again = 1; again < config_.looks && !estimate.valid; ++again) {
-    const double now_s = clock_.now_s();
-    if (now_s + (now_s - before_s) > start_s + config_.looks_s) break;
-    before_s = now_s;
-    estimate = look();
+    if (clock_.now_s() + longest_s_ > until_s) break;
+    estimate = timed_look();
   }
   return estimate;
 }
@@ -39,6 +46,7 @@ control::PoseEstimate TrackedPoseSensor::observe() {
 void TrackedPoseSensor::forget() {
   tracker_.forget();
   detector_.reset();
+  longest_s_ = 0.0;
 }
 
 }  // namespace lodestone::session

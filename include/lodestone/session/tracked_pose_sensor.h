@@ -32,10 +32,12 @@ class TrackedPoseSensor final : public control::PoseSensor {
 
  private:
   control::PoseEstimate look();
+  control::PoseEstimate timed_look();
 
   NeedleDetector& detector_;
   vision::TrackerConfig config_;
   const common::Clock& clock_;
+  double longest_s_ = 0.0;  // that a look took of late
   std::function<void()> wait_;
   vision::PoseTracker tracker_;
 };

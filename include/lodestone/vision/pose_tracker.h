@@ -31,11 +31,10 @@ struct TrackerConfig {
             "below which there is no pose",
             {0.5, 0.999});
     v.field("looks", looks, "", "images that are taken of one step where the first leaves a doubt", {1, 10});
-    v.field(
-        "looks_s", looks_s, "s",
-        "but none that would come later than this, if it takes as long as the one before: pulses shall come "
-        "evenly",
-        {0.0, 10.0});
+    v.field("looks_s", looks_s, "s",
+            "but none that would come later than this, if it takes as long as looks do: pulses shall come "
+            "evenly",
+            {0.0, 10.0});
   }
 };
 
