@@ -9,6 +9,7 @@ control::PoseEstimate TrackedPoseSensor::look() {
   if (wait_) wait_();
   const vision::Sighting sighting = detector_.look();
   const vision::Track track = tracker_.see(sighting);
+  searching_ = track.search || (searching_ && !track.located);
   if (track.search)
     detector_.search();
   else if (track.located && sighting.candidates.size() > 1)
@@ -24,12 +25,15 @@ control::PoseEstimate TrackedPoseSensor::look() {
   return estimate;
 }
 
-/// The first look of a step comes in the middle of an image, one right after it waits for a whole one.
+/// The first look of a step comes in the middle of an image, one right after it waits for a whole one; and
+/// one of the whole dish takes longer.
 control::PoseEstimate TrackedPoseSensor::timed_look() {
   constexpr double kForgotten = 0.98;  // a step
   const double start_s = clock_.now_s();
+  const bool searched = searching_;
   const control::PoseEstimate estimate = look();
-  longest_s_ = std::max(kForgotten * longest_s_, clock_.now_s() - start_s);
+  double& longest_s = searched ? longest_search_s_ : longest_near_s_;
+  longest_s = std::max(kForgotten * longest_s, clock_.now_s() - start_s);
   return estimate;
 }
 
@@ -37,7 +41,7 @@ control::PoseEstimate TrackedPoseSensor::observe() {
   const double until_s = clock_.now_s() + config_.looks_s;
   control::PoseEstimate estimate = timed_look();
   for (std::int64_t again = 1; again < config_.looks && !estimate.valid; ++again) {
-    if (clock_.now_s() + longest_s_ > until_s) break;
+    if (clock_.now_s() + (searching_ ? longest_search_s_ : longest_near_s_) > until_s) break;
     estimate = timed_look();
   }
   return estimate;
@@ -46,7 +50,9 @@ control::PoseEstimate TrackedPoseSensor::observe() {
 void TrackedPoseSensor::forget() {
   tracker_.forget();
   detector_.reset();
-  longest_s_ = 0.0;
+  searching_ = true;
+  longest_near_s_ = kNear_s;
+  longest_search_s_ = kSearch_s;
 }
 
 }  // namespace lodestone::session

@@ -37,7 +37,11 @@ class TrackedPoseSensor final : public control::PoseSensor {
   NeedleDetector& detector_;
   vision::TrackerConfig config_;
   const common::Clock& clock_;
-  double longest_s_ = 0.0;  // that a look took of late
+  static constexpr double kNear_s = 0.04;    // what a look near the last place is taken to need at first,
+  static constexpr double kSearch_s = 0.08;  // and one of the whole dish
+  bool searching_ = true;                    // the next look is of the whole dish
+  double longest_near_s_ = kNear_s;          // that such a look took of late
+  double longest_search_s_ = kSearch_s;
   std::function<void()> wait_;
   vision::PoseTracker tracker_;
 };
