@@ -38,10 +38,11 @@ control::PoseEstimate TrackedPoseSensor::timed_look() {
 }
 
 control::PoseEstimate TrackedPoseSensor::observe() {
+  const bool hurry = !tracker_.places().empty();  // nothing moves a needle that has not been seen yet
   const double until_s = clock_.now_s() + config_.looks_s;
   control::PoseEstimate estimate = timed_look();
   for (std::int64_t again = 1; again < config_.looks && !estimate.valid; ++again) {
-    if (clock_.now_s() + (searching_ ? longest_search_s_ : longest_near_s_) > until_s) break;
+    if (hurry && clock_.now_s() + (searching_ ? longest_search_s_ : longest_near_s_) > until_s) break;
     estimate = timed_look();
   }
   return estimate;
