@@ -116,6 +116,11 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
   if (recovery_) recovery_->reset();
   Memory memory;
   std::int64_t invalid_in_a_row = 0;
+  try {
+    sensor_.acquire();
+  } catch (const common::HardwareError&) {
+    // The first observation says so, too.
+  }
   const double start_s = clock_.now_s();
   for (std::int64_t step = 0;; ++step) {
     // Counted from the start, so that rounding does not add up.

@@ -48,6 +48,10 @@ control::PoseEstimate TrackedPoseSensor::observe() {
   return estimate;
 }
 
+void TrackedPoseSensor::acquire() {
+  if (tracker_.places().empty()) observe();
+}
+
 void TrackedPoseSensor::forget() {
   tracker_.forget();
   detector_.reset();

@@ -150,8 +150,6 @@ void PoseTracker::pulse(const physics::Currents& current_A) {
     after.push_back({slip.to_m, place.covariance_m2 + wild_spread_m2(slip), kWild * slips});
   }
   places_ = after;
-  doubtful_.reset();
-  agreeing_ = 0;
   if (pulses_.size() > 1) slip_.reset();  // what moved it how far is not known any more
   log_gain_variance_ += kLogGainDrift * kLogGainDrift;
   merge();
@@ -235,10 +233,8 @@ bool PoseTracker::confirmed(const Rod& candidate) {
   return agreeing_ >= looks_needed(candidate);
 }
 
-/// `before`: the look that agrees with it.
-void PoseTracker::start(const Rod& candidate, const Rod& before) {
+void PoseTracker::start(const Rod& candidate) {
   forget();
-  heading_.see(before.pose.heading_rad, std::sqrt(before.covariance(2, 2)), before.tape_log_odds);
   places_.push_back({candidate.pose.position_m(), noise_m2(candidate), 1.0});
 }
 
@@ -270,8 +266,11 @@ Track PoseTracker::see(const Sighting& sighting) {
                                    : "something is seen where the needle is not expected";
     return track;
   }
-  if (!foreseen) start(needle, *before);
+  const bool repeated = agreeing_ > 1;
+  if (!foreseen) start(needle);
   update(needle);
+  if (repeated)  // the tape of the look before counts, too
+    heading_.see(before->pose.heading_rad, std::sqrt(before->covariance(2, 2)), before->tape_log_odds);
   track.located = true;
   track.pose = needle.pose;
   track.pose.x_m = places_.front().mean_m.x();

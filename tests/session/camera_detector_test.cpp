@@ -32,7 +32,7 @@ class SpoiledCamera final : public rig::Camera {
     if (++count_ > good) spoil(frame);
     return frame;
   }
-  int good = 4;  // the first step looks twice
+  int good = 5;  // two of them before the run begins
   std::function<void(imaging::Frame&)> spoil = [](imaging::Frame&) {};
 
  private:

@@ -117,3 +117,16 @@ TEST_CASE(
     CHECK(clock.now_s() <= start_s + 0.1);
   }
 }
+
+TEST_CASE("before a run begins it gets to know a needle, once") {
+  tests::ManualClock clock;
+  Scripted detector;
+  detector.script = {{1.0, {rod({0.01, 0.0, 0.5})}, ""}};
+  session::TrackedPoseSensor sensor(detector, {}, {}, clock);
+  sensor.acquire();
+  CHECK(detector.looks == 2);
+  sensor.acquire();
+  CHECK(detector.looks == 2);
+  CHECK(sensor.observe().valid);
+  CHECK(detector.looks == 3);
+}

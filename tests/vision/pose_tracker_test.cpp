@@ -89,6 +89,16 @@ TEST_CASE("a needle that is new, or has slipped far, is looked at twice") {
   CHECK(see(tracker, {far}).seen);
 }
 
+TEST_CASE("weak pulses between looks do not keep a needle that was moved from being found") {
+  PoseTracker tracker = tracking({0.0, 0.0, 0.0});
+  vision::Track track;
+  for (int step = 0; step < 3 && !track.located; ++step) {
+    track = see(tracker, {rod({-0.025, 0.01, 1.0 + 0.3 * step})});
+    tracker.pulse({1.0, 0.0, 0.0, 0.0});
+  }
+  CHECK(track.located);
+}
+
 TEST_CASE("of several candidates the likeliest is taken, and none where two are likely") {
   PoseTracker tracker = tracking({0.0, 0.0, 0.0});
   const vision::Track one = see(tracker, {rod({0.02, 0.0, 0.5}), rod({0.0, 0.0, 0.0})});

@@ -29,6 +29,9 @@ class PoseSensor {
  public:
   virtual ~PoseSensor() = default;
   virtual PoseEstimate observe() = 0;
+  /// Takes its time to find a needle that it does not know yet: before a run begins, when nothing can be
+  /// late.
+  virtual void acquire() {}
   /// What the coils were asked for since the last observation, for a sensor that expects the needle to obey.
   virtual void pulsed(const std::array<double, rig::kCoilCount>& /*current_A*/) {}
   /// The needle was moved in a way that nobody can foresee.

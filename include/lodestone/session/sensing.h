@@ -63,6 +63,7 @@ class RigSensor final : public control::PoseSensor {
   ~RigSensor() override;
 
   control::PoseEstimate observe() override;
+  void acquire() override { tracked_->acquire(); }
   void pulsed(const std::array<double, rig::kCoilCount>& current_A) override;
   void expect_nothing() override { tracked_->expect_nothing(); }
   void forget() override;

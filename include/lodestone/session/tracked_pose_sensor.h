@@ -24,6 +24,7 @@ class TrackedPoseSensor final : public control::PoseSensor {
 
   /// Throws HardwareError where the detector does.
   control::PoseEstimate observe() override;
+  void acquire() override;
   void pulsed(const std::array<double, rig::kCoilCount>& current_A) override { tracker_.pulse(current_A); }
   void expect_nothing() override { tracker_.forget(); }
   void forget() override;

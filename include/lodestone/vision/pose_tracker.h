@@ -99,7 +99,7 @@ class PoseTracker {
   bool gated(const Rod& candidate) const;
   int looks_needed(const Rod& candidate) const;
   bool confirmed(const Rod& candidate);
-  void start(const Rod& candidate, const Rod& before);
+  void start(const Rod& candidate);
   void update(const Rod& seen);
   double learn(const geometry::Vector2& now_m, const Eigen::Matrix2d& noise_m2);
   void merge();
