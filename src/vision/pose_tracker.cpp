@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 
 #include "lodestone/geometry/angle.h"
 
@@ -18,8 +19,8 @@ constexpr double kGate = 13.816;     // chi-square of 2 degrees of freedom, 99.9
 constexpr double kFloor_m = 0.1e-3;  // RMS distance
 constexpr double kFloor_rad = 0.15 * geometry::kRadPerDeg;
 constexpr double kRest_m = 0.05e-3;  // what a needle that sticks may still settle by
-// What the pull does, in units of the pull that breaks the needle loose. Measured on steps of the explorer
-// and of the planner on virtual rigs, where medians and spreads follow these lines from 0.1 to 4.
+// What the pull does, in units of the pull that breaks the needle loose: fitted to recorded steps of the
+// explorer and of the planner on virtual rigs.
 constexpr double kSticksBelow = 0.23;  // where half of all pulses move nothing,
 constexpr double kSticksPower = 1.8;   // and how soon that changes
 constexpr double kSlip_m = 3.3e-3;     // grows with the square of the pull,
@@ -39,13 +40,13 @@ constexpr double kSurprise_m = 3e-3;
 constexpr double kAgree_m = 1e-3;
 constexpr double kBeyondWall_m = 1e-3;
 
-Eigen::Matrix2d noise_m2(const Rod& rod) {
-  Eigen::Matrix2d noise = rod.covariance.topLeftCorner<2, 2>();
-  const double rms2_m2 = noise.trace();
-  if (rms2_m2 < kFloor_m * kFloor_m)
-    noise += 0.5 * (kFloor_m * kFloor_m - rms2_m2) * Eigen::Matrix2d::Identity();
-  return noise;
+/// A spread, but no smaller than the floor.
+Eigen::Matrix2d floored_m2(const Eigen::Matrix2d& covariance_m2) {
+  const double missing_m2 = std::max(0.0, kFloor_m * kFloor_m - covariance_m2.trace());
+  return covariance_m2 + 0.5 * missing_m2 * Eigen::Matrix2d::Identity();
 }
+
+Eigen::Matrix2d noise_m2(const Rod& rod) { return floored_m2(rod.covariance.topLeftCorner<2, 2>()); }
 
 double sticking(double ratio) { return 1.0 / (1.0 + std::pow(ratio / kSticksBelow, kSticksPower)); }
 
@@ -76,6 +77,11 @@ Place merged(const Place& a, const Place& b) {
   };
   both.covariance_m2 = part(a) + part(b);
   return both;
+}
+
+/// The Gaussian with the mean and the covariance of them all.
+Place all_of(const std::vector<Place>& places) {
+  return std::accumulate(places.begin() + 1, places.end(), places.front(), merged);
 }
 
 /// What merging two costs: an upper bound of the discrimination lost (Runnalls, IEEE Trans. AES 43, 2007).
@@ -293,8 +299,7 @@ void PoseTracker::update(const Rod& seen) {
   const Vector2 now_m = seen.pose.position_m();
   const Eigen::Matrix2d noise = noise_m2(seen);
   if (!pulses_.empty()) {
-    Place all = places_.front();
-    for (std::size_t i = 1; i < places_.size(); ++i) all = merged(all, places_[i]);
+    const Place all = all_of(places_);
     innovation_ = distance2(now_m - all.mean_m, all.covariance_m2 + noise);
     if (slip_) pulses_.front().sticks = learn(now_m, noise);
   }
@@ -307,12 +312,9 @@ void PoseTracker::update(const Rod& seen) {
     after.push_back({place.mean_m + gain * off_m, (Eigen::Matrix2d::Identity() - gain) * place.covariance_m2,
                      place.weight * density(off_m, spread) + 1e-300});
   }
-  Place one = after.front();
-  for (std::size_t i = 1; i < after.size(); ++i) one = merged(one, after[i]);
+  Place one = all_of(after);
   one.weight = 1.0;
-  const double rms2_m2 = one.covariance_m2.trace();
-  if (rms2_m2 < kFloor_m * kFloor_m)
-    one.covariance_m2 += 0.5 * (kFloor_m * kFloor_m - rms2_m2) * Eigen::Matrix2d::Identity();
+  one.covariance_m2 = floored_m2(one.covariance_m2);
   places_ = {one};
   slip_.reset();
   pulses_.clear();

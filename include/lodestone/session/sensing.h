@@ -67,7 +67,6 @@ class RigSensor final : public control::PoseSensor {
   void pulsed(const std::array<double, rig::kCoilCount>& current_A) override;
   void expect_nothing() override { tracked_->expect_nothing(); }
   void forget() override;
-  const vision::PoseTracker& tracker() const { return tracked_->tracker(); }
   /// Null when the sensor is simulated.
   const CameraDetector* camera() const { return by_camera_ ? &*by_camera_ : nullptr; }
 

@@ -29,19 +29,18 @@ class TrackedPoseSensor final : public control::PoseSensor {
   void expect_nothing() override { tracker_.forget(); }
   void forget() override;
 
-  const vision::PoseTracker& tracker() const { return tracker_; }
-
  private:
   control::PoseEstimate look();
   control::PoseEstimate timed_look();
 
+  static constexpr double kNear_s = 0.04;    // what a look near the last place is taken to need at first,
+  static constexpr double kSearch_s = 0.08;  // and one of the whole dish
+
   NeedleDetector& detector_;
   vision::TrackerConfig config_;
   const common::Clock& clock_;
-  static constexpr double kNear_s = 0.04;    // what a look near the last place is taken to need at first,
-  static constexpr double kSearch_s = 0.08;  // and one of the whole dish
-  bool searching_ = true;                    // the next look is of the whole dish
-  double longest_near_s_ = kNear_s;          // that such a look took of late
+  bool searching_ = true;            // the next look is of the whole dish
+  double longest_near_s_ = kNear_s;  // that such a look took of late
   double longest_search_s_ = kSearch_s;
   std::function<void()> wait_;
   vision::PoseTracker tracker_;

@@ -14,6 +14,7 @@
 
 namespace lodestone::vision {
 
+/// When what images show is believed.
 struct TrackerConfig {
   double min_head_probability = 0.99;
   double min_needle_probability = 0.99;
