@@ -54,6 +54,16 @@ double interquartile_mean(std::vector<double> values) {
   return sum / (high - low);
 }
 
+double normal_quantile(double probability) {
+  LODESTONE_CHECK(probability > 0.0 && probability < 1.0, "a probability within (0, 1)");
+  double low = -40.0, high = 40.0;
+  while (true) {
+    const double middle = 0.5 * (low + high);
+    if (middle <= low || middle >= high) return middle;
+    (0.5 * std::erfc(-middle / std::sqrt(2.0)) < probability ? low : high) = middle;
+  }
+}
+
 Interval percentile_interval(std::vector<double> values, double fraction, double z) {
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());

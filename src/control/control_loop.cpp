@@ -24,6 +24,7 @@ struct Memory {
   bool has_pose = false;
   geometry::Vector2 position_m = geometry::Vector2::Zero();
   geometry::Vector2 action = geometry::Vector2::Zero();
+  std::optional<geometry::Pose2> pose_before;  // the last pulse, which was not a probe
 
   task::Observation observe(const geometry::Pose2& pose, const geometry::Vector2& target_m,
                             std::optional<double> target_heading_rad) const {
@@ -59,8 +60,14 @@ geometry::Vector2 decide(Controller& controller, const task::Observation& observ
 }  // namespace
 
 ControlLoop::ControlLoop(const ControlLoopConfig& config, const task::ActionConfig& action, Guard& coils,
-                         PoseSensor& sensor, common::Clock& clock, const physics::RigDescription* rig)
-    : config_(config), action_(action), coils_(coils), sensor_(sensor), clock_(clock) {
+                         PoseSensor& sensor, common::Clock& clock, const physics::RigDescription* rig,
+                         GainFilter* identifier)
+    : config_(config),
+      action_(action),
+      coils_(coils),
+      sensor_(sensor),
+      clock_(clock),
+      identifier_(identifier) {
   if (rig != nullptr) recovery_.emplace(config.recovery, *rig);
 }
 
@@ -139,18 +146,27 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     record.last = reference.finished(due_s);
     if (record.estimate.valid) {
       invalid_in_a_row = 0;
+      if (identifier_ != nullptr) {
+        if (memory.pose_before)
+          identifier_->pulse(*memory.pose_before, task::axis_drive(memory.action, action_),
+                             record.estimate.pose);
+        record.drive_gain = identifier_->gain();
+      }
       if (!record.last) {
         task::Observation observation =
             memory.observe(record.estimate.pose, record.target_m, reference.target_heading_rad());
+        observation.drive_gain = record.drive_gain;
         observation.ahead = reference.ahead(due_s, config_.period_s(), kStepsAhead);
         record.action = decide(controller, observation);
         record.current_A = task::coil_currents(task::axis_drive(record.action, action_));
       }
       if (recovery_) recovery_->seen(record.estimate.pose);
       memory.has_pose = true;
+      memory.pose_before = record.estimate.pose;
       memory.position_m = seen_m;
     } else {
       ++invalid_in_a_row;
+      memory.pose_before.reset();
       const std::optional<geometry::Vector2> probe_A =
           recovery_ && !record.last ? recovery_->next_probe() : std::nullopt;
       record.probe = probe_A.has_value();

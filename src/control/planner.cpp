@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/statistics.h"
 #include "lodestone/geometry/pose2.h"
 #include "lodestone/geometry/saturation.h"
 
@@ -30,24 +31,14 @@ void PlannerConfig::validate() const {
     throw common::InvalidConfig("elites", elites, fmt::format("not exceed candidates = {}", candidates));
 }
 
-PlannerModel::PlannerModel(const inference::DynamicsModel& model)
-    : members(model.members),
-      state_size(static_cast<std::size_t>(data::state_size(model.info.layout))),
-      sampled(model.config.components > 0),
-      dish_radius_m(model.info.workspace_radius_m) {
-  LODESTONE_CHECK(!members.empty(), "the ensemble has no member");
-  action.scale = model.info.action_scale;
-  action.one_axis_at_a_time = model.info.one_axis_at_a_time;
-}
-
-Planner::Planner(std::shared_ptr<const PlannerModel> model, const PlannerConfig& config, std::uint64_t seed)
+Planner::Planner(std::shared_ptr<const LearnedSimulator> model, const PlannerConfig& config,
+                 std::uint64_t seed)
     : model_(std::move(model)), config_(config), seed_(seed), random_(seed, "planner") {
   config_.validate();
-  const auto rows = static_cast<std::size_t>(config_.candidates) * model_->members.size();
-  state_.resize(rows * model_->state_size);
-  next_.resize(state_.size());
-  drive_.resize(2 * rows);
-  streams_.assign(static_cast<std::size_t>(config_.candidates), &random_);
+  const auto particles = std::max(static_cast<std::size_t>(config_.particles), model_->members.size());
+  for (std::size_t k = 0; k < particles; ++k)
+    quantile_.push_back(
+        common::normal_quantile((static_cast<double>(k) + 0.5) / static_cast<double>(particles)));
   reset();
 }
 
@@ -56,56 +47,73 @@ void Planner::reset() {
   plan_.assign(static_cast<std::size_t>(config_.horizon), geometry::Vector2::Zero());
 }
 
+std::vector<std::size_t> Planner::best(std::size_t count) const {
+  std::vector<std::size_t> order(candidates_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  count = std::min(count, order.size());
+  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
+                    [this](std::size_t a, std::size_t b) {
+                      return cost_mm_[a] != cost_mm_[b] ? cost_mm_[a] < cost_mm_[b] : a < b;
+                    });
+  order.resize(count);
+  return order;
+}
+
 geometry::Vector2 Planner::act(const task::Observation& observation) {
-  // What was the second pulse is the first one now.
+  const auto horizon = static_cast<std::size_t>(config_.horizon);
+  const Sequence nothing(horizon, geometry::Vector2::Zero());
+  // What was the second pulse is the first one now, and one proposal among others.
   std::rotate(plan_.begin(), plan_.begin() + 1, plan_.end());
   plan_.back().setZero();
-  const auto horizon = plan_.size();
-  const auto count = static_cast<std::size_t>(config_.candidates);
-  const auto elites = static_cast<std::size_t>(config_.elites);
-  std::vector<geometry::Vector2> spread(horizon, geometry::Vector2::Constant(config_.spread));
-  std::vector<std::size_t> order(count);
+  Sequence mean = nothing;
+  Sequence spread(horizon, geometry::Vector2::Constant(config_.spread));
+  std::vector<Sequence> elites;
   for (std::int64_t iteration = 0; iteration < config_.iterations; ++iteration) {
-    candidates_.resize(count * horizon);
-    for (std::size_t c = 0; c < count; ++c) {
+    candidates_ = {nothing, plan_, mean};
+    while (candidates_.size() < static_cast<std::size_t>(config_.candidates)) {
+      Sequence& candidate = candidates_.emplace_back(mean);
       for (std::size_t t = 0; t < horizon; ++t) {
         const geometry::Vector2 noise(random_.normal(), random_.normal());
-        // The last but one candidate is the plan itself, the last one does nothing at all.
-        geometry::Vector2 action = plan_[t];
-        if (c + 2 < count) action += spread[t].cwiseProduct(noise);
-        if (c + 1 == count) action.setZero();
-        candidates_[c * horizon + t] = geometry::saturated(action);
+        candidate[t] = geometry::saturated(candidate[t] + spread[t].cwiseProduct(noise));
       }
     }
     evaluate_candidates(observation);
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(elites), order.end(),
-                      [this](std::size_t a, std::size_t b) {
-                        return cost_mm_[a] != cost_mm_[b] ? cost_mm_[a] < cost_mm_[b] : a < b;
-                      });
-    if (order.front() + 1 == count) return geometry::Vector2::Zero();  // nothing beats lying still
+    elites.clear();
+    for (const std::size_t index : best(static_cast<std::size_t>(config_.elites)))
+      elites.push_back(candidates_[index]);
     for (std::size_t t = 0; t < horizon; ++t) {
-      geometry::Vector2 mean = geometry::Vector2::Zero();
+      geometry::Vector2 sum = geometry::Vector2::Zero();
       geometry::Vector2 square = geometry::Vector2::Zero();
-      for (std::size_t e = 0; e < elites; ++e) {
-        const geometry::Vector2& action = candidates_[order[e] * horizon + t];
-        mean += action;
-        square += action.cwiseProduct(action);
+      for (const Sequence& elite : elites) {
+        sum += elite[t];
+        square += elite[t].cwiseProduct(elite[t]);
       }
-      mean /= static_cast<double>(elites);
-      square /= static_cast<double>(elites);
-      plan_[t] = mean;
-      spread[t] = (square - mean.cwiseProduct(mean)).cwiseMax(kLeastSpread * kLeastSpread).cwiseSqrt();
+      mean[t] = sum / static_cast<double>(elites.size());
+      square /= static_cast<double>(elites.size());
+      spread[t] = (square - mean[t].cwiseProduct(mean[t])).cwiseMax(kLeastSpread * kLeastSpread).cwiseSqrt();
     }
   }
+  // The best of many was lucky, and the mean of two good ways may lie on neither: judged once more.
+  candidates_ = std::move(elites);
+  candidates_.push_back(mean);
+  candidates_.push_back(nothing);
+  evaluate_candidates(observation);
+  plan_ = candidates_[best(1).front()];
   return plan_.front();
 }
 
 void Planner::evaluate_candidates(const task::Observation& observation) {
-  const auto count = static_cast<std::size_t>(config_.candidates);
+  const std::size_t count = candidates_.size();
   const std::size_t members = model_->members.size();
+  const bool alike = !observation.drive_gain && !model_->sampled;
+  const std::size_t particles = alike ? members : quantile_.size();
+  const task::DriveGain gain = observation.drive_gain.value_or(task::DriveGain{});
+  const double limit = model_->action.scale;
   const std::size_t size = model_->state_size;
-  const std::size_t rows = count * members;
+  const std::size_t rows = count * particles;
+  state_.resize(rows * size);
+  next_.resize(rows * size);
+  drive_.resize(2 * rows);
   for (std::size_t row = 0; row < rows; ++row) {
     state_[row * size] = observation.pose.x_m;
     state_[row * size + 1] = observation.pose.y_m;
@@ -113,25 +121,31 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
   }
   cost_mm_.assign(count, 0.0);
   const auto horizon = static_cast<std::size_t>(config_.horizon);
-  const double fraction = 1.0 / static_cast<double>(members * horizon);
+  const double fraction = 1.0 / static_cast<double>(particles * horizon);
   for (std::size_t t = 0; t < horizon; ++t) {
     const geometry::Vector2 target_m = target_after_m(observation, t);
-    for (std::size_t row = 0; row < rows; ++row) {
-      const geometry::Vector2& action = candidates_[(row % count) * horizon + t];
-      const geometry::Vector2 drive = task::axis_drive(action, model_->action);
-      drive_[2 * row] = drive.x();
-      drive_[2 * row + 1] = drive.y();
-      cost_mm_[row % count] += config_.current_cost * action.squaredNorm() / static_cast<double>(members);
-    }
-    for (std::size_t m = 0; m < members; ++m) {
-      const double* state = &state_[m * count * size];
-      const double* drive = &drive_[2 * m * count];
-      double* next = &next_[m * count * size];
+    for (std::size_t c = 0; c < count; ++c)
+      cost_mm_[c] += config_.current_cost * candidates_[c][t].squaredNorm();
+    for (std::size_t p = 0; p < particles; ++p) {
+      const double factor = std::exp(gain.log_mean + gain.log_sigma * quantile_[p]);
+      for (std::size_t c = 0; c < count; ++c) {
+        const geometry::Vector2 drive =
+            geometry::Vector2(factor * task::axis_drive(candidates_[c][t], model_->action))
+                .cwiseMax(-limit)
+                .cwiseMin(limit);
+        drive_[2 * (p * count + c)] = drive.x();
+        drive_[2 * (p * count + c) + 1] = drive.y();
+      }
+      const double* state = &state_[p * count * size];
+      const double* drive = &drive_[2 * p * count];
+      double* next = &next_[p * count * size];
       const auto n = static_cast<std::int64_t>(count);
+      const inference::FoldedDynamics& member = model_->members[p % members];
       if (model_->sampled) {
-        model_->members[m].sample(state, drive, n, streams_.data(), next, workspace_);
+        const auto luck = inference::Luck::draw(static_cast<std::int64_t>(size), random_);
+        member.sample(state, drive, n, luck, next, workspace_);
       } else {
-        model_->members[m].predict(state, drive, n, next, workspace_);
+        member.predict(state, drive, n, next, workspace_);
       }
     }
     for (std::size_t row = 0; row < rows; ++row) {

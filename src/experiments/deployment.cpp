@@ -5,6 +5,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/log.h"
+#include "lodestone/control/gain_correction.h"
 #include "lodestone/control/policy_controller.h"
 #include "lodestone/geometry/angle.h"
 #include "lodestone/physics/viscosity.h"
@@ -50,6 +51,35 @@ void warn_of_another_rig(const DeploymentConfig& config, const common::Json& tra
       differs += (differs.empty() ? "" : ", ") + std::string(part);
   if (!differs.empty())
     common::log_warning(what + " was trained for a rig with other figures of: " + differs);
+}
+
+std::shared_ptr<const control::LearnedSimulator> ready(const SimulatorSource& simulator) {
+  return std::make_shared<const control::LearnedSimulator>(simulator.model);
+}
+
+/// What makes filters by a simulator, where the configuration asks for it.
+std::function<std::shared_ptr<control::GainFilter>()> identified_by(
+    const DeploymentConfig& config, const SimulatorSource& simulator,
+    const std::shared_ptr<const control::LearnedSimulator>& shared) {
+  if (!config.identification.enabled) return {};
+  if (!shared->sampled) {
+    common::log_warning(simulator.what +
+                        " predicts single values, so no rig can be identified by it (train-dynamics with "
+                        "model.components above 0 makes one that predicts distributions)");
+    return {};
+  }
+  const bool percent = shared->action.unit == "percent";
+  const double drive_per_A = percent ? 100.0 / config.rig.full_drive_A : 1.0;
+  const auto make = [shared, drive_per_A, identification = config.identification] {
+    return std::make_shared<control::GainFilter>(shared, identification, drive_per_A);
+  };
+  // Virtual trials run beside one another, on rigs of their own.
+  if (!config.rig.real() || !config.identification.carry) return make;
+  return [carried = make()] { return carried; };
+}
+
+std::shared_ptr<control::GainFilter> identifier_of(const ControllerSource& source) {
+  return source.identify ? source.identify() : nullptr;
 }
 
 /// What the configuration puts around every controller.
@@ -132,42 +162,42 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
 }
 
 ControllerSource policy_source(const DeploymentConfig& config, const inference::Policy& policy,
-                               const std::string& what) {
+                               const std::string& what, const SimulatorSource* simulator) {
   warn_of_another_rig(config, policy.rig, what);
   ControllerSource source;
   source.name = "policy";
   source.action = in_ampere(config, policy.action, what);
-  source.make = [policy, config, scale_A = source.action.scale] {
-    return decorated(std::make_unique<control::PolicyController>(policy), config, scale_A);
-  };
-  return source;
-}
-
-ControllerSource planner_source(const DeploymentConfig& config, const inference::DynamicsModel& model,
-                                const std::string& what) {
-  warn_of_another_rig(config, model.info.rig, what);
-  ControllerSource source;
-  source.name = "planner";
-  source.action.scale = model.info.action_scale;
-  source.action.unit = model.info.action_unit;
-  source.action.one_axis_at_a_time = model.info.one_axis_at_a_time;
-  source.action = in_ampere(config, source.action, what);
-  const auto shared = std::make_shared<const control::PlannerModel>(model);
-  source.make = [shared, config, scale_A = source.action.scale] {
+  if (simulator != nullptr) source.identify = identified_by(config, *simulator, ready(*simulator));
+  source.make = [policy, config, scale_A = source.action.scale](std::uint64_t) {
     return decorated(
-        std::make_unique<control::Planner>(shared, config.planner, static_cast<std::uint64_t>(config.seed)),
+        std::make_unique<control::GainCorrection>(std::make_unique<control::PolicyController>(policy)),
         config, scale_A);
   };
   return source;
 }
 
-ControllerSource baseline_source(const DeploymentConfig& config) {
+ControllerSource planner_source(const DeploymentConfig& config, const SimulatorSource& simulator) {
+  warn_of_another_rig(config, simulator.model.info.rig, simulator.what);
+  ControllerSource source;
+  source.name = "planner";
+  const std::shared_ptr<const control::LearnedSimulator> shared = ready(simulator);
+  source.action = in_ampere(config, shared->action, simulator.what);
+  source.identify = identified_by(config, simulator, shared);
+  source.make = [shared, config, scale_A = source.action.scale](std::uint64_t seed) {
+    return decorated(std::make_unique<control::Planner>(shared, config.planner, seed), config, scale_A);
+  };
+  return source;
+}
+
+ControllerSource baseline_source(const DeploymentConfig& config, const SimulatorSource* simulator) {
   ControllerSource source;
   source.name = "baseline";
   source.action.scale = config.rig.coils.max_current_A;
-  source.make = [config] {
-    return decorated(std::make_unique<control::DipolePullController>(config.rig, config.baseline), config,
-                     config.rig.coils.max_current_A);
+  if (simulator != nullptr) source.identify = identified_by(config, *simulator, ready(*simulator));
+  source.make = [config](std::uint64_t) {
+    return decorated(std::make_unique<control::GainCorrection>(
+                         std::make_unique<control::DipolePullController>(config.rig, config.baseline)),
+                     config, config.rig.coils.max_current_A);
   };
   return source;
 }
@@ -180,9 +210,10 @@ std::string video_file(const std::string& folder, RigKind kind, const Controller
 
 TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& config, const TrialPlan& plan,
                            const ControllerSource& source, const TruePose& truth, const TrialWatch& watch) {
+  const std::shared_ptr<control::GainFilter> identifier = identifier_of(source);
   control::ControlLoop loop(config.loop, source.action, bench.coils(), bench.sensor(), bench.clock(),
-                            &config.rig);
-  const std::unique_ptr<control::Controller> controller = source.make();
+                            &config.rig, identifier.get());
+  const std::unique_ptr<control::Controller> controller = source.make(trial_seed(config, plan));
   TrialResult result = run_trial(plan, loop, *controller, truth, config.score, watch,
                                  [&bench] { return bench.coils().temperature_C(); });
   if (!result.samples.empty() && result.samples.front().step.estimate.valid)
@@ -236,8 +267,10 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   if (realtime) rig.keep_pace_with(wall);
   common::Clock& clock = *drive.clock;
   safety::Supervisor coils(*drive.coils, config_.safety, config_.rig, clock);
-  control::ControlLoop loop(config_.loop, source.action, coils, *sensor, clock, &config_.rig);
-  const std::unique_ptr<control::Controller> controller = source.make();
+  const std::shared_ptr<control::GainFilter> identifier = identifier_of(source);
+  control::ControlLoop loop(config_.loop, source.action, coils, *sensor, clock, &config_.rig,
+                            identifier.get());
+  const std::unique_ptr<control::Controller> controller = source.make(seed);
   std::optional<TrialVideo> video;
   const bool filmed = config_.record.enabled && sensor->camera() != nullptr && !video_folder.empty() &&
                       plan.index < config_.record.trials;

@@ -1,5 +1,6 @@
 #include "lodestone/experiments/recorder.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -19,7 +20,7 @@ std::string heading(bool true_poses) {
   return std::string("rig,controller,task,trial,t_s,") +
          (true_poses ? "true_x_m,true_y_m,true_heading_rad," : "") +
          "sensed,sensed_x_m,sensed_y_m,sensed_heading_rad,target_x_m,target_y_m,approach,action_x,action_y,"
-         "current_px_A,current_mx_A,current_py_A,current_my_A\n";
+         "current_px_A,current_mx_A,current_py_A,current_my_A,log_drive_gain,log_drive_gain_sigma\n";
 }
 
 runs::PoseMm pose_mm(const geometry::Pose2& pose) {
@@ -106,7 +107,10 @@ void Recorder::write_row(const TrialPlan& plan, const std::string& rig, const st
   file_ << step.target_m.x() << ',' << step.target_m.y() << ',' << (sample.approach ? 1 : 0) << ','
         << step.action.x() << ',' << step.action.y();
   for (const double current_A : step.current_A) file_ << ',' << current_A;
-  file_ << '\n';
+  if (step.drive_gain)
+    file_ << ',' << step.drive_gain->log_mean << ',' << step.drive_gain->log_sigma << '\n';
+  else
+    file_ << ",,\n";
 }
 
 void Recorder::flush() {
@@ -140,12 +144,19 @@ runs::TrialRecord record_of(const TrialResult& result) {
   record.current_A.emplace();
   const bool temperatures = !result.samples.empty() && result.samples.back().temperature_C;
   if (temperatures) record.temperature_C.emplace();
+  const auto identified = [](const TrialSample& sample) { return sample.step.drive_gain.has_value(); };
+  if (std::any_of(result.samples.begin(), result.samples.end(), identified)) record.log_drive_gain.emplace();
   for (const TrialSample& sample : result.samples) {
     record.time_s.push_back(sample.step.time_s);
     if (record.trajectory) record.trajectory->push_back(pose_mm(*sample.true_pose));
     const control::PoseEstimate& estimate = sample.step.estimate;
     record.sensed_trajectory.push_back(estimate.valid ? std::optional(pose_mm(estimate.pose)) : std::nullopt);
     record.current_A->push_back(sample.step.current_A);
+    if (record.log_drive_gain) {
+      const std::optional<task::DriveGain>& gain = sample.step.drive_gain;
+      record.log_drive_gain->push_back(
+          gain ? std::optional(std::array<double, 2>{gain->log_mean, gain->log_sigma}) : std::nullopt);
+    }
     // Before the first pulse nothing has been reported.
     if (temperatures) record.temperature_C->push_back(sample.temperature_C);
     if (!plan.path) continue;

@@ -86,7 +86,7 @@ BlindDrive drive_blind(const DeploymentConfig& config, std::int64_t steps, std::
   control::PointReference far({0.025, 0.02},
                               static_cast<double>(kFrom + steps + 10) * config.loop.period_s());
   BlindDrive result;
-  loop.run(*source.make(), far, [&](const control::StepRecord& record) {
+  loop.run(*source.make(seed), far, [&](const control::StepRecord& record) {
     const double most_A = *std::max_element(record.current_A.begin(), record.current_A.end());
     if (record.estimate.valid || most_A == 0.0) return;
     ++result.pulses;

@@ -142,8 +142,8 @@ TrackingBench::TrackingBench(const TrackingBenchConfig& config)
     : config_(config),
       source_(config.dynamics.empty()
                   ? baseline_source(config.deployment)
-                  : planner_source(config.deployment, inference::load_dynamics(config.dynamics),
-                                   config.dynamics)) {
+                  : planner_source(config.deployment,
+                                   {inference::load_dynamics(config.dynamics), config.dynamics})) {
   result_.machine = common::build_and_host_facts();
 }
 

@@ -199,15 +199,50 @@ void FoldedDynamics::predict(const double* state, const double* drive, std::int6
   }
 }
 
-void FoldedDynamics::sample(const double* state, const double* drive, std::int64_t rows,
-                            common::RandomStream* const* random, double* next, Workspace& workspace) const {
+template <class LuckOf>
+void FoldedDynamics::draw(const double* state, const double* drive, std::int64_t rows, const LuckOf& luck_of,
+                          double* next, Workspace& workspace) const {
   if (mixture_.components == 0) return predict(state, drive, rows, next, workspace);
   if (rows == 0) return;
   const float* output = evaluate(state, drive, rows, workspace);
   float drawn[3];
   for (std::int64_t row = 0; row < rows; ++row) {
-    mixture_draw(output + row * mixture_.outputs(), mixture_, *random[row], drawn);
+    mixture_draw(output + row * mixture_.outputs(), mixture_, luck_of(row), drawn);
     write_next(state + row * state_size_, drawn, 1, next + row * state_size_);
+  }
+}
+
+void FoldedDynamics::sample(const double* state, const double* drive, std::int64_t rows,
+                            common::RandomStream* const* random, double* next, Workspace& workspace) const {
+  const auto own = [&](std::int64_t row) { return Luck::draw(mixture_.size, *random[row]); };
+  draw(state, drive, rows, own, next, workspace);
+}
+
+void FoldedDynamics::sample(const double* state, const double* drive, std::int64_t rows, const Luck& luck,
+                            double* next, Workspace& workspace) const {
+  draw(
+      state, drive, rows, [&](std::int64_t) { return luck; }, next, workspace);
+}
+
+void FoldedDynamics::log_density(const double* state, const double* drive, const double* seen,
+                                 const double* noise, std::int64_t rows, double* out,
+                                 Workspace& workspace) const {
+  LODESTONE_CHECK(distribution(), "a simulator that predicts distributions");
+  if (rows == 0) return;
+  const auto size = static_cast<std::size_t>(state_size_);
+  const float* output = evaluate(state, drive, rows, workspace);
+  double value[3], spread[3];
+  for (std::int64_t row = 0; row < rows; ++row, state += size, seen += size, output += mixture_.outputs()) {
+    double log_units = 0.0;
+    for (std::size_t i = 0; i < size; ++i) {
+      const double change = predicts_change_ ? seen[i] - state[i] : seen[i];
+      const auto unit = static_cast<double>(output_std_[i]);
+      value[i] =
+          ((i == 2 ? geometry::wrap_angle(change) : change) - static_cast<double>(output_mean_[i])) / unit;
+      spread[i] = noise[i] / unit;
+      log_units += std::log(unit);
+    }
+    out[row] = mixture_log_density(output, mixture_, value, spread) - log_units;
   }
 }
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "lodestone/geometry/angle.h"
 
 namespace lodestone::inference {
 namespace {
@@ -15,6 +18,12 @@ float weights(const float* raw, std::int64_t components, float* out) {
 }
 
 constexpr std::int64_t kMostComponents = 16;
+constexpr double kLeastWeight = 1e-30;  // of which a logarithm can be taken
+
+double spread_of(float raw) {
+  return std::exp(kLeastLogSpread +
+                  (kMostLogSpread - kLeastLogSpread) / (1.0 + std::exp(-static_cast<double>(raw))));
+}
 
 }  // namespace
 
@@ -28,18 +37,45 @@ void mixture_mean(const float* raw, const MixtureLayout& layout, float* out) {
   }
 }
 
-void mixture_draw(const float* raw, const MixtureLayout& layout, common::RandomStream& random, float* out) {
+Luck Luck::draw(std::int64_t size, common::RandomStream& random) {
+  Luck luck;
+  luck.uniform = random.uniform();
+  for (std::int64_t i = 0; i < size; ++i) luck.normal[static_cast<std::size_t>(i)] = random.normal();
+  return luck;
+}
+
+void mixture_draw(const float* raw, const MixtureLayout& layout, const Luck& luck, float* out) {
   float weight[kMostComponents];
-  float left = static_cast<float>(random.uniform()) * weights(raw, layout.components, weight);
+  float left = static_cast<float>(luck.uniform) * weights(raw, layout.components, weight);
   std::int64_t chosen = 0;
   while (chosen + 1 < layout.components && left >= weight[chosen]) left -= weight[chosen++];
   const float* mean = raw + layout.components + chosen * layout.size;
   const float* spread = mean + layout.components * layout.size;
-  for (std::int64_t i = 0; i < layout.size; ++i) {
-    const double log_spread = kLeastLogSpread + (kMostLogSpread - kLeastLogSpread) /
-                                                    (1.0 + std::exp(-static_cast<double>(spread[i])));
-    out[i] = mean[i] + static_cast<float>(std::exp(log_spread) * random.normal());
+  for (std::int64_t i = 0; i < layout.size; ++i)
+    out[i] = mean[i] + static_cast<float>(spread_of(spread[i]) * luck.normal[static_cast<std::size_t>(i)]);
+}
+
+double mixture_log_density(const float* raw, const MixtureLayout& layout, const double* value,
+                           const double* noise) {
+  float weight[kMostComponents];
+  const double sum = static_cast<double>(weights(raw, layout.components, weight));
+  double log_density[kMostComponents];
+  double most = -std::numeric_limits<double>::infinity();
+  const float* mean = raw + layout.components;
+  const float* spread = mean + layout.components * layout.size;
+  for (std::int64_t k = 0; k < layout.components; ++k) {
+    log_density[k] = std::log(static_cast<double>(weight[k]) / sum + kLeastWeight);
+    for (std::int64_t i = 0; i < layout.size; ++i) {
+      const double own = spread_of(*spread++);
+      const double variance = own * own + noise[i] * noise[i];
+      const double error = value[i] - static_cast<double>(*mean++);
+      log_density[k] -= 0.5 * (error * error / variance + std::log(2.0 * geometry::kPi * variance));
+    }
+    most = std::max(most, log_density[k]);
   }
+  double total = 0.0;
+  for (std::int64_t k = 0; k < layout.components; ++k) total += std::exp(log_density[k] - most);
+  return most + std::log(total);
 }
 
 }  // namespace lodestone::inference

@@ -54,6 +54,11 @@ Trial read_trial(const runs::TrialRecord& record) {
     for (const auto& row : *record.temperature_C)
       trial.temperature_C.push_back(row.value_or(runs::PerCoil{kNone, kNone, kNone, kNone}));
   }
+  if (record.log_drive_gain) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    for (const auto& row : *record.log_drive_gain)
+      trial.log_drive_gain.push_back(row.value_or(std::array<double, 2>{kNone, kNone}));
+  }
   const runs::TrialFigures& figures = record.figures();
   trial.error_mm = figures.error_mm();
   trial.success = figures.success;

@@ -27,6 +27,9 @@ struct Trial {
   std::vector<double> time_s;
   std::vector<std::array<double, 4>> current_A;      ///< coils +x, -x, +y, -y; empty when not recorded
   std::vector<std::array<double, 4>> temperature_C;  ///< likewise
+  /// Mean and standard deviation of the logarithm of the drive's gain; NaN without a pose, empty when the rig
+  /// was not identified.
+  std::vector<std::array<double, 2>> log_drive_gain;
   double error_mm = 0.0;  ///< path: RMS of the cross-track error; point: the distance at the end
   bool success = false;
   bool completed = true;

@@ -186,6 +186,35 @@ std::string hottest(const std::vector<Group>& groups) {
          (temperature_C > -1e9 ? ", the hottest coil " + fixed(temperature_C, 1) + " °C" : "") + ".</p>\n";
 }
 
+/// How strong the rig was taken to be, with the band that holds it with 95 %.
+std::string gain_chart(const Trial& trial) {
+  LineChart chart{"drive-gain", "", trial.time_s.empty() ? "observation" : "time (s)", "gain of the drive"};
+  LineSeries low{"", {}, kPolicyColour};
+  LineSeries high{"", {}, kPolicyColour};
+  LineSeries mean{"identified", {}, kPolicyColour};
+  low.band = high.band = true;
+  for (std::size_t i = 0; i < trial.log_drive_gain.size(); ++i) {
+    const auto [log_mean, log_sigma] = trial.log_drive_gain[i];
+    if (!std::isfinite(log_mean)) continue;
+    const double x = trial.time_s.empty() ? static_cast<double>(i) : trial.time_s[i];
+    low.points.emplace_back(x, std::exp(log_mean - 1.96 * log_sigma));
+    high.points.emplace_back(x, std::exp(log_mean + 1.96 * log_sigma));
+    mean.points.emplace_back(x, std::exp(log_mean));
+  }
+  for (LineSeries* series : {&low, &high, &mean})
+    if (!series->points.empty()) chart.series.push_back(*series);
+  return chart.series.empty() ? "" : chart_html(chart);
+}
+
+std::string identification_figure(const Trial& shown) {
+  const std::string chart = gain_chart(shown);
+  if (chart.empty()) return "";
+  return figure(chart,
+                "<b>What the pulses said about the rig</b> in the same trial: the factor on the drive by "
+                "which it answers more strongly than the one that its simulator was learned on, and the "
+                "band that holds it with 95 %.");
+}
+
 std::string coils_section(const std::vector<Group>& groups, const Trial& shown) {
   if (shown.current_A.size() != shown.track_mm.size())
     return missing("A record of currents and temperatures (trials.json)", "lodestone deploy");
@@ -197,7 +226,8 @@ std::string coils_section(const std::vector<Group>& groups, const Trial& shown) 
          figure("<div class=\"two\">" + charts + "</div>",
                 "<b>Coils over one trial</b>: " + escape(shown.task) + ", " + escape(shown.controller) +
                     ", " + escape(shown.rig) + ", trial " + std::to_string(shown.number) +
-                    ". Currents are drawn from one pulse to the next; between pulses the coils are off.");
+                    ". Currents are drawn from one pulse to the next; between pulses the coils are off.") +
+         identification_figure(shown);
 }
 
 }  // namespace

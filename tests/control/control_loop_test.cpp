@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "control/fakes.h"
+#include "env/linear_model.h"
 #include "lodestone/common/realtime.h"
 #include "lodestone/rig/virtual_rig.h"
 #include "lodestone/safety/supervisor.h"
@@ -172,6 +173,31 @@ class EndlessClock final : public common::Clock {
 };
 
 }  // namespace
+
+TEST_CASE("a rig is identified from pulses between two poses, and the controller is told", "[unit]") {
+  constexpr double kGain_m = 0.8e-3;
+  const auto simulator =
+      std::make_shared<const control::LearnedSimulator>(env::tests::noisy_linear_model(kGain_m));
+  control::GainFilter filter(simulator, {}, 1.0);
+  Bench bench;
+  bench.duration_s = 2.4;
+  const double step_m = 1.5 * kGain_m * 3.0;  // 3 A on a rig half as strong again
+  for (int i = 0; i < 3; ++i) bench.sensor.push(i * step_m, 0.0);
+  bench.sensor.push_invalid("hidden");
+  bench.sensor.push(-0.03, 0.0);  // moved by who knows what
+  for (int i = 1; i < 5; ++i) bench.sensor.push(-0.03 + i * step_m, 0.0);
+  tests::FunctionController controller([](const task::Observation&) { return Vector2(0.2, 0.0); });
+  safety::Supervisor coils(bench.device, bench.safety, tests::paper_rig(), bench.clock);
+  control::ControlLoop loop(bench.config, bench.action, coils, bench.sensor, bench.clock, nullptr, &filter);
+  control::PointReference reference({0.01, 0.0}, bench.duration_s);
+  const auto outcome = loop.run(controller, reference);
+  REQUIRE(outcome.steps.size() == 9);
+  CHECK(outcome.steps[0].drive_gain->log_mean == Approx(0.0).margin(1e-12));
+  CHECK_FALSE(outcome.steps[3].drive_gain);
+  CHECK(outcome.steps[4].drive_gain->log_mean == outcome.steps[2].drive_gain->log_mean);
+  CHECK(outcome.steps[8].drive_gain->log_mean == Approx(std::log(1.5)).margin(0.05));
+  CHECK(controller.seen.back().drive_gain->log_sigma < controller.seen.front().drive_gain->log_sigma);
+}
 
 TEST_CASE("any thread may end a run in the middle of its rest, while others watch the coils") {
   const auto table = rig::VirtualRig(rig::VirtualRigConfig{}, 1).field_table();

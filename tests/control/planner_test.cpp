@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kGain_m = 0.8e-3;  // per unit of drive; the largest is 10
 
-std::shared_ptr<const control::PlannerModel> model() {
-  return std::make_shared<const control::PlannerModel>(
+std::shared_ptr<const control::LearnedSimulator> model() {
+  return std::make_shared<const control::LearnedSimulator>(
       env::tests::linear_model(data::StateLayout::kPose, {kGain_m, kGain_m}, {0.0, 0.0}));
 }
 
@@ -76,4 +76,39 @@ TEST_CASE("plans repeat after a reset, and bad settings are refused") {
   control::PlannerConfig config;
   config.elites = 1000;
   CHECK_THROWS_AS(control::Planner(model(), config, 1), common::ConfigError);
+}
+
+TEST_CASE("a planner that knows how strong its rig is lands where it wants to be", "[unit]") {
+  const auto noisy =
+      std::make_shared<const control::LearnedSimulator>(env::tests::noisy_linear_model(kGain_m));
+  control::PlannerConfig config;
+  config.horizon = 1;
+  config.goal_radius_m = 0.0;
+  config.current_cost = 0.0;
+  task::Observation observation;
+  observation.target_m = {0.004, -0.003};
+  const auto off_m = [&](double gain) {
+    control::Planner planner(noisy, config, 1);
+    planner.reset();
+    const Vector2 action = planner.act(observation);
+    return (gain * 10.0 * kGain_m * action - observation.target_m).norm();
+  };
+  CHECK(off_m(1.0) < 0.3e-3);
+  CHECK(off_m(2.0) > 4e-3);
+  observation.drive_gain = task::DriveGain{std::log(2.0), 0.02};
+  CHECK(off_m(2.0) < 0.3e-3);
+}
+
+TEST_CASE("a plan is for now: what was seen between does not matter to it", "[unit]") {
+  control::PlannerConfig config;
+  config.horizon = 1;
+  control::Planner fresh(model(), config, 7);
+  control::Planner used(model(), config, 7);
+  task::Observation observation;
+  observation.pose = {0.02, -0.01, 0.3};
+  fresh.reset();
+  used.reset();
+  used.act(observation);
+  observation.target_m = {0.015, -0.012};
+  CHECK((used.act(observation) - fresh.act(observation)).norm() < 0.1);
 }

@@ -68,7 +68,7 @@ TEST_CASE("one policy drives trials in several threads with the same results") {
   tests::draw_weights(policy, 7);
   experiments::ControllerSource source;
   source.name = "policy";
-  source.make = [policy] { return std::make_unique<control::PolicyController>(policy); };
+  source.make = [policy](std::uint64_t) { return std::make_unique<control::PolicyController>(policy); };
   const auto todo = plans(config, deployment, "centre", 6);
   std::vector<std::string> prints;
   for (const std::size_t threads : {1, 2, 4}) {
@@ -79,6 +79,48 @@ TEST_CASE("one policy drives trials in several threads with the same results") {
   }
   CHECK(prints[0] == prints[1]);
   CHECK(prints[0] == prints[2]);
+}
+
+TEST_CASE("with a simulator every controller is told how strong its rig is, each trial from nothing") {
+  const auto config = quick_config();
+  const experiments::Deployment deployment(config);
+  const std::string folder = std::string(LODESTONE_SOURCE_DIR) + "/models/dynamics_best";
+  const experiments::SimulatorSource simulator{inference::load_dynamics(folder), folder};
+  common::ThreadPool pool(2);
+  const auto todo = plans(config, deployment, "point", 2);
+  for (const experiments::ControllerSource& source :
+       {experiments::planner_source(config, simulator), experiments::baseline_source(config, &simulator)}) {
+    INFO(source.name);
+    for (const auto& result : deployment.run(todo, experiments::RigKind::kExplored, source, pool)) {
+      CHECK(result.stop_reason.empty());
+      const auto& first = result.samples.front().step.drive_gain;
+      const auto& last = result.samples.back().step.drive_gain;
+      REQUIRE(first);
+      REQUIRE(last);
+      CHECK(first->log_mean == Approx(0.0).margin(1e-12));
+      CHECK(last->log_sigma < first->log_sigma);
+    }
+  }
+  auto without = config;
+  without.identification.enabled = false;
+  CHECK_FALSE(experiments::planner_source(without, simulator).identify);
+  CHECK_FALSE(experiments::baseline_source(config).identify);
+}
+
+TEST_CASE("on a bench what was identified is carried from trial to trial where that is asked for") {
+  auto config = quick_config();
+  const std::string folder = std::string(LODESTONE_SOURCE_DIR) + "/models/dynamics_best";
+  const experiments::SimulatorSource simulator{inference::load_dynamics(folder), folder};
+  const auto same = [&] {
+    const auto source = experiments::baseline_source(config, &simulator);
+    return source.identify() == source.identify();
+  };
+  config.identification.carry = true;
+  CHECK_FALSE(same());
+  config.rig.backend = rig::Backend::kSerial;
+  CHECK(same());
+  config.identification.carry = false;
+  CHECK_FALSE(same());
 }
 
 TEST_CASE("plans repeat, lie inside the dish and keep a given target") {

@@ -53,6 +53,23 @@ TEST_CASE("every step is a row, and what was not sensed is empty") {
   CHECK(rows[2].find("baseline,point,0,0.3,0.002,0,0.5,0,,,,0.01,0,") != std::string::npos);
 }
 
+TEST_CASE("how strong the rig was taken to be is recorded where it was identified") {
+  experiments::TrialResult result = trial(true);
+  CHECK_FALSE(experiments::record_of(result).log_drive_gain);
+  result.samples[0].step.drive_gain = task::DriveGain{0.25, 0.5};
+  result.samples[2].step.drive_gain = task::DriveGain{0.5, 0.125};
+  const auto gain = experiments::record_of(result).log_drive_gain;
+  REQUIRE(gain);
+  CHECK(gain->at(0) == std::array<double, 2>{0.25, 0.5});
+  CHECK_FALSE(gain->at(1));
+  CHECK(gain->at(2) == std::array<double, 2>{0.5, 0.125});
+  const tests::TemporaryFolder folder;
+  experiments::Recorder(folder / "t.csv", true).write(result);
+  const auto rows = lines(folder / "t.csv");
+  for (const std::string& row : rows) CHECK(columns(row) == columns(rows[0]));
+  CHECK(rows[1].find(",2,0.25,0.5") != std::string::npos);
+}
+
 TEST_CASE("where nobody knows the true pose there are no columns for it") {
   const tests::TemporaryFolder folder;
   experiments::Recorder(folder / "t.csv", false).write(trial(false));

@@ -79,3 +79,20 @@ TEST_CASE("a linear model moves as it was made to, and wraps headings", "[unit]"
   const std::vector<double> expected = {0.005, 0.008, 3.5 - 2.0 * geometry::kPi, 0.02, 0.001, -0.5};
   for (std::size_t i = 0; i < state.size(); ++i) CHECK(state[i] == Approx(expected[i]).margin(1e-6));
 }
+
+TEST_CASE("the density of a state is per metre and radian, and turns wrap around", "[unit]") {
+  const DynamicsModel model = env::tests::noisy_linear_model(1e-3);
+  const inference::FoldedDynamics& member = model.members.front();
+  REQUIRE(member.distribution());
+  inference::FoldedDynamics::Workspace workspace;
+  const double state[6] = {0.01, 0.0, 3.14, 0.01, 0.0, 3.14};
+  const double drive[4] = {2.0, 0.0, 2.0, 0.0};
+  const double seen[6] = {0.012, 0.0, 3.14, 0.0122, 0.0, 3.1401 - 2.0 * geometry::kPi};
+  const double exact[3] = {0.0, 0.0, 0.0};
+  double log_density[2];
+  member.log_density(state, drive, seen, exact, 2, log_density, workspace);
+  const double sigma = env::tests::kLinearNoise_m;  // m, and rad
+  const double peak = -3.0 * std::log(sigma * std::sqrt(2.0 * geometry::kPi));
+  CHECK(log_density[0] == Approx(peak).epsilon(1e-4));
+  CHECK(log_density[1] == Approx(peak - 0.5 - 0.125).epsilon(1e-3));
+}

@@ -30,6 +30,7 @@ inline runs::TrialRecord point_trial(const std::string& controller, const std::s
   record.current_A = {{12.0, 0.0, 0.0, 3.0}, {0.0, 7.5, 0.0, 0.0}, {0.0, 0.0, 0.0, 0.0}};
   record.temperature_C = {std::nullopt, runs::PerCoil{22.5, 22.0, 22.0, 22.0},
                           runs::PerCoil{22.4, 31.25, 22.0, 22.0}};
+  record.log_drive_gain = {std::array<double, 2>{0.0, 0.45}, std::nullopt, std::array<double, 2>{0.3, 0.1}};
   record.truth.emplace().final_error_mm = 0.5;
   record.truth->success = true;
   record.sensed.final_error_mm = 1.0;

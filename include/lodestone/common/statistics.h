@@ -23,6 +23,9 @@ double standard_deviation(const std::vector<double>& values);
 /// precipice, 2021).
 double interquartile_mean(std::vector<double> values);
 
+/// The value below which a standard normal number lies with this probability, which is within (0, 1).
+double normal_quantile(double probability);
+
 struct Interval {
   double low = 0.0;
   double high = 0.0;

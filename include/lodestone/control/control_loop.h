@@ -10,6 +10,7 @@
 
 #include "lodestone/common/clock.h"
 #include "lodestone/control/controller.h"
+#include "lodestone/control/gain_filter.h"
 #include "lodestone/control/guard.h"
 #include "lodestone/control/pose_sensor.h"
 #include "lodestone/control/recovery.h"
@@ -51,6 +52,7 @@ struct StepRecord {
   geometry::Vector2 action = geometry::Vector2::Zero();  ///< as given, clipped to [-1, 1]
   std::array<double, rig::kCoilCount> current_A{};       ///< as asked of the coils
   bool probe = false;                                    ///< the needle was not seen, and this looked for it
+  std::optional<task::DriveGain> drive_gain;             ///< as identified from the pulses before
   bool last = false;                                     ///< the closing observation: no pulse followed
 };
 
@@ -67,9 +69,11 @@ class ControlLoop {
   using Observer = std::function<void(const StepRecord&)>;
 
   /// Everything must outlive the loop. `action` must map to amperes. Without a `rig` a needle that is not
-  /// seen is waited for; with one it is looked for, too (Recovery).
+  /// seen is waited for; with one it is looked for, too (Recovery). With an `identifier`, which is not reset,
+  /// the controller is told what the pulses say about the rig.
   ControlLoop(const ControlLoopConfig& config, const task::ActionConfig& action, Guard& coils,
-              PoseSensor& sensor, common::Clock& clock, const physics::RigDescription* rig = nullptr);
+              PoseSensor& sensor, common::Clock& clock, const physics::RigDescription* rig = nullptr,
+              GainFilter* identifier = nullptr);
 
   /// Never throws for what sensor, controller or coils do: any fault stops the coils and is the outcome's
   /// stop_reason, and so is the user's interrupt. Without a valid pose the controller is not asked. In real
@@ -94,6 +98,7 @@ class ControlLoop {
   PoseSensor& sensor_;
   common::Clock& clock_;
   std::optional<Recovery> recovery_;
+  GainFilter* identifier_;
   common::Interruption interruption_;
   std::mutex mutex_;  // of the reason
   std::string interrupted_by_;

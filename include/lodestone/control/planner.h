@@ -6,20 +6,20 @@
 
 #include "lodestone/common/random.h"
 #include "lodestone/control/controller.h"
-#include "lodestone/inference/dynamics.h"
-#include "lodestone/task/action.h"
+#include "lodestone/control/learned_simulator.h"
 
 namespace lodestone::control {
 
 /// How far and how hard a planner looks ahead.
 struct PlannerConfig {
-  std::int64_t horizon = 4;
-  std::int64_t candidates = 96;
-  std::int64_t elites = 12;
+  std::int64_t horizon = 1;
+  std::int64_t candidates = 48;
+  std::int64_t elites = 6;
   std::int64_t iterations = 3;
+  std::int64_t particles = 8;
   double spread = 0.5;
   double current_cost = 0.02;
-  double goal_radius_m = 0.001;
+  double goal_radius_m = 0.0003;
   double heading_cost_mm = 5.0;
 
   template <class Visitor>
@@ -28,6 +28,11 @@ struct PlannerConfig {
     v.field("candidates", candidates, "", "sequences of actions tried in every iteration", {4, 100000});
     v.field("elites", elites, "", "best of them, around which the next iteration looks", {1, 100000});
     v.field("iterations", iterations, "", "rounds of narrowing down", {1, 100});
+    v.field(
+        "particles", particles, "",
+        "outcomes that every sequence is judged by; where nothing differs between them, one for each member "
+        "of the ensemble",
+        {1, 1000});
     v.field("spread", spread, "action units", "standard deviation of the first round", {1e-3, 2.0});
     v.field("current_cost", current_cost, "mm", "cost of a pulse per squared action", {0.0, 1000.0});
     v.field("goal_radius_m", goal_radius_m, "m", "closer than this is no better", {0.0, 0.1});
@@ -38,40 +43,34 @@ struct PlannerConfig {
   void validate() const;
 };
 
-/// A learned simulator ready for planning: shared by planners, read only.
-struct PlannerModel {
-  explicit PlannerModel(const inference::DynamicsModel& model);
-
-  std::vector<inference::FoldedDynamics> members;
-  std::size_t state_size;
-  bool sampled;  ///< a distribution is predicted, so outcomes are drawn from it
-  double dish_radius_m;
-  task::ActionConfig action;
-};
-
 /// Plans anew at every step by the cross-entropy method (Rubinstein; Chua et al., PETS, 2018): tries
-/// sequences of pulses in the learned simulator, one outcome per member of the ensemble, keeps the best,
-/// looks around them again, and gives the first pulse of their mean. The cost is the mean distance over the
-/// horizon to where the target will be.
+/// sequences of pulses in the learned simulator, keeps the best, looks around them again, and gives the first
+/// pulse of the one that is best on outcomes that none was chosen by. The cost is the mean distance over the
+/// horizon to where the target will be, over particles: each has a member of the ensemble, luck that is the
+/// same for every sequence, and where the rig is identified a gain of the drive.
 class Planner final : public Controller {
  public:
-  Planner(std::shared_ptr<const PlannerModel> model, const PlannerConfig& config, std::uint64_t seed);
+  Planner(std::shared_ptr<const LearnedSimulator> model, const PlannerConfig& config, std::uint64_t seed);
   void reset() override;
   geometry::Vector2 act(const task::Observation& observation) override;
 
  private:
-  /// Mean cost in mm of every candidate over the members.
-  void evaluate_candidates(const task::Observation& observation);
+  using Sequence = std::vector<geometry::Vector2>;  // [horizon]
 
-  std::shared_ptr<const PlannerModel> model_;
+  /// Mean cost in mm of every candidate over the particles.
+  void evaluate_candidates(const task::Observation& observation);
+  /// Indices of the `count` best candidates, best first.
+  std::vector<std::size_t> best(std::size_t count) const;
+
+  std::shared_ptr<const LearnedSimulator> model_;
   PlannerConfig config_;
   std::uint64_t seed_;
   common::RandomStream random_;
-  std::vector<geometry::Vector2> plan_;        // [horizon], carried over from step to step
-  std::vector<geometry::Vector2> candidates_;  // [candidates, horizon]
-  std::vector<double> cost_mm_;                // [candidates]
-  std::vector<double> state_, drive_, next_;   // rows by member, then candidate
-  std::vector<common::RandomStream*> streams_;
+  Sequence plan_;  // of the step before
+  std::vector<Sequence> candidates_;
+  std::vector<double> cost_mm_;               // [candidates]
+  std::vector<double> quantile_;              // [particles], of a normal number
+  std::vector<double> state_, drive_, next_;  // rows by particle, then candidate
   inference::FoldedDynamics::Workspace workspace_;
 };
 

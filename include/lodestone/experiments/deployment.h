@@ -12,12 +12,14 @@
 #include "lodestone/control/control_loop.h"
 #include "lodestone/control/decorators.h"
 #include "lodestone/control/dipole_pull.h"
+#include "lodestone/control/gain_filter.h"
 #include "lodestone/control/planner.h"
 #include "lodestone/control/reference.h"
 #include "lodestone/control/turn_in_place.h"
 #include "lodestone/experiments/score.h"
 #include "lodestone/experiments/trial.h"
 #include "lodestone/experiments/trial_video.h"
+#include "lodestone/inference/dynamics.h"
 #include "lodestone/inference/policy.h"
 #include "lodestone/rig/rig_config.h"
 #include "lodestone/session/rig_session.h"
@@ -75,6 +77,7 @@ struct DeploymentConfig {
   control::TurnConfig turn;
   control::DipolePullConfig baseline;
   control::PlannerConfig planner;
+  control::IdentificationConfig identification;
   rig::RigConfig rig;
   session::SensingConfig sensor;
   RecordingConfig record;
@@ -93,6 +96,8 @@ struct DeploymentConfig {
     v.group("turn", turn, "turning in place, where a target has a heading (task pose)");
     v.group("baseline", baseline, "the proportional baseline");
     v.group("planner", planner, "planning in the learned simulator");
+    v.group("identification", identification,
+            "what the pulses say about the rig, where a learned simulator is named (dynamics)");
     v.group("rig", rig, "the rig");
     v.group("sensor", sensor, "how poses are sensed");
     v.group("record", record, "videos");
@@ -117,25 +122,33 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
                      const std::function<bool(const geometry::Pose2&)>& fits,
                      const task::Region* region = nullptr);
 
-/// A controller and the scale of its actions. `make` is called once per trial and must be safe to call from
-/// several threads.
+/// A learned simulator, as sources share it.
+struct SimulatorSource {
+  inference::DynamicsModel model;
+  std::string what;  ///< names it in messages
+};
+
+/// A controller and the scale of its actions. What it makes is made once per trial, and must be safe to make
+/// from several threads.
 struct ControllerSource {
   std::string name;  ///< "policy", "planner" or "baseline"
   task::ActionConfig action;
-  std::function<std::unique_ptr<control::Controller>()> make;
+  std::function<std::unique_ptr<control::Controller>(std::uint64_t seed)> make;
+  /// What the rig is identified by in the next trial, as it knows it then; empty: it is not.
+  std::function<std::shared_ptr<control::GainFilter>()> identify;
 };
 
-/// The baseline at the rig's largest current.
-ControllerSource baseline_source(const DeploymentConfig& config);
+/// The baseline at the rig's largest current; with a simulator, its commands are divided by the gain that is
+/// identified.
+ControllerSource baseline_source(const DeploymentConfig& config, const SimulatorSource* simulator = nullptr);
 
-/// A trained policy. Throws ConfigError when its actions go beyond the rig's largest current; `what` names
-/// it.
+/// A trained policy; with a simulator, as the baseline. Throws ConfigError when its actions go beyond the
+/// rig's largest current; `what` names it.
 ControllerSource policy_source(const DeploymentConfig& config, const inference::Policy& policy,
-                               const std::string& what);
+                               const std::string& what, const SimulatorSource* simulator = nullptr);
 
-/// A planner on a learned simulator.
-ControllerSource planner_source(const DeploymentConfig& config, const inference::DynamicsModel& model,
-                                const std::string& what);
+/// A planner in a learned simulator, and by what is identified.
+ControllerSource planner_source(const DeploymentConfig& config, const SimulatorSource& simulator);
 
 /// What drives a virtual rig: its own coils and clock, or a whole emulated bench around it, which `keep`
 /// keeps.

@@ -27,7 +27,9 @@ struct DeployConfig {
     deployment.visit(v);
     v.field("threads", threads, "", "trials at the same time; 0 means one per processor", {0, 1024});
     v.field("policy", policy, "", "folder of the policy checkpoint");
-    v.field("dynamics", dynamics, "", "folder of the dynamics checkpoint that the planner plans in");
+    v.field("dynamics", dynamics, "",
+            "folder of the dynamics checkpoint that the planner plans in, and that every controller's rig is "
+            "identified by");
     v.field("task", task, "",
             "centre, point, pose, square, circle, all, or a path file.csv (columns x_m,y_m)");
     v.field("target_mm", target_mm, "mm", "x, y of the target of `point`; drawn for each trial when empty",

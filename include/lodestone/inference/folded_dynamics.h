@@ -8,6 +8,7 @@
 #include "lodestone/inference/array.h"
 #include "lodestone/inference/dense_network.h"
 #include "lodestone/inference/dynamics_config.h"
+#include "lodestone/inference/mixture.h"
 
 namespace lodestone::inference {
 
@@ -35,9 +36,25 @@ class FoldedDynamics {
   void sample(const double* state, const double* drive, std::int64_t rows,
               common::RandomStream* const* random, double* next, Workspace& workspace) const;
 
+  /// The same with the same luck for all rows.
+  void sample(const double* state, const double* drive, std::int64_t rows, const Luck& luck, double* next,
+              Workspace& workspace) const;
+
+  /// Natural logarithm of the density of every state `seen` [rows, S] (per m, m and rad) in the distribution
+  /// that is predicted, where a seen state has independent normal errors of `noise` [S]; writes [rows]. Only
+  /// where distribution() holds.
+  void log_density(const double* state, const double* drive, const double* seen, const double* noise,
+                   std::int64_t rows, double* out, Workspace& workspace) const;
+
   int state_size() const { return state_size_; }
+  /// A distribution over changes is predicted, not a single value.
+  bool distribution() const { return mixture_.components > 0; }
 
  private:
+  /// Row i draws with `luck_of`(i).
+  template <class LuckOf>
+  void draw(const double* state, const double* drive, std::int64_t rows, const LuckOf& luck_of, double* next,
+            Workspace& workspace) const;
   void write_features(const double* state, const double* drive, std::int64_t rows, float* out) const;
   /// Runs the layers; returns [rows, outputs], which lives in the workspace.
   const float* evaluate(const double* state, const double* drive, std::int64_t rows,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "lodestone/common/random.h"
@@ -24,7 +25,18 @@ constexpr double kMostLogSpread = 1.5;
 
 /// Mean of the mixture that one row of floats describes: writes S numbers.
 void mixture_mean(const float* raw, const MixtureLayout& layout, float* out);
-/// One draw: writes S numbers. Takes one uniform number and S normal ones from `random`.
-void mixture_draw(const float* raw, const MixtureLayout& layout, common::RandomStream& random, float* out);
+/// Natural logarithm of the mixture's density at `value` [S], where a value is only known with independent
+/// normal errors of `noise` [S].
+double mixture_log_density(const float* raw, const MixtureLayout& layout, const double* value,
+                           const double* noise);
+/// The random numbers behind one draw: a uniform one that chooses the component, and a normal one for each of
+/// at most three numbers.
+struct Luck {
+  static Luck draw(std::int64_t size, common::RandomStream& random);
+  double uniform = 0.0;
+  std::array<double, 3> normal{};
+};
+/// One draw: writes S numbers.
+void mixture_draw(const float* raw, const MixtureLayout& layout, const Luck& luck, float* out);
 
 }  // namespace lodestone::inference

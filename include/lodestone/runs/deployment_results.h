@@ -75,6 +75,9 @@ struct TrialRecord {
   std::optional<std::vector<PerCoil>> current_A;         ///< asked of the coils; absent in older runs
   /// As they reported last, null before; likewise.
   std::optional<std::vector<std::optional<PerCoil>>> temperature_C;
+  /// Mean and standard deviation of what was identified, null where no pose was found; absent where nothing
+  /// was.
+  std::optional<std::vector<std::optional<std::array<double, 2>>>> log_drive_gain;
   std::optional<TrialFigures> truth;  ///< by true poses; absent likewise
   TrialFigures sensed;
   bool completed = false;
@@ -97,6 +100,7 @@ struct TrialRecord {
     v.field("approach", approach);
     v.field("current_A", current_A);
     v.field("temperature_C", temperature_C);
+    v.field("log_drive_gain", log_drive_gain);
     v.part("final_error_mm", truth);
     v.field("sensed", sensed);
     v.field("completed", completed);

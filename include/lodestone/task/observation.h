@@ -16,6 +16,13 @@ struct TargetAhead {
   double in_s;
 };
 
+/// How strongly a rig answers to a drive, as a factor on the drive: 1 is the rig that a simulator was learned
+/// on.
+struct DriveGain {
+  double log_mean = 0.0;
+  double log_sigma = 0.0;
+};
+
 /// What a controller knows when it decides, in SI units in the dish frame.
 struct Observation {
   geometry::Pose2 pose;  ///< as sensed
@@ -25,6 +32,7 @@ struct Observation {
   std::optional<double> target_heading_rad;                           ///< where the task wants one
   geometry::Vector2 last_action = geometry::Vector2::Zero();          ///< in [-1, 1]^2; zero after a reset
   geometry::Vector2 last_displacement_m = geometry::Vector2::Zero();  ///< sensed motion since the last action
+  std::optional<DriveGain> drive_gain;                                ///< where the rig is identified
 };
 
 /// The heading in rad (the paper's), as sine and cosine, or not at all (the recorded sphere has none).

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "lodestone/control/controller.h"
+
+namespace lodestone::control {
+
+/// Lets a controller that was made for one rig drive another of its kind: what it asks for is divided by the
+/// identified gain of the drive, and it is told its last action as the rig it knows would have had to get it.
+/// Changes nothing where the rig is not identified.
+class GainCorrection final : public Controller {
+ public:
+  explicit GainCorrection(std::unique_ptr<Controller> inner) : inner_(std::move(inner)) {}
+  void reset() override { inner_->reset(); }
+  geometry::Vector2 act(const task::Observation& observation) override;
+
+ private:
+  std::unique_ptr<Controller> inner_;
+};
+
+}  // namespace lodestone::control

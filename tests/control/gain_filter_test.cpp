@@ -1,0 +1,67 @@
+#include "lodestone/control/gain_filter.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "env/linear_model.h"
+#include "lodestone/common/random.h"
+
+using namespace lodestone;
+using geometry::Pose2;
+using geometry::Vector2;
+
+namespace {
+
+constexpr double kStrength_m = 0.8e-3;  // per unit of drive
+
+std::shared_ptr<const control::LearnedSimulator> known_rig() {
+  return std::make_shared<const control::LearnedSimulator>(env::tests::noisy_linear_model(kStrength_m));
+}
+
+/// Lets a rig of this gain answer to a few pulses.
+void drive(control::GainFilter& filter, double gain, int pulses, double per_A = 1.0) {
+  common::RandomStream random(3, "rig");
+  Pose2 pose = {0.01, 0.0, 0.2};
+  for (int i = 0; i < pulses; ++i) {
+    const Vector2 drive_A(random.uniform(-3.0, 3.0) / per_A, random.uniform(-3.0, 3.0) / per_A);
+    Pose2 after = pose;
+    after.x_m += gain * kStrength_m * per_A * drive_A.x() + env::tests::kLinearNoise_m * random.normal();
+    after.y_m += gain * kStrength_m * per_A * drive_A.y() + env::tests::kLinearNoise_m * random.normal();
+    filter.pulse(pose, drive_A, after);
+    pose = after;
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a rig's gain is found from a few pulses, and doubted until then", "[unit]") {
+  for (const double gain : {0.6, 1.0, 1.8}) {
+    INFO("gain " << gain);
+    control::GainFilter filter(known_rig(), {}, 1.0);
+    const task::DriveGain before = filter.gain();
+    CHECK(before.log_mean == Approx(0.0).margin(1e-12));
+    CHECK(before.log_sigma > 0.35);
+    drive(filter, gain, 10);
+    const task::DriveGain after = filter.gain();
+    CHECK(after.log_sigma < 0.15);
+    CHECK(std::abs(after.log_mean - std::log(gain)) < 3.0 * after.log_sigma + 0.03);
+    filter.reset();
+    CHECK(filter.gain().log_sigma == before.log_sigma);
+  }
+}
+
+TEST_CASE("what a simulator calls per cent is told in amperes", "[unit]") {
+  control::GainFilter filter(known_rig(), {}, 20.0);
+  drive(filter, 1.5, 8, 20.0);
+  CHECK(filter.gain().log_mean == Approx(std::log(1.5)).margin(0.1));
+}
+
+TEST_CASE("a step without current says nothing, and a single odd one little", "[unit]") {
+  control::GainFilter filter(known_rig(), {}, 1.0);
+  drive(filter, 1.0, 8);
+  const task::DriveGain known = filter.gain();
+  filter.pulse({0.0, 0.0, 0.0}, {0.0, 0.0}, {0.02, 0.0, 0.0});
+  CHECK(filter.gain().log_mean == known.log_mean);
+  filter.pulse({0.0, 0.0, 0.0}, {3.0, 0.0}, {-0.03, 0.02, 2.0});
+  CHECK(filter.gain().log_mean == Approx(known.log_mean).margin(0.02));
+}
