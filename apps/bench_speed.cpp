@@ -100,6 +100,7 @@ void add_bench_speed(Verb& bench) {
 void add_bench(Verb& program) {
   Verb& verb = program.add_verb("bench", "measure this machine");
   verb.renamed = {{"hil", "emulation"}};
+  add_bench_rigs(verb);
   add_bench_speed(verb);
   add_bench_tracking(verb);
   add_bench_emulation(verb);

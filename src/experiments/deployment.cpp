@@ -16,9 +16,19 @@ namespace lodestone::experiments {
 namespace {
 
 /// Streams of a trial are told apart by its task and index, not by the order in which trials run.
+std::uint64_t trial_seed(const DeploymentConfig& config, const std::string& task, std::int64_t index) {
+  return common::derive_seed(static_cast<std::uint64_t>(config.seed), "deploy/" + task,
+                             static_cast<std::uint64_t>(index));
+}
 std::uint64_t trial_seed(const DeploymentConfig& config, const TrialPlan& plan) {
-  return common::derive_seed(static_cast<std::uint64_t>(config.seed), "deploy/" + plan.task,
-                             static_cast<std::uint64_t>(plan.index));
+  return trial_seed(config, plan.task, plan.index);
+}
+
+/// All that an unseen rig has of its own comes from this.
+std::uint64_t unseen_seed(const DeploymentConfig& config, const std::string& task, std::int64_t index) {
+  if (config.trials.per_rig == 1) return trial_seed(config, task, index);
+  return common::derive_seed(static_cast<std::uint64_t>(config.seed), "rig nobody has seen",
+                             static_cast<std::uint64_t>(index / config.trials.per_rig));
 }
 
 /// The actions of a policy or a simulator in the rig's ampere.
@@ -105,6 +115,10 @@ rig::RigConfig warmed(rig::RigConfig config, double temperature_C) {
 
 std::string to_string(RigKind kind) {
   return kind == RigKind::kExplored ? "explored" : kind == RigKind::kUnseen ? "unseen" : "real";
+}
+
+std::uint64_t unseen_rig_seed(const DeploymentConfig& config, const std::string& task, std::int64_t index) {
+  return common::derive_seed(unseen_seed(config, task, index), "unseen rig");
 }
 
 void check_in_dish(const physics::RigDescription& rig, const geometry::Vector2& point_m,
@@ -245,9 +259,10 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
                                 bool realtime, const std::string& video_folder) const {
   const std::uint64_t seed = trial_seed(config_, plan);
   const bool explored = kind == RigKind::kExplored;
-  const std::uint64_t rig_seed =
-      explored ? static_cast<std::uint64_t>(config_.rig_seed) : common::derive_seed(seed, "unseen rig");
-  common::RandomStream room(seed, "unseen temperature");
+  const std::uint64_t rig_seed = explored ? static_cast<std::uint64_t>(config_.rig_seed)
+                                          : unseen_rig_seed(config_, plan.task, plan.index);
+  const std::uint64_t around = unseen_seed(config_, plan.task, plan.index);
+  common::RandomStream room(around, "unseen temperature");
   common::SteadyClock wall;  // outlives the rig
   rig::VirtualRig rig(explored ? config_.rig : warmed(config_.rig, config_.trials.temperature_C.draw(room)),
                       rig_seed, sample_rig_->field_table());
@@ -259,7 +274,7 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   rig.restore(state);
   rig.place(plan.start);
   const session::SeenBench bench =
-      explored ? explored_ : sensing_.new_bench(common::derive_seed(seed, "unseen sensor"));
+      explored ? explored_ : sensing_.new_bench(common::derive_seed(around, "unseen sensor"));
   RigDrive drive{&rig.coils(), &rig.clock(), nullptr};
   if (drive_) drive = drive_(rig);
   const std::unique_ptr<session::RigSensor> sensor =

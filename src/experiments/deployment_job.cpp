@@ -68,36 +68,41 @@ void DeployConfig::validate() const {
 }
 
 DeploymentJob plan_job(const DeployConfig& config) {
+  if (config.controller == "both") return plan_job(config, {"policy", "baseline"});
+  return plan_job(config, {config.controller});
+}
+
+DeploymentJob plan_job(const DeployConfig& config, const std::vector<std::string>& controllers) {
   DeploymentJob job;
   choose_tasks(config, job);
   const bool real = config.deployment.rig.real();
   if (real) job.rigs.push_back(RigKind::kReal);
   if (!real && config.on_rig != "unseen") job.rigs.push_back(RigKind::kExplored);
   if (!real && config.on_rig != "explored") job.rigs.push_back(RigKind::kUnseen);
-  const bool by_policy = config.controller == "policy" || config.controller == "both";
   std::optional<inference::Policy> policy;
   if (!config.policy.empty()) policy = inference::load_policy(config.policy);
   std::optional<SimulatorSource> simulator;
   if (!config.dynamics.empty())
     simulator = SimulatorSource{inference::load_dynamics(config.dynamics), config.dynamics};
   const SimulatorSource* identified_by = simulator ? &*simulator : nullptr;
-  if (by_policy) {
-    if (!policy)
-      throw common::ConfigError(
-          "deploy: --policy DIR is missing; name a policy checkpoint, or use --controller baseline or "
-          "planner");
-    check_goal(config, *policy, job);
-    job.sources.push_back(policy_source(config.deployment, *policy, config.policy, identified_by));
-    job.provenance = common::artefact_from_json<runs::Provenance>(policy->provenance, config.policy);
+  for (const std::string& controller : controllers) {
+    if (controller == "planner") {
+      if (!simulator)
+        throw common::ConfigError(
+            "controller = planner: --set dynamics=DIR is missing; name a dynamics checkpoint");
+      job.sources.push_back(planner_source(config.deployment, *simulator));
+    } else if (controller == "policy") {
+      if (!policy)
+        throw common::ConfigError(
+            "deploy: --policy DIR is missing; name a policy checkpoint, or use --controller baseline or "
+            "planner");
+      check_goal(config, *policy, job);
+      job.sources.push_back(policy_source(config.deployment, *policy, config.policy, identified_by));
+      job.provenance = common::artefact_from_json<runs::Provenance>(policy->provenance, config.policy);
+    } else {
+      job.sources.push_back(baseline_source(config.deployment, identified_by));
+    }
   }
-  if (config.controller == "planner") {
-    if (!simulator)
-      throw common::ConfigError(
-          "controller = planner: --set dynamics=DIR is missing; name a dynamics checkpoint");
-    job.sources.push_back(planner_source(config.deployment, *simulator));
-  }
-  if (config.controller == "baseline" || config.controller == "both")
-    job.sources.push_back(baseline_source(config.deployment, identified_by));
   if (config.deployment.trials.within == task::Within::kReachable) {
     if (!policy || !policy->region)
       throw common::ConfigError(

@@ -33,6 +33,7 @@ namespace lodestone::experiments {
 /// rig.
 struct TrialsConfig {
   std::int64_t count = 50;
+  std::int64_t per_rig = 1;
   double start_radius = 0.82;
   double goal_radius = 0.7;
   task::Within within = task::Within::kDisc;
@@ -44,6 +45,10 @@ struct TrialsConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("count", count, "", "trials per task", {1, 100000});
+    v.field("per_rig", per_rig, "",
+            "so many trials of a task, one after another, share a rig nobody has seen; with more than 1 all "
+            "tasks have the same rigs",
+            {1, 100000});
     v.retired("start_radius_m", "start_radius, in dish radii");
     v.retired("goal_radius_m", "goal_radius, in dish radii");
     v.field("start_radius", start_radius, "dish radii", "starts are drawn over a disc of this radius",
@@ -108,6 +113,9 @@ struct DeploymentConfig {
 /// camera and temperature in every trial, calibrated from its first image), or one that is connected.
 enum class RigKind { kExplored, kUnseen, kReal };
 std::string to_string(RigKind kind);
+
+/// Seed of the rig nobody has seen that a trial is driven on.
+std::uint64_t unseen_rig_seed(const DeploymentConfig& config, const std::string& task, std::int64_t index);
 
 /// Throws ConfigError, naming `key`, where the middle of a needle of this rig cannot be.
 void check_in_dish(const physics::RigDescription& rig, const geometry::Vector2& point_m,

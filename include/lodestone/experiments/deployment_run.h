@@ -31,13 +31,16 @@ class DeploymentRun : public runs::ResumableWork {
   /// Writes trials.json of every kind of rig from trials.jsonl.
   void write_trials() const;
 
- private:
+ protected:
   /// One task by one controller on one kind of rig, with the trials of it that have ended, without
   /// trajectories.
   struct Part {
     std::size_t rig, source, task;
     std::vector<runs::TrialRecord> ended;
   };
+  const std::vector<Part>& parts() const { return parts_; }
+
+ private:
   std::vector<TrialPlan> next_plans(const Part& part) const;
   /// The next trials of a part. Those of a connected rig are recorded while they are driven.
   std::vector<TrialResult> drive(const Part& part, const ControllerSource& source);

@@ -1,0 +1,66 @@
+#include <cstdio>
+
+#include "common_options.h"
+#include "lodestone/experiments/rigs_bench.h"
+#include "lodestone/nets/blas.h"
+#include "lodestone/report/rigs_report.h"
+#include "models.h"
+#include "verbs.h"
+
+namespace lodestone::apps {
+namespace {
+
+using experiments::RigsBenchConfig;
+
+void print_results(const std::string& folder) {
+  std::printf("%s", report::write_rigs_report(folder).c_str());
+  std::printf("report   %s/report.html\n", folder.c_str());
+}
+
+void bench_rigs(const CommonOptions& options) {
+  auto config = resolve_config<RigsBenchConfig>(options);
+  nets::use_one_blas_thread();
+  choose_segmenter(config.deploy.deployment.sensor);
+  if (config.deploy.deployment.rig.real())
+    throw common::ConfigError("bench rigs: rig.backend is not \"virtual\"; rigs are drawn from a seed here");
+  const experiments::DeployConfig deployment = config.deployment();
+  const experiments::DeploymentJob job = experiments::plan_job(deployment, config.controller_names());
+  runs::RunRequest request{options.out, "bench rigs", common::config_to_json(config),
+                           config.deploy.deployment.seed, options.resume};
+  request.free_keys = {"threads"};
+  runs::RunFolder run(request);
+  if (run.finished()) return print_results(run.path());
+  run.begin();
+  experiments::RigsRun work(
+      config, deployment, job, run.path(),
+      experiments::virtual_driver(deployment.deployment, deployment.threads, false, ""));
+  runs::run_resumably(run, work, {"bench rigs", "trials", 0.0});
+  print_results(run.path());
+  run.finish();
+}
+
+}  // namespace
+
+void add_bench_rigs(Verb& bench) {
+  Verb& verb = bench.add_verb(
+      "rigs", "controllers on many virtual rigs that nobody has seen, and what their errors depend on");
+  auto& options = configure<RigsBenchConfig>(verb, bench_rigs);
+  add_common_options(verb, options, /*with_resume=*/true);
+  add_virtual_rig_options(verb, options);
+  const auto add = [&](const char* flag, const char* key, Shorthand kind, const char* meaning) {
+    add_shorthand(verb, options, flag, key, kind, meaning);
+  };
+  add("--rigs", "rigs", Shorthand::kValue, "how many rigs");
+  add("--trials", "trials.count", Shorthand::kValue, "trials of a task on each of them");
+  add("--task", "task", Shorthand::kText, "centre, point, square, circle or all");
+  add("--sensor", "sensor.kind", Shorthand::kText, "camera or simulated");
+  add("--models", "models", Shorthand::kText,
+      "folder that holds the policy `target` and the simulator `dynamics_best`");
+  add("--controllers", "controllers", Shorthand::kText, "with commas between: planner, policy, baseline");
+  verb.add_option("--decorated", Flag{[&options] {
+                    options.overrides.push_back({"decorated=true", "--decorated"});
+                  }},
+                  "put around every controller what the deploy.json beside the policy says");
+}
+
+}  // namespace lodestone::apps

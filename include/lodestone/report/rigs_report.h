@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+namespace lodestone::report {
+
+/// Reads what `lodestone bench rigs` left in `folder` and writes report.html there: the table, and every
+/// controller's error on each rig against what was hidden in it. Returns the table as text for a terminal.
+/// Throws DataError and IoError.
+std::string write_rigs_report(const std::string& folder);
+
+}  // namespace lodestone::report

@@ -1,0 +1,156 @@
+#include "lodestone/report/rigs_report.h"
+
+#include <fmt/core.h>
+
+#include <utility>
+#include <vector>
+
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/files.h"
+#include "lodestone/report/charts.h"
+#include "lodestone/report/html.h"
+#include "lodestone/report/html_page.h"
+#include "lodestone/runs/rigs_result.h"
+
+namespace lodestone::report {
+namespace {
+
+using runs::RigFigures;
+using runs::RigsTaskSummary;
+
+const char* colour_of(const std::string& controller) {
+  if (controller == "baseline") return kBaselineColour;
+  return controller == "policy" ? kUnseenColour : kPolicyColour;
+}
+
+std::string with_interval(double value, const std::array<double, 2>& interval, int decimals, double scale,
+                          const std::string& unit) {
+  return fixed(scale * value, decimals) + unit + " (" + fixed(scale * interval[0], decimals) + " to " +
+         fixed(scale * interval[1], decimals) + ")";
+}
+
+std::string with_interval(const std::optional<double>& value,
+                          const std::optional<std::array<double, 2>>& interval, int decimals, double scale,
+                          const std::string& unit) {
+  return value && interval ? with_interval(*value, *interval, decimals, scale, unit) : "–";
+}
+
+const std::vector<std::string>& headings() {
+  static const std::vector<std::string> kHeadings = {"task",
+                                                     "controller",
+                                                     "error (mm)",
+                                                     "success",
+                                                     "moving reference (mm)",
+                                                     "corners within 1.5 mm",
+                                                     "worst rig (mm)",
+                                                     "against the baseline (mm)",
+                                                     "stopped",
+                                                     "trials"};
+  return kHeadings;
+}
+
+std::vector<std::string> row_of(const std::string& task, const std::string& controller,
+                                const RigsTaskSummary& summary) {
+  const runs::ErrorStatistics& errors = summary.truth ? *summary.truth : summary.sensed;
+  return {
+      task,
+      controller,
+      with_interval(errors.mean_error_mm, summary.mean_error_interval_mm, 2, 1.0, ""),
+      with_interval(errors.success_rate, summary.success_interval, 1, 100.0, " %"),
+      with_interval(errors.time_rms_error_mm, summary.time_rms_error_interval_mm, 2, 1.0, ""),
+      with_interval(summary.corners_within_1_5_mm, summary.corners_within_1_5_mm_interval, 1, 100.0, " %"),
+      fixed(summary.worst.mean_error_mm, 2) + ", rig " + std::to_string(summary.worst.rig),
+      with_interval(summary.minus_baseline_mm, summary.minus_baseline_interval_mm, 2, 1.0, ""),
+      std::to_string(summary.stopped),
+      std::to_string(summary.n_trials)};
+}
+
+std::vector<std::vector<std::string>> rows_of(const runs::RigsSummary& summary) {
+  std::vector<std::vector<std::string>> rows;
+  for (const char* task : runs::kTasks)
+    for (const char* controller : runs::kControllers) {
+      const auto of_controller = summary.by_controller.find(controller);
+      if (of_controller == summary.by_controller.end()) continue;
+      const auto of_task = of_controller->second.find(task);
+      if (of_task != of_controller->second.end()) rows.push_back(row_of(task, controller, of_task->second));
+    }
+  return rows;
+}
+
+std::string text_of(const std::vector<std::vector<std::string>>& rows) {
+  std::string text;
+  for (const auto& row : rows) {
+    text += fmt::format("{:<7} {:<9} error {} mm, success {}", row[0], row[1], row[2], row[3]);
+    if (row[4] != "–") text += ", moving reference " + row[4] + " mm";
+    if (row[5] != "–") text += ", corners within 1.5 mm " + row[5];
+    text += "; worst rig " + row[6];
+    if (row[7] != "–") text += "; against the baseline " + row[7] + " mm";
+    text += "; " + row[8] + " of " + row[9] + " trials stopped\n";
+  }
+  return text;
+}
+
+/// Something hidden in a rig.
+struct Parameter {
+  const char* id;
+  const char* label;
+  double (*of)(const RigFigures& rig);
+};
+
+const std::vector<Parameter>& parameters() {
+  static const std::vector<Parameter> kParameters = {
+      {"strength", "moment × coil gain / friction",
+       [](const RigFigures& rig) { return rig.moment * rig.coil_gain / rig.friction; }},
+      {"moment", "moment of the needle", [](const RigFigures& rig) { return rig.moment; }},
+      {"friction", "friction", [](const RigFigures& rig) { return rig.friction; }},
+      {"viscosity", "viscosity", [](const RigFigures& rig) { return rig.viscosity; }},
+      {"gain", "mean gain of the coils", [](const RigFigures& rig) { return rig.coil_gain; }}};
+  return kParameters;
+}
+
+std::string scatter(const runs::RigsResult& result, const std::string& task, const Parameter& parameter) {
+  LineChart chart{task + "-" + parameter.id, task, std::string(parameter.label) + " (factor)", "error (mm)"};
+  chart.small = true;
+  chart.from_zero = true;
+  for (const char* controller : runs::kControllers) {
+    LineSeries series{controller, {}, colour_of(controller)};
+    series.dots = true;
+    for (const RigFigures& rig : result.rigs) {
+      const auto of_controller = rig.mean_error_mm.find(controller);
+      if (of_controller == rig.mean_error_mm.end()) continue;
+      const auto error = of_controller->second.find(task);
+      if (error != of_controller->second.end()) series.points.emplace_back(parameter.of(rig), error->second);
+    }
+    if (!series.points.empty()) chart.series.push_back(std::move(series));
+  }
+  return chart.series.empty() ? "" : "<div class=\"panel\">" + chart_html(chart) + "</div>";
+}
+
+}  // namespace
+
+std::string write_rigs_report(const std::string& folder) {
+  const auto summary = common::read_artefact<runs::RigsSummary>(folder + "/" + runs::RigsSummary::kFile);
+  const auto result = common::read_artefact<runs::RigsResult>(folder + "/" + runs::RigsResult::kFile);
+  const auto rows = rows_of(summary);
+  HtmlPage page("Controllers on " + std::to_string(summary.rigs) + " rigs",
+                std::to_string(summary.trials_per_rig) + " trials of a task on each, " +
+                    (summary.decorated ? "with decorators" : "as configured"));
+  page.add_section(
+      "table", "In numbers",
+      figure(table(headings(), rows, 2),
+             "<b>Errors over rigs that nobody has seen</b>: of points the distance at the end, of paths the "
+             "cross-track RMS. Intervals of 95 % by drawing rigs anew. Every controller has the same rigs, "
+             "starts and targets; against the baseline: below zero is better than it."));
+  for (const Parameter& parameter : parameters()) {
+    std::string charts;
+    for (const char* task : runs::kTasks) charts += scatter(result, task, parameter);
+    page.add_section(parameter.id, "Against the " + std::string(parameter.label),
+                     figure("<div class=\"panels wide\">" + charts + "</div>",
+                            "A dot is the mean error on one rig; the factor is on what its description says, "
+                            "and no controller was told."));
+  }
+  common::write_file_atomically(folder + "/report.html", page.render());
+  return text_of(rows);
+}
+
+}  // namespace lodestone::report

@@ -1,0 +1,120 @@
+#include "lodestone/experiments/rigs_bench.h"
+
+#include <catch2/catch.hpp>
+#include <set>
+
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+#include "temporary_folder.h"
+
+using namespace lodestone;
+
+namespace {
+
+/// The planner errs by as many mm as its rig's number, the baseline by one more.
+experiments::TrialDriver numbered_driver(std::int64_t per_rig) {
+  experiments::TrialDriver driver;
+  driver.drive = [per_rig](const std::vector<experiments::TrialPlan>& plans, experiments::RigKind kind,
+                           const experiments::ControllerSource& source, const experiments::TrialWatch&) {
+    std::vector<experiments::TrialResult> results;
+    for (const experiments::TrialPlan& plan : plans) {
+      experiments::TrialResult result;
+      result.plan = plan;
+      result.rig = experiments::to_string(kind);
+      result.controller = source.name;
+      result.samples.emplace_back().true_pose = plan.start;
+      result.truth.emplace().final_error_mm =
+          static_cast<double>(plan.index / per_rig) + (source.name == "baseline" ? 1.0 : 0.0);
+      result.truth->success = result.truth->final_error_mm < 1.5;
+      result.sensed = *result.truth;
+      result.completed = true;
+      results.push_back(result);
+    }
+    return results;
+  };
+  driver.fits = [](const geometry::Pose2&) { return true; };
+  driver.stopped = [] { return std::string(); };
+  return driver;
+}
+
+experiments::RigsBenchConfig four_rigs() {
+  experiments::RigsBenchConfig bench;
+  bench.rigs = 4;
+  bench.deploy.deployment.trials.count = 3;
+  bench.deploy.deployment.rig.simulation.deviation = rig::DeviationWidth::kWide;
+  return bench;
+}
+
+}  // namespace
+
+TEST_CASE("rigs are summed up by controller and task, and the baseline is what is compared with") {
+  const experiments::RigsBenchConfig bench = four_rigs();
+  const experiments::DeployConfig config = bench.deployment();
+  CHECK(config.deployment.trials.count == 12);
+  experiments::DeploymentJob job;
+  job.tasks = {"point"};
+  job.rigs = {experiments::RigKind::kUnseen};
+  job.sources.resize(2);
+  job.sources[0].name = "planner";
+  job.sources[1].name = "baseline";
+  const tests::TemporaryFolder folder;
+  experiments::RigsRun run(bench, config, job, folder.path(), numbered_driver(3));
+  common::MetricsLog metrics(folder.path());
+  while (!run.progress().finished) run.step(metrics);
+  run.save(folder.path());
+
+  auto summary = common::read_artefact<runs::RigsSummary>(folder / runs::RigsSummary::kFile);
+  const runs::RigsTaskSummary& planner = summary.by_controller["planner"]["point"];
+  CHECK(summary.rigs == 4);
+  CHECK(planner.n_trials == 12);
+  CHECK(planner.truth->mean_error_mm == Approx(1.5));
+  CHECK(planner.truth->success_rate == Approx(0.5));
+  CHECK(planner.mean_error_interval_mm[0] < 1.0);  // four rigs, which differ
+  CHECK(planner.mean_error_interval_mm[1] > 2.0);
+  CHECK(planner.worst.rig == 3);
+  CHECK(planner.worst.mean_error_mm == Approx(3.0));
+  REQUIRE(planner.minus_baseline_mm);
+  CHECK(*planner.minus_baseline_mm == Approx(-1.0));
+  CHECK(planner.minus_baseline_interval_mm->at(1) == Approx(-1.0));  // the same trials: no rig says otherwise
+  CHECK_FALSE(summary.by_controller["baseline"]["point"].minus_baseline_mm);
+
+  const auto rigs = common::read_artefact<runs::RigsResult>(folder / runs::RigsResult::kFile);
+  REQUIRE(rigs.rigs.size() == 4);
+  std::set<double> moments;
+  for (const runs::RigFigures& rig : rigs.rigs) moments.insert(rig.moment);
+  CHECK(moments.size() == 4);
+  CHECK(rigs.rigs[2].mean_error_mm.at("baseline").at("point") == Approx(3.0));
+}
+
+TEST_CASE("all controllers and tasks have the same rigs, as many trials on each as asked for") {
+  const experiments::DeploymentConfig config = four_rigs().deployment().deployment;
+  const auto seed = [&](const char* task, std::int64_t trial) {
+    return experiments::unseen_rig_seed(config, task, trial);
+  };
+  CHECK(seed("point", 0) == seed("square", 2));
+  CHECK(seed("point", 2) != seed("point", 3));
+  experiments::DeploymentConfig alone = config;
+  alone.trials.per_rig = 1;
+  CHECK(experiments::unseen_rig_seed(alone, "point", 0) != experiments::unseen_rig_seed(alone, "square", 0));
+}
+
+TEST_CASE("the bench finds its models in one folder, and what goes around controllers beside the policy") {
+  experiments::RigsBenchConfig bench = four_rigs();
+  bench.models = std::string(LODESTONE_SOURCE_DIR) + "/models";
+  CHECK(bench.deployment().policy == bench.models + "/target");
+  CHECK(bench.deployment().dynamics == bench.models + "/dynamics_best");
+  CHECK(bench.deployment().deployment.decorators.stall_gain == 1.0);
+  bench.decorated = true;
+  CHECK(bench.deployment().deployment.decorators.stall_gain > 1.0);
+  bench.models = "";
+  CHECK_THROWS_WITH(bench.deployment(), Catch::Contains("name a policy"));
+  bench.controllers = "planner,policy";
+  CHECK(bench.controller_names() == std::vector<std::string>{"planner", "policy"});
+  bench.controllers = "planner,planner";
+  CHECK_THROWS_WITH(bench.controller_names(), Catch::Contains("comes twice"));
+  bench.controllers = "planner,magic";
+  CHECK_THROWS_WITH(bench.controller_names(), Catch::Contains("\"magic\" is none of"));
+  bench.controllers = "";
+  CHECK_THROWS_AS(bench.controller_names(), common::ConfigError);
+}
