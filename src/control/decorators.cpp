@@ -94,6 +94,7 @@ geometry::Vector2 Hold::act(const task::Observation& observation) {
 geometry::Vector2 Lead::act(const task::Observation& observation) {
   task::Observation led = observation;
   led.target_m = straight_ahead_m(observation, lead_s_);
+  led.ahead.clear();
   return inner_->act(led);
 }
 

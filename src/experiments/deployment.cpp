@@ -197,7 +197,9 @@ ControllerSource planner_source(const DeploymentConfig& config, const SimulatorS
   const std::shared_ptr<const control::LearnedSimulator> shared = ready(simulator);
   source.action = in_ampere(config, shared->action, simulator.what);
   source.identify = identified_by(config, simulator, shared);
-  source.make = [shared, config, scale_A = source.action.scale](std::uint64_t seed) {
+  DeploymentConfig around = config;
+  around.decorators.lead_s = 0.0;  // it plans for where its target will be
+  source.make = [shared, config = around, scale_A = source.action.scale](std::uint64_t seed) {
     return decorated(std::make_unique<control::Planner>(shared, config.planner, seed), config, scale_A);
   };
   return source;

@@ -12,8 +12,8 @@ namespace lodestone::imaging {
 
 namespace {
 
-constexpr float kNoiseScale = 32.0F;          ///< grey levels of the bank per standard deviation
-constexpr std::size_t kNoiseShift = 1 << 16;  ///< a frame begins anywhere in the first part of the bank
+constexpr float kNoiseScale = 32.0F;         ///< grey levels of the bank per standard deviation
+constexpr std::size_t kNoiseJump = 1 << 16;  ///< a row begins so many places, at most, after the one before
 
 /// Normal numbers to read noise from, the same in every process.
 std::vector<signed char> make_noise_bank(std::size_t size) {
@@ -27,7 +27,7 @@ std::vector<signed char> make_noise_bank(std::size_t size) {
 
 /// The most an image of usual size needs; larger ones repeat it.
 const std::vector<signed char>& noise_bank() {
-  static const std::vector<signed char> bank = make_noise_bank(3 * 1280 * 1024 + kNoiseShift);
+  static const std::vector<signed char> bank = make_noise_bank(3 * 1280 * 1024 + kNoiseJump);
   return bank;
 }
 
@@ -47,22 +47,25 @@ void add_noise(const unsigned char* clean, const signed char* noise, short gain,
   }
 }
 
-/// The sensor's noise for one frame: a stretch of the bank that begins anywhere, either way up.
+/// The sensor's noise for one frame: rows of the bank that begin anywhere and follow one another at any
+/// distance, either way up, so that no two frames of a needle that lies still are alike, as a frozen camera's
+/// are.
 class FrameNoise {
  public:
   FrameNoise(double sigma_grey, common::RandomStream& random)
       : gain_(static_cast<short>((random.uniform() < 0.5 ? -1 : 1) *
                                  std::lround(256.0 * sigma_grey / kNoiseScale))),
-        offset_(random.below(kNoiseShift)) {}
+        offset_(random.below(noise_bank().size())),
+        jump_(random.below(kNoiseJump)) {}
 
   /// Noisy copy of an area; `clean` begins at the area's corner, `out` is the whole image.
   void apply(const cv::Mat& clean, const cv::Rect& area, cv::Mat& out) const {
     const std::vector<signed char>& bank = noise_bank();
     const std::size_t bytes = 3 * static_cast<std::size_t>(area.width);
     for (int v = 0; v < area.height; ++v) {
+      const auto row = static_cast<std::size_t>(area.y + v);
       const std::size_t place =
-          3 * (static_cast<std::size_t>(area.y + v) * static_cast<std::size_t>(out.cols) +
-               static_cast<std::size_t>(area.x));
+          row * jump_ + 3 * (row * static_cast<std::size_t>(out.cols) + static_cast<std::size_t>(area.x));
       // Images larger than the bank read it again.
       const signed char* noise = bank.data() + (offset_ + place) % (bank.size() - bytes);
       add_noise(clean.ptr(v), noise, gain_, bytes, out.ptr(area.y + v) + 3 * area.x);
@@ -72,6 +75,7 @@ class FrameNoise {
  private:
   short gain_;
   std::size_t offset_;
+  std::size_t jump_;
 };
 
 /// A stain or another opaque thing over part of a needle, in the needle's frame (s along, d across).

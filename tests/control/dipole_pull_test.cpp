@@ -36,3 +36,16 @@ TEST_CASE("the baseline keeps the contract") {
   control::DipolePullController controller(tests::paper_rig(), {});
   tests::check_controller(controller);
 }
+
+TEST_CASE("the baseline pulls to where its target will be after the pulse, and rests when it is close") {
+  control::DipolePullConfig config;
+  config.rest_radius_m = 0.5e-3;
+  control::DipolePullController controller(tests::paper_rig(), config);
+  task::Observation observation;
+  observation.target_m = {0.01, 0.0};
+  CHECK(controller.act(observation).x() > 0.0);
+  observation.ahead = {{{-0.01, 0.0}, 0.3}, {{0.02, 0.0}, 0.6}};
+  CHECK(controller.act(observation).x() < 0.0);
+  observation.ahead.front().point_m = {0.4e-3, 0.0};
+  CHECK(controller.act(observation).isZero(0.0));
+}

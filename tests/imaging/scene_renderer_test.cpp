@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 #include <opencv2/core.hpp>
+#include <set>
+#include <string>
 
 #include "lodestone/common/error.h"
 #include "paper_scenes.h"
@@ -63,6 +65,19 @@ TEST_CASE("a frame depends on scene, needle and random stream alone") {
   const cv::Mat one = first.render({{kPose, {0.0, 0.0}, 0.3}}, a).image;
   CHECK(cv::norm(one, second.render({{kPose, {0.0, 0.0}, 0.3}}, b).image, cv::NORM_INF) == 0.0);
   CHECK(cv::norm(one, second.render({{kPose, {0.0, 0.0}, 0.3}}, b).image, cv::NORM_INF) > 0.0);
+}
+
+TEST_CASE("a needle that lies still is never seen twice by the very same image") {
+  const imaging::SceneRenderer renderer(scene_with(4.0));
+  common::RandomStream random(1, "frame");
+  std::set<std::string> rows;
+  constexpr std::size_t kFrames = 1000;
+  for (std::size_t i = 0; i < kFrames; ++i) {
+    const cv::Mat image = renderer.render({}, random).image;
+    // Two rows: the noise of one alone is often enough seen again.
+    rows.insert(std::string(image.ptr<char>(500), 60) + std::string(image.ptr<char>(501), 60));
+  }
+  CHECK(rows.size() == kFrames);
 }
 
 TEST_CASE("noise has the standard deviation it is given") {

@@ -9,8 +9,11 @@ namespace lodestone::control {
 
 /// Pull by the simulator of section IV-C: point-dipole coils and a point-dipole needle.
 struct DipolePullConfig {
-  double gain_N_m = 0.012;
+  // Searched by scripts/tune-baseline on the explored rig.
+  double gain_N_m = 0.032;
   double max_force_N = 0.0006;
+  double friction_share = 0.15;
+  double rest_radius_m = 0.7e-3;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -19,6 +22,11 @@ struct DipolePullConfig {
     v.retired("friction_N", "rig.friction.static_coefficient and rig.needle.net_weight_N");
     v.field("gain_N_m", gain_N_m, "N/m", "pull above friction per distance to the target", {0.0, 1e3});
     v.field("max_force_N", max_force_N, "N", "largest pull asked for", {0.0, 10.0});
+    v.field("friction_share", friction_share, "",
+            "of the pull that breaks the needle loose, what is added to every pull: one that turns into the "
+            "field slides before it would be dragged",
+            {0.0, 2.0});
+    v.field("rest_radius_m", rest_radius_m, "m", "closer to the target there is no pull", {0.0, 0.1});
   }
 };
 
@@ -40,20 +48,23 @@ class DipolePull {
   DipoleField field_;
 };
 
-/// Baseline: pulls the needle towards the target with a force that grows with the distance, by the
-/// simulator's inverse field.
+/// Baseline: pulls the needle towards where the target will be after the pulse, with a force that grows with
+/// the distance on top of what the floor takes, by the simulator's inverse field.
 class DipolePullController final : public Controller {
  public:
   /// Knows the rig as it is described; an action of 1 is its largest current.
   DipolePullController(const physics::RigDescription& rig, const DipolePullConfig& config)
-      : config_(config), pull_(rig), friction_N_(rig.breakaway_N()), scale_A_(rig.coils.max_current_A) {}
+      : config_(config),
+        pull_(rig),
+        friction_N_(config.friction_share * rig.breakaway_N()),
+        scale_A_(rig.coils.max_current_A) {}
   void reset() override {}
   geometry::Vector2 act(const task::Observation& observation) override;
 
  private:
   DipolePullConfig config_;
   DipolePull pull_;
-  double friction_N_;
+  double friction_N_;  // what is added to every pull
   double scale_A_;
 };
 
