@@ -106,7 +106,8 @@ void deploy(const CommonOptions& options) {
 }  // namespace
 
 void add_deploy(Verb& program) {
-  Verb& verb = program.add_verb("deploy", "drive a rig with a trained policy and a baseline (phase 3)");
+  Verb& verb = program.add_verb(
+      "deploy", "drive a rig by planning, with a trained policy, or with a baseline (phase 3)");
   auto& options = configure<DeployConfig>(verb, deploy);
   add_common_options(verb, options, /*with_resume=*/true);
   add_virtual_rig_options(verb, options);
@@ -114,11 +115,14 @@ void add_deploy(Verb& program) {
     options.overrides.push_back({assignment, flag});
   };
   const auto models = [&options, set](const std::string& folder) {
-    set("policy=" + common::Json(folder).dump(), "--models");
+    const auto manifest = common::read_json_if_there(folder + "/manifest.json");
+    const bool simulator = manifest.is_object() && manifest.value("kind", common::Json()) == "dynamics";
+    set((simulator ? "dynamics=" : "policy=") + common::Json(folder).dump(), "--models");
     options.config_files.insert(options.config_files.begin(), folder + "/deploy.json");
   };
   verb.add_option("--models", models,
-                  "folder of a released model: its policy, with its deploy.json before any --config");
+                  "folder of a released model, with its deploy.json before any --config: a policy, or a "
+                  "simulator to plan in");
   const auto text = [&](const char* flag, const char* key, const char* meaning) {
     add_shorthand(verb, options, flag, key, Shorthand::kText, meaning);
   };
@@ -127,7 +131,7 @@ void add_deploy(Verb& program) {
   add_shorthand(verb, options, "--trials", "trials.count", Shorthand::kValue, "trials per task");
   text("--on", "on_rig", "the rig that was explored, rigs never seen, or both: explored, unseen, both");
   text("--sensor", "sensor.kind", "camera or simulated");
-  text("--controller", "controller", "policy, baseline, both or planner");
+  text("--controller", "controller", "planner, policy, baseline or both");
   const auto target = [set](const std::string& value) { set("target_mm=[" + value + "]", "--target-mm"); };
   verb.add_option("--target-mm", target, "X,Y of the target of `point` in mm");
   verb.add_option("--record", Flag{[set] { set("record.enabled=true", "--record"); }},

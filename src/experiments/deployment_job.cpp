@@ -68,7 +68,10 @@ void DeployConfig::validate() const {
 }
 
 DeploymentJob plan_job(const DeployConfig& config) {
-  if (config.controller == "both") return plan_job(config, {"policy", "baseline"});
+  if (config.controller == "auto" && config.policy.empty() && !config.dynamics.empty())
+    return plan_job(config, {"planner"});
+  if (config.controller == "both" || config.controller == "auto")
+    return plan_job(config, {"policy", "baseline"});
   return plan_job(config, {config.controller});
 }
 
@@ -94,8 +97,8 @@ DeploymentJob plan_job(const DeployConfig& config, const std::vector<std::string
     } else if (controller == "policy") {
       if (!policy)
         throw common::ConfigError(
-            "deploy: --policy DIR is missing; name a policy checkpoint, or use --controller baseline or "
-            "planner");
+            "deploy: --policy DIR is missing; name a policy checkpoint, a simulator to plan in (--set "
+            "dynamics=DIR), or use --controller baseline");
       check_goal(config, *policy, job);
       job.sources.push_back(policy_source(config.deployment, *policy, config.policy, identified_by));
       job.provenance = common::artefact_from_json<runs::Provenance>(policy->provenance, config.policy);

@@ -19,7 +19,7 @@ struct DeployConfig {
   std::string task = "all";
   std::vector<double> target_mm;
   std::string on_rig = "explored";
-  std::string controller = "both";
+  std::string controller = "auto";
   bool realtime = false;
 
   template <class Visitor>
@@ -38,9 +38,10 @@ struct DeployConfig {
             "the rig that was explored, rigs with new friction and calibration error, or both",
             {"explored", "unseen", "both"});
     v.field("controller", controller, "",
-            "what drives: a trained policy, the proportional baseline, both, or a planner in the learned "
-            "simulator",
-            {"policy", "baseline", "both", "planner"});
+            "what drives: a planner in the learned simulator, a trained policy, the proportional baseline, "
+            "both of "
+            "these; auto: the planner where a simulator is named and no policy is, else both",
+            {"auto", "planner", "policy", "baseline", "both"});
     v.field("realtime", realtime, "", "wait as long as a real rig would");
   }
   /// Throws ConfigError where values do not fit each other.
