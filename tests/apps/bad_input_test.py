@@ -70,6 +70,9 @@ check(["bench", "paper", "--scale", "smoke", "--only", "nothing"], 2, "nothing",
 check(["deploy", "--controller", "planner", "--sensor", "simulated", "--out", "run"], 2, "dynamics")
 check(["deploy", "--controller", "planner", "--set", "planner.elites=5000", "--out", "run"], 2,
       "--set planner.elites: planner.elites = 5000 must not exceed candidates")
+check(["bench", "rigs", "--controllers", "magic", "--out", "run"], 2, "\"magic\" is none of planner, policy, baseline")
+check(["bench", "rigs", "--decorated", "--controllers", "baseline", "--out", "run"], 2, "name a policy")
+check(["bench", "rigs", "--controllers", "planner", "--sensor", "simulated", "--out", "run"], 2, "dynamics=DIR")
 check(["deploy", "--models", "missing", "--out", "run"], 2, "missing/deploy.json")
 check(["collect", "--by", "policy", "--out", "run"], 2, "--policy")
 check(["train-policy", "--set", "simulator=physics", "--set", "task.within=reachable", "--out", "run"], 2, "dynamics")
@@ -191,7 +194,8 @@ for preset in sorted((source / "configs").glob("*/*.json")):
             "segmenter": "train-segmenter", "emulation": "bench emulation"}[
         preset.stem.split("_")[0]]
     of_verb = {"deploy": "--policy", "train-dynamics": "data=FILE", "train-policy": "dynamics=DIR"}
-    first_missing = {("best", "collect.json"): "--policy", ("best", "policy_offline.json"): "recorded"}
+    first_missing = {("best", "collect.json"): "--policy", ("best", "deploy_planner.json"): "dynamics=DIR",
+                     ("best", "policy_offline.json"): "recorded"}
     expected = first_missing.get(preset.parts[-2:], "--out" if preset.parent.name == "simulator" else of_verb.get(verb, "--out"))
     check([*verb.split(), "--config", str(preset)], 2, expected)
 
