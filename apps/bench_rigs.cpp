@@ -13,20 +13,18 @@ namespace {
 using experiments::RigsBenchConfig;
 
 void print_results(const std::string& folder) {
-  std::printf("%s", report::write_rigs_report(folder).c_str());
-  std::printf("report   %s/report.html\n", folder.c_str());
+  const std::string page = folder + "/report.html";
+  std::printf("%sreport   %s\n", report::write_rigs_report(folder, page).c_str(), page.c_str());
 }
 
 void bench_rigs(const CommonOptions& options) {
   auto config = resolve_config<RigsBenchConfig>(options);
   nets::use_one_blas_thread();
-  choose_segmenter(config.deploy.deployment.sensor);
-  if (config.deploy.deployment.rig.real())
-    throw common::ConfigError("bench rigs: rig.backend is not \"virtual\"; rigs are drawn from a seed here");
-  const experiments::DeployConfig deployment = config.deployment();
+  choose_segmenter(config.deployment.sensor);
+  const experiments::DeployConfig deployment = config.deploy();
   const experiments::DeploymentJob job = experiments::plan_job(deployment, config.controller_names());
-  runs::RunRequest request{options.out, "bench rigs", common::config_to_json(config),
-                           config.deploy.deployment.seed, options.resume};
+  runs::RunRequest request{options.out, "bench rigs", common::config_to_json(config), config.deployment.seed,
+                           options.resume};
   request.free_keys = {"threads"};
   runs::RunFolder run(request);
   if (run.finished()) return print_results(run.path());

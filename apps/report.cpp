@@ -4,6 +4,8 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/report/report.h"
+#include "lodestone/report/rigs_report.h"
+#include "lodestone/runs/rigs_result.h"
 #include "verbs.h"
 
 namespace lodestone::apps {
@@ -20,7 +22,14 @@ void run_report(const ReportOptions& options) {
   if (std::filesystem::is_directory(out))
     throw common::ConfigError("--out " + out + " is a folder: name the page, for example " + out +
                               "/report.html");
-  report::write_report(options.run, options.recorded, out);
+  const bool rigs = std::filesystem::exists(options.run + "/" + runs::RigsResult::kFile);
+  if (rigs && !options.recorded.empty())
+    throw common::ConfigError("--recorded: " + options.run +
+                              " is of bench rigs, which nothing is shown beside");
+  if (rigs)
+    report::write_rigs_report(options.run, out);
+  else
+    report::write_report(options.run, options.recorded, out);
   std::printf("%s\n", out.c_str());
 }
 

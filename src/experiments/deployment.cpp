@@ -26,7 +26,7 @@ std::uint64_t trial_seed(const DeploymentConfig& config, const TrialPlan& plan) 
 
 /// All that an unseen rig has of its own comes from this.
 std::uint64_t unseen_seed(const DeploymentConfig& config, const std::string& task, std::int64_t index) {
-  if (config.trials.per_rig == 1) return trial_seed(config, task, index);
+  if (config.trials.per_rig == 0) return trial_seed(config, task, index);
   return common::derive_seed(static_cast<std::uint64_t>(config.seed), "rig nobody has seen",
                              static_cast<std::uint64_t>(index / config.trials.per_rig));
 }
@@ -63,25 +63,13 @@ void warn_of_another_rig(const DeploymentConfig& config, const common::Json& tra
     common::log_warning(what + " was trained for a rig with other figures of: " + differs);
 }
 
-std::shared_ptr<const control::LearnedSimulator> ready(const SimulatorSource& simulator) {
-  return std::make_shared<const control::LearnedSimulator>(simulator.model);
-}
-
-/// What makes filters by a simulator, where the configuration asks for it.
-std::function<std::shared_ptr<control::GainFilter>()> identified_by(
-    const DeploymentConfig& config, const SimulatorSource& simulator,
-    const std::shared_ptr<const control::LearnedSimulator>& shared) {
-  if (!config.identification.enabled) return {};
-  if (!shared->sampled) {
-    common::log_warning(simulator.what +
-                        " predicts single values, so no rig can be identified by it (train-dynamics with "
-                        "model.components above 0 makes one that predicts distributions)");
-    return {};
-  }
-  const bool percent = shared->action.unit == "percent";
-  const double drive_per_A = percent ? 100.0 / config.rig.full_drive_A : 1.0;
-  const auto make = [shared, drive_per_A, identification = config.identification] {
-    return std::make_shared<control::GainFilter>(shared, identification, drive_per_A);
+/// What makes filters by a simulator, where the configuration asks for it and there is one that can.
+std::function<std::shared_ptr<control::GainFilter>()> identified_by(const DeploymentConfig& config,
+                                                                    const SimulatorSource* source) {
+  if (source == nullptr || !config.identification.enabled || !source->simulator->sampled) return {};
+  const double drive_per_A = source->simulator->action.scale / source->action.scale;
+  const auto make = [simulator = source->simulator, drive_per_A, identification = config.identification] {
+    return std::make_shared<control::GainFilter>(simulator, identification, drive_per_A);
   };
   // Virtual trials run beside one another, on rigs of their own.
   if (!config.rig.real() || !config.identification.carry) return make;
@@ -175,13 +163,26 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
   return plan;
 }
 
+SimulatorSource load_simulator(const DeploymentConfig& config, const std::string& folder) {
+  const inference::DynamicsModel model = inference::load_dynamics(folder);
+  warn_of_another_rig(config, model.info.rig, folder);
+  SimulatorSource source;
+  source.simulator = std::make_shared<const control::LearnedSimulator>(model);
+  source.action = in_ampere(config, source.simulator->action, folder);
+  if (config.identification.enabled && !source.simulator->sampled)
+    common::log_warning(folder +
+                        " predicts single values, so no rig can be identified by it (train-dynamics with "
+                        "model.components above 0 makes one that predicts distributions)");
+  return source;
+}
+
 ControllerSource policy_source(const DeploymentConfig& config, const inference::Policy& policy,
                                const std::string& what, const SimulatorSource* simulator) {
   warn_of_another_rig(config, policy.rig, what);
   ControllerSource source;
   source.name = "policy";
   source.action = in_ampere(config, policy.action, what);
-  if (simulator != nullptr) source.identify = identified_by(config, *simulator, ready(*simulator));
+  source.identify = identified_by(config, simulator);
   source.make = [policy, config, scale_A = source.action.scale](std::uint64_t) {
     return decorated(
         std::make_unique<control::GainCorrection>(std::make_unique<control::PolicyController>(policy)),
@@ -191,15 +192,14 @@ ControllerSource policy_source(const DeploymentConfig& config, const inference::
 }
 
 ControllerSource planner_source(const DeploymentConfig& config, const SimulatorSource& simulator) {
-  warn_of_another_rig(config, simulator.model.info.rig, simulator.what);
   ControllerSource source;
   source.name = "planner";
-  const std::shared_ptr<const control::LearnedSimulator> shared = ready(simulator);
-  source.action = in_ampere(config, shared->action, simulator.what);
-  source.identify = identified_by(config, simulator, shared);
+  source.action = simulator.action;
+  source.identify = identified_by(config, &simulator);
   DeploymentConfig around = config;
   around.decorators.lead_s = 0.0;  // it plans for where its target will be
-  source.make = [shared, config = around, scale_A = source.action.scale](std::uint64_t seed) {
+  source.make = [shared = simulator.simulator, config = around,
+                 scale_A = source.action.scale](std::uint64_t seed) {
     return decorated(std::make_unique<control::Planner>(shared, config.planner, seed), config, scale_A);
   };
   return source;
@@ -209,7 +209,7 @@ ControllerSource baseline_source(const DeploymentConfig& config, const Simulator
   ControllerSource source;
   source.name = "baseline";
   source.action.scale = config.rig.coils.max_current_A;
-  if (simulator != nullptr) source.identify = identified_by(config, *simulator, ready(*simulator));
+  source.identify = identified_by(config, simulator);
   source.make = [config](std::uint64_t) {
     return decorated(std::make_unique<control::GainCorrection>(
                          std::make_unique<control::DipolePullController>(config.rig, config.baseline)),

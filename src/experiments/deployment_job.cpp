@@ -4,7 +4,6 @@
 
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
-#include "lodestone/inference/dynamics.h"
 
 namespace lodestone::experiments {
 namespace {
@@ -85,8 +84,7 @@ DeploymentJob plan_job(const DeployConfig& config, const std::vector<std::string
   std::optional<inference::Policy> policy;
   if (!config.policy.empty()) policy = inference::load_policy(config.policy);
   std::optional<SimulatorSource> simulator;
-  if (!config.dynamics.empty())
-    simulator = SimulatorSource{inference::load_dynamics(config.dynamics), config.dynamics};
+  if (!config.dynamics.empty()) simulator = load_simulator(config.deployment, config.dynamics);
   const SimulatorSource* identified_by = simulator ? &*simulator : nullptr;
   for (const std::string& controller : controllers) {
     if (controller == "planner") {

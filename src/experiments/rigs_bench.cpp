@@ -95,10 +95,24 @@ std::vector<std::string> RigsBenchConfig::controller_names() const {
   return names;
 }
 
-DeployConfig RigsBenchConfig::deployment() const {
-  DeployConfig config = deploy;
-  if (!models.empty() && config.policy.empty()) config.policy = models + "/target";
-  if (!models.empty() && config.dynamics.empty()) config.dynamics = models + "/dynamics_best";
+void RigsBenchConfig::validate() const {
+  deployment.rig.validate();
+  if (deployment.rig.real())
+    throw common::ConfigError("rig.backend = \"serial\": rigs are drawn from a seed here; leave it out");
+  if (deployment.record.enabled)
+    throw common::ConfigError("record.enabled = true: nothing is filmed here; deploy --record films");
+  if (deployment.trials.per_rig != 0)
+    throw common::ConfigError("trials.per_rig = " + std::to_string(deployment.trials.per_rig) +
+                              ": leave it out, trials.count is for each rig here");
+}
+
+DeployConfig RigsBenchConfig::deploy() const {
+  DeployConfig config;
+  config.deployment = deployment;
+  config.threads = threads;
+  config.task = task;
+  config.policy = policy.empty() && !models.empty() ? models + "/target" : policy;
+  config.dynamics = dynamics.empty() && !models.empty() ? models + "/dynamics_best" : dynamics;
   config.on_rig = "unseen";
   config.deployment.trials.per_rig = config.deployment.trials.count;
   config.deployment.trials.count *= rigs;

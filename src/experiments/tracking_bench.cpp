@@ -14,7 +14,6 @@
 #include "lodestone/experiments/collection.h"
 #include "lodestone/experiments/track_checks.h"
 #include "lodestone/geometry/angle.h"
-#include "lodestone/inference/dynamics.h"
 #include "lodestone/vision/commanded_field.h"
 #include "lodestone/vision/pose_tracker.h"
 
@@ -142,8 +141,7 @@ TrackingBench::TrackingBench(const TrackingBenchConfig& config)
     : config_(config),
       source_(config.dynamics.empty()
                   ? baseline_source(config.deployment)
-                  : planner_source(config.deployment,
-                                   {inference::load_dynamics(config.dynamics), config.dynamics})) {
+                  : planner_source(config.deployment, load_simulator(config.deployment, config.dynamics))) {
   result_.machine = common::build_and_host_facts();
 }
 

@@ -128,7 +128,7 @@ std::string scatter(const runs::RigsResult& result, const std::string& task, con
 
 }  // namespace
 
-std::string write_rigs_report(const std::string& folder) {
+std::string write_rigs_report(const std::string& folder, const std::string& out) {
   const auto summary = common::read_artefact<runs::RigsSummary>(folder + "/" + runs::RigsSummary::kFile);
   const auto result = common::read_artefact<runs::RigsResult>(folder + "/" + runs::RigsResult::kFile);
   const auto rows = rows_of(summary);
@@ -149,7 +149,7 @@ std::string write_rigs_report(const std::string& folder) {
                             "A dot is the mean error on one rig; the factor is on what its description says, "
                             "and no controller was told."));
   }
-  common::write_file_atomically(folder + "/report.html", page.render());
+  common::write_file_atomically(out, page.render());
   return text_of(rows);
 }
 

@@ -85,7 +85,7 @@ TEST_CASE("with a simulator every controller is told how strong its rig is, each
   const auto config = quick_config();
   const experiments::Deployment deployment(config);
   const std::string folder = std::string(LODESTONE_SOURCE_DIR) + "/models/dynamics_best";
-  const experiments::SimulatorSource simulator{inference::load_dynamics(folder), folder};
+  const experiments::SimulatorSource simulator = experiments::load_simulator(config, folder);
   common::ThreadPool pool(2);
   const auto todo = plans(config, deployment, "point", 2);
   for (const experiments::ControllerSource& source :
@@ -110,7 +110,7 @@ TEST_CASE("with a simulator every controller is told how strong its rig is, each
 TEST_CASE("on a bench what was identified is carried from trial to trial where that is asked for") {
   auto config = quick_config();
   const std::string folder = std::string(LODESTONE_SOURCE_DIR) + "/models/dynamics_best";
-  const experiments::SimulatorSource simulator{inference::load_dynamics(folder), folder};
+  const experiments::SimulatorSource simulator = experiments::load_simulator(config, folder);
   const auto same = [&] {
     const auto source = experiments::baseline_source(config, &simulator);
     return source.identify() == source.identify();

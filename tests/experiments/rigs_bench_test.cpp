@@ -41,8 +41,8 @@ experiments::TrialDriver numbered_driver(std::int64_t per_rig) {
 experiments::RigsBenchConfig four_rigs() {
   experiments::RigsBenchConfig bench;
   bench.rigs = 4;
-  bench.deploy.deployment.trials.count = 3;
-  bench.deploy.deployment.rig.simulation.deviation = rig::DeviationWidth::kWide;
+  bench.deployment.trials.count = 3;
+  bench.deployment.rig.simulation.deviation = rig::DeviationWidth::kWide;
   return bench;
 }
 
@@ -50,7 +50,7 @@ experiments::RigsBenchConfig four_rigs() {
 
 TEST_CASE("rigs are summed up by controller and task, and the baseline is what is compared with") {
   const experiments::RigsBenchConfig bench = four_rigs();
-  const experiments::DeployConfig config = bench.deployment();
+  const experiments::DeployConfig config = bench.deploy();
   CHECK(config.deployment.trials.count == 12);
   experiments::DeploymentJob job;
   job.tasks = {"point"};
@@ -88,27 +88,32 @@ TEST_CASE("rigs are summed up by controller and task, and the baseline is what i
 }
 
 TEST_CASE("all controllers and tasks have the same rigs, as many trials on each as asked for") {
-  const experiments::DeploymentConfig config = four_rigs().deployment().deployment;
+  const experiments::DeploymentConfig config = four_rigs().deploy().deployment;
   const auto seed = [&](const char* task, std::int64_t trial) {
     return experiments::unseen_rig_seed(config, task, trial);
   };
   CHECK(seed("point", 0) == seed("square", 2));
   CHECK(seed("point", 2) != seed("point", 3));
+  experiments::RigsBenchConfig once = four_rigs();
+  once.deployment.trials.count = 1;
+  const experiments::DeploymentConfig one_each = once.deploy().deployment;
+  CHECK(experiments::unseen_rig_seed(one_each, "point", 2) ==
+        experiments::unseen_rig_seed(one_each, "circle", 2));
   experiments::DeploymentConfig alone = config;
-  alone.trials.per_rig = 1;
+  alone.trials.per_rig = 0;
   CHECK(experiments::unseen_rig_seed(alone, "point", 0) != experiments::unseen_rig_seed(alone, "square", 0));
 }
 
 TEST_CASE("the bench finds its models in one folder, and what goes around controllers beside the policy") {
   experiments::RigsBenchConfig bench = four_rigs();
   bench.models = std::string(LODESTONE_SOURCE_DIR) + "/models";
-  CHECK(bench.deployment().policy == bench.models + "/target");
-  CHECK(bench.deployment().dynamics == bench.models + "/dynamics_best");
-  CHECK(bench.deployment().deployment.decorators.stall_gain == 1.0);
+  CHECK(bench.deploy().policy == bench.models + "/target");
+  CHECK(bench.deploy().dynamics == bench.models + "/dynamics_best");
+  CHECK(bench.deploy().deployment.decorators.stall_gain == 1.0);
   bench.decorated = true;
-  CHECK(bench.deployment().deployment.decorators.stall_gain > 1.0);
+  CHECK(bench.deploy().deployment.decorators.stall_gain > 1.0);
   bench.models = "";
-  CHECK_THROWS_WITH(bench.deployment(), Catch::Contains("name a policy"));
+  CHECK_THROWS_WITH(bench.deploy(), Catch::Contains("name a policy"));
   bench.controllers = "planner,policy";
   CHECK(bench.controller_names() == std::vector<std::string>{"planner", "policy"});
   bench.controllers = "planner,planner";
@@ -117,4 +122,17 @@ TEST_CASE("the bench finds its models in one folder, and what goes around contro
   CHECK_THROWS_WITH(bench.controller_names(), Catch::Contains("\"magic\" is none of"));
   bench.controllers = "";
   CHECK_THROWS_AS(bench.controller_names(), common::ConfigError);
+}
+
+TEST_CASE("what a bench of rigs cannot do is refused") {
+  experiments::RigsBenchConfig bench = four_rigs();
+  CHECK_NOTHROW(bench.validate());
+  bench.deployment.record.enabled = true;
+  CHECK_THROWS_WITH(bench.validate(), Catch::Contains("record.enabled"));
+  bench = four_rigs();
+  bench.deployment.trials.per_rig = 2;
+  CHECK_THROWS_WITH(bench.validate(), Catch::Contains("trials.per_rig = 2"));
+  bench = four_rigs();
+  bench.deployment.rig.backend = rig::Backend::kSerial;
+  CHECK_THROWS_AS(bench.validate(), common::ConfigError);
 }

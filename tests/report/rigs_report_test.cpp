@@ -13,7 +13,7 @@ using namespace lodestone;
 
 TEST_CASE("a bench of rigs comes with its table and a dot for each rig") {
   const tests::TemporaryFolder folder;
-  CHECK_THROWS_AS(report::write_rigs_report(folder.path()), common::Error);
+  CHECK_THROWS_AS(report::write_rigs_report(folder.path(), folder / "report.html"), common::Error);
   runs::RigsSummary summary;
   summary.rigs = 2;
   summary.trials_per_rig = 5;
@@ -35,7 +35,7 @@ TEST_CASE("a bench of rigs comes with its table and a dot for each rig") {
   for (runs::RigFigures& rig : result.rigs) rig.mean_error_mm["planner"]["square"] = 0.45;
   common::write_artefact(folder / runs::RigsResult::kFile, result);
 
-  const std::string text = report::write_rigs_report(folder.path());
+  const std::string text = report::write_rigs_report(folder.path(), folder / "report.html");
   CHECK(text ==
         "square  planner   error 0.45 (0.41 to 0.52) mm, success 90.0 % (80.0 to 100.0), moving reference "
         "1.10 (1.00 to 1.20) mm; worst rig 0.50, rig 1; against the baseline -2.50 (-3.00 to -2.00) mm; 0 of "

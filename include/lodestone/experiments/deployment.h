@@ -13,13 +13,13 @@
 #include "lodestone/control/decorators.h"
 #include "lodestone/control/dipole_pull.h"
 #include "lodestone/control/gain_filter.h"
+#include "lodestone/control/learned_simulator.h"
 #include "lodestone/control/planner.h"
 #include "lodestone/control/reference.h"
 #include "lodestone/control/turn_in_place.h"
 #include "lodestone/experiments/score.h"
 #include "lodestone/experiments/trial.h"
 #include "lodestone/experiments/trial_video.h"
-#include "lodestone/inference/dynamics.h"
 #include "lodestone/inference/policy.h"
 #include "lodestone/rig/rig_config.h"
 #include "lodestone/session/rig_session.h"
@@ -33,7 +33,7 @@ namespace lodestone::experiments {
 /// rig.
 struct TrialsConfig {
   std::int64_t count = 50;
-  std::int64_t per_rig = 1;
+  std::int64_t per_rig = 0;
   double start_radius = 0.82;
   double goal_radius = 0.7;
   task::Within within = task::Within::kDisc;
@@ -45,10 +45,11 @@ struct TrialsConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("count", count, "", "trials per task", {1, 100000});
-    v.field("per_rig", per_rig, "",
-            "so many trials of a task, one after another, share a rig nobody has seen; with more than 1 all "
-            "tasks have the same rigs",
-            {1, 100000});
+    v.field(
+        "per_rig", per_rig, "",
+        "so many trials of a task, one after another, share a rig nobody has seen, and all tasks have the "
+        "same rigs; 0: every trial has one of its own",
+        {0, 100000});
     v.retired("start_radius_m", "start_radius, in dish radii");
     v.retired("goal_radius_m", "goal_radius, in dish radii");
     v.field("start_radius", start_radius, "dish radii", "starts are drawn over a disc of this radius",
@@ -130,11 +131,16 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
                      const std::function<bool(const geometry::Pose2&)>& fits,
                      const task::Region* region = nullptr);
 
-/// A learned simulator, as sources share it.
+/// A learned simulator, which sources share.
 struct SimulatorSource {
-  inference::DynamicsModel model;
-  std::string what;  ///< names it in messages
+  std::shared_ptr<const control::LearnedSimulator> simulator;
+  task::ActionConfig action;  ///< its own, in the rig's ampere
 };
+
+/// Reads the simulator in a folder for this rig. Says so where it was learned on another one, or where a rig
+/// that shall be identified cannot be by it. Throws ConfigError when its drives go beyond the rig's largest
+/// current, and CheckpointError.
+SimulatorSource load_simulator(const DeploymentConfig& config, const std::string& folder);
 
 /// A controller and the scale of its actions. What it makes is made once per trial, and must be safe to make
 /// from several threads.

@@ -12,40 +12,50 @@ namespace lodestone::experiments {
 /// What `bench rigs` is asked for: controllers on many rigs of a kind, with nothing around them unless it
 /// says so.
 struct RigsBenchConfig {
-  DeployConfig deploy;
+  DeploymentConfig deployment;  ///< trials.count is for each rig
+  std::int64_t threads = 0;
   std::int64_t rigs = 40;
   std::string controllers = "planner,policy,baseline";
   std::string models;
+  std::string policy;
+  std::string dynamics;
+  std::string task = "all";
   bool decorated = false;
 
-  RigsBenchConfig() { deploy.deployment.trials.count = 5; }
+  RigsBenchConfig() { deployment.trials.count = 5; }
   template <class Visitor>
   void visit(Visitor& v) {
-    deploy.visit(v);
+    deployment.visit(v);
+    v.field("threads", threads, "", "trials at the same time; 0 means one per processor", {0, 1024});
     v.field("rigs", rigs, "", "rigs that nobody has seen; trials.count is for each of them", {1, 100000});
     v.field("controllers", controllers, "", "what drives, with commas between: planner, policy, baseline");
     v.field(
         "models", models, "",
         "folder that holds the policy as `target` and the simulator as `dynamics_best`, where `policy` and "
         "`dynamics` name none");
+    v.field("policy", policy, "", "folder of the policy checkpoint");
+    v.field("dynamics", dynamics, "",
+            "folder of the dynamics checkpoint that the planner plans in, and that every controller's rig is "
+            "identified by");
+    v.field("task", task, "", "centre, point, square, circle or all",
+            {"centre", "point", "square", "circle", "all"});
     v.field("decorated", decorated, "",
             "put around every controller what the deploy.json beside the policy says; false: what "
             "`decorators` says, nothing by default");
   }
   /// Throws ConfigError where values do not fit each other.
-  void validate() const { deploy.validate(); }
+  void validate() const;
 
   /// The controllers by name. Throws ConfigError naming one that is none, or comes twice.
   std::vector<std::string> controller_names() const;
-  /// The deployment that this comes to: every task on every rig. Throws ConfigError, and what reading the
-  /// deploy.json throws.
-  DeployConfig deployment() const;
+  /// What is driven: every task on every rig. Throws ConfigError, and what reading the deploy.json throws.
+  DeployConfig deploy() const;
 };
 
 /// Trials on many rigs as resumable work: the same rigs, starts and targets for every controller.
 class RigsRun final : public DeploymentRun {
  public:
-  /// `config` is RigsBenchConfig::deployment(); it and `job` must outlive the run.
+  /// `config` is RigsBenchConfig::deploy(); it and `job` must outlive the run.
   RigsRun(const RigsBenchConfig& bench, const DeployConfig& config, const DeploymentJob& job,
           const std::string& folder, TrialDriver driver);
 
