@@ -31,9 +31,7 @@ geometry::Vector2 DipolePull::drive_A(const geometry::Vector2& force_N,
 
 geometry::Vector2 DipolePullController::act(const task::Observation& observation) {
   const geometry::Vector2 position_m = observation.pose.position_m();
-  const geometry::Vector2 target_m =
-      observation.ahead.empty() ? observation.target_m : observation.ahead.front().point_m;
-  const geometry::Vector2 error_m = target_m - position_m;
+  const geometry::Vector2 error_m = observation.target_after_m(1) - position_m;
   const double distance_m = error_m.norm();
   if (distance_m == 0.0 || distance_m < config_.rest_radius_m) return geometry::Vector2::Zero();
   const double force_N = std::min(friction_N_ + config_.gain_N_m * distance_m, config_.max_force_N);

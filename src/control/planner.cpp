@@ -16,11 +16,6 @@ namespace {
 
 /// What lying outside the dish costs beyond the distance: more than any way inside.
 constexpr double kOutside_mm = 100.0;
-/// The target when pulse `t` of the plan is over.
-geometry::Vector2 target_after_m(const task::Observation& observation, std::size_t t) {
-  if (observation.ahead.empty()) return observation.target_m;
-  return observation.ahead[std::min(t, observation.ahead.size() - 1)].point_m;
-}
 /// The search never narrows down further than this, or it would stop looking.
 constexpr double kLeastSpread = 0.02;
 
@@ -123,7 +118,7 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
   const auto horizon = static_cast<std::size_t>(config_.horizon);
   const double fraction = 1.0 / static_cast<double>(particles * horizon);
   for (std::size_t t = 0; t < horizon; ++t) {
-    const geometry::Vector2 target_m = target_after_m(observation, t);
+    const geometry::Vector2 target_m = observation.target_after_m(t + 1);
     for (std::size_t c = 0; c < count; ++c)
       cost_mm_[c] += config_.current_cost * candidates_[c][t].squaredNorm();
     for (std::size_t p = 0; p < particles; ++p) {

@@ -62,14 +62,17 @@ std::string configurations(const RunData& run, const std::string& label) {
 
 std::string overview_section(const RunData& run, const RunData* recorded) {
   std::string html;
-  if (!run.deployment_only)
+  if (!run.deployment_only) {
+    const bool planned = !run.rigs.empty() && run.rigs.front().driver() == "planner";
     html =
-        "<p>The rig is explored and recorded; a network learns from the record what a pulse of the coils "
-        "does "
-        "(the model-based simulator, MBS); a policy is trained by TD3 in many copies of that simulator; and "
-        "the policy then drives the rig. Every image below comes from the files of this run; a click shows "
-        "it "
-        "as large as the window.</p>\n";
+        std::string(
+            "<p>The rig is explored and recorded; a network learns from the record what a pulse of "
+            "the coils does (the model-based simulator, MBS); a policy is trained by TD3 in many "
+            "copies of that simulator; and ") +
+        (planned ? "a planner, which tries pulses in that simulator before it gives one, drives the rig."
+                 : "the policy then drives the rig.") +
+        " Every image below comes from the files of this run; a click shows it as large as the window.</p>\n";
+  }
   html += cards(run);
   std::vector<std::vector<std::string>> rows;
   add_steps(run, "", rows);

@@ -21,7 +21,7 @@ double dish_radius_mm(const RunData& run) {
 std::string report_html(const RunData& run, const std::optional<RunData>& recorded) {
   HtmlPage page("Lodestone: a learned controller for a magnetic rig",
                 run.deployment_only ? "What one deployment measured"
-                                    : "From exploration to a learned simulator, to a policy, to the rig");
+                                    : "From exploration to a learned simulator, to a controller, to the rig");
   page.add_section("overview", "What was run", overview_section(run, recorded ? &*recorded : nullptr));
   if (!run.deployment_only) {
     page.add_section("collection", "Exploration", collection_section(run));

@@ -14,6 +14,9 @@ TEST_CASE("the overview names where each step ran, and says no more than there w
   CHECK(holds(html, "a &lt;host&gt;"));
   CHECK(holds(html, "point, explored rig, policy"));
   CHECK(holds(html, "a network learns"));
+  CHECK(holds(html, "the policy then drives"));
+  run.rigs.front().summary.controller = "planner";
+  CHECK(holds(lodestone::report::overview_section(run, nullptr), "a planner, which tries pulses"));
   run.deployment_only = true;
   CHECK_FALSE(holds(lodestone::report::overview_section(run, nullptr), "a network learns"));
 }

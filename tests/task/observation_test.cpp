@@ -69,3 +69,14 @@ TEST_CASE("an encoded row can be read back and given another target") {
   encoder.encode(other, expected.data());
   for (std::size_t i = 0; i < row.size(); ++i) CHECK(row[i] == Approx(expected[i]).margin(1e-6));
 }
+
+TEST_CASE("the target is known as far ahead as the way is told, and where it is without one", "[unit]") {
+  Observation observation;
+  observation.target_m = {0.01, 0.0};
+  CHECK(observation.target_after_m(3) == observation.target_m);
+  observation.ahead = {{{0.02, 0.0}, 0.3}, {{0.03, 0.0}, 0.6}};
+  CHECK(observation.target_after_m(0).x() == 0.01);
+  CHECK(observation.target_after_m(1).x() == 0.02);
+  CHECK(observation.target_after_m(2).x() == 0.03);
+  CHECK(observation.target_after_m(9).x() == 0.03);
+}

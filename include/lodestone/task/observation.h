@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -33,6 +34,12 @@ struct Observation {
   geometry::Vector2 last_action = geometry::Vector2::Zero();          ///< in [-1, 1]^2; zero after a reset
   geometry::Vector2 last_displacement_m = geometry::Vector2::Zero();  ///< sensed motion since the last action
   std::optional<DriveGain> drive_gain;                                ///< where the rig is identified
+
+  /// Where the target will be when so many more pulses are over, as far ahead as is known.
+  const geometry::Vector2& target_after_m(std::size_t pulses) const {
+    if (ahead.empty() || pulses == 0) return target_m;
+    return ahead[std::min(pulses, ahead.size()) - 1].point_m;
+  }
 };
 
 /// The heading in rad (the paper's), as sine and cosine, or not at all (the recorded sphere has none).
