@@ -38,6 +38,7 @@ constexpr int kUnforeseen = 3;  // looks that agree are a needle outside the gat
 constexpr int kSurprising = 2;  // and within it, but so far from where it was expected
 constexpr double kSurprise_m = 3e-3;
 constexpr double kAgree_m = 1e-3;
+constexpr double kAgree_rad = 10.0 * geometry::kRadPerDeg;
 constexpr double kBeyondWall_m = 1e-3;
 
 /// A spread, but no smaller than the floor.
@@ -47,6 +48,13 @@ Eigen::Matrix2d floored_m2(const Eigen::Matrix2d& covariance_m2) {
 }
 
 Eigen::Matrix2d noise_m2(const Rod& rod) { return floored_m2(rod.covariance.topLeftCorner<2, 2>()); }
+
+/// Which end is the head does not matter.
+bool lies_alike(const Rod& a, const Rod& b) {
+  const double turn_rad = a.pose.heading_rad - b.pose.heading_rad;
+  return (a.pose.position_m() - b.pose.position_m()).norm() <= kAgree_m &&
+         std::abs(std::cos(turn_rad)) >= std::cos(kAgree_rad);
+}
 
 double sticking(double ratio) { return 1.0 / (1.0 + std::pow(ratio / kSticksBelow, kSticksPower)); }
 
@@ -109,6 +117,8 @@ void PoseTracker::forget() {
   scatter_ = 1.0;
   doubtful_.reset();
   agreeing_ = 0;
+  unplaced_.clear();
+  before_pulse_.clear();
   innovation_.reset();
 }
 
@@ -140,7 +150,10 @@ Eigen::Matrix2d PoseTracker::wild_spread_m2(const Slip& slip) const {
 }
 
 void PoseTracker::pulse(const physics::Currents& current_A) {
-  if (places_.empty()) return;
+  if (places_.empty()) {
+    if (!unplaced_.empty()) before_pulse_ = unplaced_;
+    return;
+  }
   const auto field_rad = field_.direction_rad(current_A, places_.front().mean_m);
   if (!field_rad) return;
   pulses_.push_back({*field_rad, sticking(slip_from(places_.front().mean_m, current_A).ratio)});
@@ -219,6 +232,20 @@ std::optional<std::size_t> PoseTracker::choose(const std::vector<Rod>& candidate
   return chosen && best >= config_.min_needle_probability * sum ? chosen : std::nullopt;
 }
 
+/// The candidate that does not lie where one lay before the last pulse, if all others do.
+std::optional<std::size_t> PoseTracker::only_one_moved(const std::vector<Rod>& candidates) const {
+  if (before_pulse_.empty()) return std::nullopt;
+  std::optional<std::size_t> moved;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (std::any_of(before_pulse_.begin(), before_pulse_.end(),
+                    [&](const Rod& rod) { return lies_alike(rod, candidates[i]); }))
+      continue;
+    if (moved) return std::nullopt;
+    moved = i;
+  }
+  return moved;
+}
+
 /// How many looks have to agree before it is believed to be there.
 int PoseTracker::looks_needed(const Rod& candidate) const {
   const Vector2 at_m = candidate.pose.position_m();
@@ -257,7 +284,10 @@ Track PoseTracker::see(const Sighting& sighting) {
           "and the calibration";
     return track;
   }
-  const std::optional<std::size_t> chosen = candidates.size() > 1 ? choose(candidates) : 0;
+  if (places_.empty()) unplaced_ = candidates;
+  const std::optional<std::size_t> chosen = candidates.size() == 1 ? 0
+                                            : places_.empty()      ? only_one_moved(candidates)
+                                                                   : choose(candidates);
   if (!chosen) {
     track.search = true;
     track.reason = "more than one needle in view, or something like one";

@@ -176,3 +176,29 @@ TEST_CASE("how far a pull moves it is learned, so that surprises are as large as
   CHECK(sum / count > 1.4);
   CHECK(sum / count < 2.6);
 }
+
+TEST_CASE("of things that look like a needle that nobody has seen, it is the one that a pulse moves") {
+  const Rod other = rod({-0.01, 0.015, 0.5});
+  const Rod lay = rod({0.005, -0.01, 1.2});
+  const Rod turned = rod({0.0055, -0.0105, 0.4});
+  PoseTracker tracker({}, {});
+  for (int i = 0; i < 3; ++i) CHECK_FALSE(see(tracker, {other, lay}).located);
+  tracker.pulse(kPullToX);
+  SECTION("it has turned") {
+    see(tracker, {other, turned});
+    const vision::Track track = see(tracker, {other, turned});
+    CHECK(track.located);
+    CHECK(track.pose.x_m == Approx(0.0055));
+    tracker.pulse(kPullToX);
+    CHECK(see(tracker, {other, turned}).pose.x_m == Approx(0.0055));  // from here on as ever
+  }
+  SECTION("nothing has moved, or everything") {
+    for (int i = 0; i < 3; ++i) CHECK_FALSE(see(tracker, {other, lay}).located);
+    const Rod elsewhere = rod({0.02, 0.0, 0.0});
+    for (int i = 0; i < 3; ++i) CHECK_FALSE(see(tracker, {elsewhere, turned}).located);
+  }
+  SECTION("somebody has taken it out since") {
+    tracker.forget();
+    for (int i = 0; i < 3; ++i) CHECK_FALSE(see(tracker, {other, turned}).located);
+  }
+}

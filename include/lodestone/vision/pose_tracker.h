@@ -66,6 +66,7 @@ struct Track {
 /// repeat while the needle lies still, so that certainty has a floor. What is seen outside the gate
 /// (chi-square, 99.9 %) is not believed until three looks in a row agree that the needle is there: somebody
 /// has moved it. Two have to agree on a needle that is new, or further from every expected place than 3 mm.
+/// Where several things look like a needle that was never seen alone, it is the one that a pulse moves.
 class PoseTracker {
  public:
   PoseTracker(const TrackerConfig& config, const physics::RigDescription& rig);
@@ -96,6 +97,7 @@ class PoseTracker {
 
   std::vector<Rod> in_the_dish(const std::vector<Rod>& candidates) const;
   std::optional<std::size_t> choose(const std::vector<Rod>& candidates) const;
+  std::optional<std::size_t> only_one_moved(const std::vector<Rod>& candidates) const;
   double likelihood(const Rod& candidate) const;
   bool gated(const Rod& candidate) const;
   int looks_needed(const Rod& candidate) const;
@@ -120,6 +122,8 @@ class PoseTracker {
   double scatter_ = 1.0;            // of the slip about what is expected, as a factor on its variance
   std::optional<Rod> doubtful_;     // what was seen last, believed or not,
   int agreeing_ = 0;                // there by so many looks in a row
+  std::vector<Rod> unplaced_;       // what was seen last while nobody knew which of it is the needle,
+  std::vector<Rod> before_pulse_;   // and before the last pulse
   std::optional<double> innovation_;
 };
 
