@@ -39,8 +39,7 @@ void train_policy(const CommonOptions& options) {
     common::log_info("train-policy: " + run.path() + " is finished already");
   } else {
     runs::Provenance made = provenance(config);
-    const runs::PolicyResult result = rl::train_policy(
-        config, *environments.training, *environments.evaluation, run, environments.region.get());
+    const runs::PolicyResult result = rl::train_policy(config, environments, run);
     made.policy = result;
     inference::set_policy_provenance(run.file("checkpoint"), common::artefact_to_json(made));
     common::write_artefact(file, result);
@@ -53,7 +52,7 @@ void train_policy(const CommonOptions& options) {
 }  // namespace
 
 void add_train_policy(Verb& program) {
-  Verb& verb = program.add_verb("train-policy", "train a TD3 policy in the learned simulator");
+  Verb& verb = program.add_verb("train-policy", "train a policy in the learned simulator");
   add_common_options(verb, configure<TrainPolicyConfig>(verb, train_policy), /*with_resume=*/true);
 }
 

@@ -9,15 +9,15 @@ namespace lodestone::env {
 namespace {
 
 constexpr int kStartTries = 16;
-constexpr std::int64_t kSlotNumbers = 13;
+constexpr std::int64_t kSlotNumbers = 15;
 
 /// The numbers of a slot that outlive a step, in the order checkpoints hold them.
-template <class Pose, class Observation, class Number, class Visit>
-void visit_numbers(Pose& pose, Observation& seen, Number& target_heading_rad, Visit&& visit) {
-  for (auto* value :
-       {&pose.x_m, &pose.y_m, &pose.heading_rad, &seen.pose.x_m, &seen.pose.y_m, &seen.pose.heading_rad,
-        &seen.target_m.x(), &seen.target_m.y(), &target_heading_rad, &seen.last_action.x(),
-        &seen.last_action.y(), &seen.last_displacement_m.x(), &seen.last_displacement_m.y()}) {
+template <class Pose, class Observation, class Number, class Gain, class Visit>
+void visit_numbers(Pose& pose, Observation& seen, Number& target_heading_rad, Gain& gain, Visit&& visit) {
+  for (auto* value : {&pose.x_m, &pose.y_m, &pose.heading_rad, &seen.pose.x_m, &seen.pose.y_m,
+                      &seen.pose.heading_rad, &seen.target_m.x(), &seen.target_m.y(), &target_heading_rad,
+                      &seen.last_action.x(), &seen.last_action.y(), &seen.last_displacement_m.x(),
+                      &seen.last_displacement_m.y(), &gain.log_mean, &gain.log_sigma}) {
     visit(*value);
   }
 }
@@ -65,10 +65,12 @@ geometry::Pose2 EpisodeBatch::sense(Slot& slot) const {
 }
 
 void EpisodeBatch::begin(std::size_t i,
-                         const std::function<geometry::Pose2(common::RandomStream&)>& draw_start) {
+                         const std::function<geometry::Pose2(common::RandomStream&)>& draw_start,
+                         const std::optional<task::DriveGain>& gain) {
   Slot& slot = slots_[i];
   const task::TaskConfig& task = settings_.task;
   slot.seen = {};
+  slot.seen.drive_gain = gain;
   slot.step = 0;
   for (int attempt = 0; attempt < kStartTries; ++attempt) {
     slot.pose = draw_start(slot.random);
@@ -127,7 +129,8 @@ Snapshot EpisodeBatch::save() const {
   std::vector<std::int64_t> steps;  // of the episode, of all
   for (const Slot& slot : slots_) {
     const double heading_rad = slot.seen.target_heading_rad.value_or(0.0);
-    visit_numbers(slot.pose, slot.seen, heading_rad, [&](double value) { numbers.push_back(value); });
+    const task::DriveGain gain = slot.seen.drive_gain.value_or(task::DriveGain{});
+    visit_numbers(slot.pose, slot.seen, heading_rad, gain, [&](double value) { numbers.push_back(value); });
     steps.insert(steps.end(), {slot.step, slot.age});
     snapshot.facts["random"].push_back(slot.random.save());
   }
@@ -144,7 +147,9 @@ void EpisodeBatch::load(const Snapshot& snapshot) {
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     Slot& slot = slots_[i];
     double heading_rad = 0.0;
-    visit_numbers(slot.pose, slot.seen, heading_rad, [&](double& value) { value = *number++; });
+    task::DriveGain gain;
+    visit_numbers(slot.pose, slot.seen, heading_rad, gain, [&](double& value) { value = *number++; });
+    if (settings_.encoder.drive_gain) slot.seen.drive_gain = gain;
     if (settings_.task.goal == task::GoalKind::kPose) slot.seen.target_heading_rad = heading_rad;
     slot.step = *step++;
     slot.age = *step++;

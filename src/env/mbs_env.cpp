@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "lodestone/common/error.h"
 #include "lodestone/geometry/saturation.h"
@@ -11,6 +12,10 @@ namespace {
 
 /// Fixed, so that results do not depend on the number of threads; its activations fit a core's cache.
 constexpr std::size_t kShardRows = 512;
+/// What is left of the gain's uncertainty once a rig is known.
+constexpr double kLeastGainSigma = 0.03;
+
+}  // namespace
 
 std::vector<geometry::Pose2> starts_within(const inference::DynamicsModel& model, double radius_m,
                                            const task::Region* region) {
@@ -23,13 +28,11 @@ std::vector<geometry::Pose2> starts_within(const inference::DynamicsModel& model
       starts.push_back(pose);
   }
   if (starts.empty()) {
-    throw common::ConfigError("task.start_radius: " + std::to_string(radius_m) + " m" +
+    throw common::ConfigError("task.start_radius: " + std::to_string(radius_m) +
                               " m holds no state of the training data; choose a larger one");
   }
   return starts;
 }
-
-}  // namespace
 
 MbsEnv::MbsEnv(const inference::DynamicsModel& model, const EpisodeSettings& settings,
                const MbsConfig& config, std::int64_t threads)
@@ -67,12 +70,24 @@ MbsEnv::MbsEnv(const inference::DynamicsModel& model, const EpisodeSettings& set
 std::size_t MbsEnv::shards() const { return (member_.size() + kShardRows - 1) / kShardRows; }
 
 void MbsEnv::begin(std::size_t i) {
-  episodes_.begin(i, [this](common::RandomStream& random) { return starts_[random.below(starts_.size())]; });
   common::RandomStream& random = episodes_.random(i);
+  std::optional<task::DriveGain> told;
+  if (episodes_.settings().encoder.drive_gain) {
+    // An estimate, and below the truth as far from it as the estimate says.
+    const double most = config_.breakaway_scatter;
+    told.emplace();
+    told->log_sigma = kLeastGainSigma * std::pow(std::max(1.0, most / kLeastGainSigma), random.uniform());
+    told->log_sigma = std::min(told->log_sigma, most);
+    told->log_mean = std::sqrt(most * most - told->log_sigma * told->log_sigma) * random.normal();
+  }
+  episodes_.begin(
+      i, [this](common::RandomStream& stream) { return starts_[stream.below(starts_.size())]; }, told);
   if (config_.ensemble == EnsembleUse::kPerEpisode)
     member_[i] = static_cast<std::int64_t>(random.below(members_.size()));
-  if (config_.breakaway_scatter > 0.0)
-    drive_factor_[i] = std::exp(config_.breakaway_scatter * random.normal());
+  if (config_.breakaway_scatter > 0.0) {
+    const task::DriveGain known = told.value_or(task::DriveGain{0.0, config_.breakaway_scatter});
+    drive_factor_[i] = std::exp(known.log_mean + known.log_sigma * random.normal());
+  }
 }
 
 const std::vector<float>& MbsEnv::reset() {

@@ -183,10 +183,12 @@ ControllerSource policy_source(const DeploymentConfig& config, const inference::
   source.name = "policy";
   source.action = in_ampere(config, policy.action, what);
   source.identify = identified_by(config, simulator);
-  source.make = [policy, config, scale_A = source.action.scale](std::uint64_t) {
-    return decorated(
-        std::make_unique<control::GainCorrection>(std::make_unique<control::PolicyController>(policy)),
-        config, scale_A);
+  DeploymentConfig around = config;
+  if (policy.encoder.target_ahead) around.decorators.lead_s = 0.0;  // it knows where its target will be
+  source.make = [policy, config = around, scale_A = source.action.scale](std::uint64_t) {
+    std::unique_ptr<control::Controller> bare = std::make_unique<control::PolicyController>(policy);
+    if (!policy.encoder.drive_gain) bare = std::make_unique<control::GainCorrection>(std::move(bare));
+    return decorated(std::move(bare), config, scale_A);
   };
   return source;
 }

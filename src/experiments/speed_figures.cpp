@@ -21,8 +21,8 @@
 #include "lodestone/nets/tensors.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/virtual_rig.h"
-#include "lodestone/rl/policy_learner.h"
 #include "lodestone/rl/td3.h"
+#include "lodestone/rl/td3_learner.h"
 #include "lodestone/task/action.h"
 #include "lodestone/vision/localiser.h"
 #include "lodestone/vision/segmenter_evaluation.h"
@@ -273,8 +273,8 @@ double training_memory_mb(const SpeedConfig& config, std::int64_t threads) {
   learning.env_steps = learning.buffer_size + 4 * config.mbs_environments;
   learning.updates_per_step = 0.001;
   const auto environments = drawn_environments(config, config.mbs_environments, threads);
-  rl::PolicyLearner learner(learning, rl::Td3Config{}, rl::NoiseConfig{},
-                            static_cast<std::uint64_t>(config.seed), threads, *environments);
+  rl::Td3Learner learner(learning, rl::Td3Config{}, rl::NoiseConfig{},
+                         static_cast<std::uint64_t>(config.seed), threads, *environments);
   while (!learner.finished()) learner.step();
   return common::peak_memory_mb();
 }

@@ -6,6 +6,11 @@
 namespace lodestone::inference {
 namespace {
 
+/// The corner of the square of actions.
+constexpr float kMostStrength = 1.4142136F;
+/// Of a vector with a direction.
+constexpr float kLeastLength = 1e-6F;
+
 /// Layers l<first>, l<first + 1>, ... of the widths from input to output.
 std::vector<LinearLayer> layers_from(const Arrays& weights, std::int64_t inputs,
                                      std::vector<std::int64_t> widths, std::int64_t outputs, int first,
@@ -24,13 +29,35 @@ std::vector<LinearLayer> layers_from(const Arrays& weights, std::int64_t inputs,
 }  // namespace
 
 Actor::Actor(const Arrays& weights, std::int64_t observation_size, const std::vector<std::int64_t>& hidden,
-             std::int64_t action_size, const std::string& what)
-    : network_(layers_from(weights, observation_size, hidden, action_size, 1, what)) {}
+             std::int64_t action_size, const std::string& what, std::int64_t proposals)
+    : action_size_(action_size),
+      proposals_(proposals),
+      network_(layers_from(weights, observation_size, hidden, outputs(action_size, proposals), 1, what)) {}
+
+std::int64_t Actor::choose(const float* output, std::int64_t proposals) {
+  const float* score = output + 3 * proposals;
+  return std::max_element(score, score + proposals + 1) - score;
+}
+
+void Actor::propose(const float* output, std::int64_t k, float* action) {
+  const float* proposal = output + 3 * k;
+  const float length = std::max(kLeastLength, std::hypot(proposal[0], proposal[1]));
+  const float strength = kMostStrength / (1.0F + std::exp(-proposal[2]));
+  for (int i = 0; i < 2; ++i) action[i] = std::clamp(strength * proposal[i] / length, -1.0F, 1.0F);
+}
 
 void Actor::act(const float* observation, std::int64_t rows, float* action, Workspace& workspace) const {
   std::copy_n(observation, rows * observation_size(), network_.input(rows, workspace));
   const float* output = network_.forward(rows, workspace);
-  std::transform(output, output + rows * action_size(), action, [](float x) { return std::tanh(x); });
+  if (proposals_ == 0) {
+    std::transform(output, output + rows * action_size_, action, [](float x) { return std::tanh(x); });
+    return;
+  }
+  for (std::int64_t row = 0; row < rows; ++row, output += network_.outputs(), action += action_size_) {
+    const std::int64_t chosen = choose(output, proposals_);
+    std::fill_n(action, action_size_, 0.0F);
+    if (chosen < proposals_) propose(output, chosen, action);
+  }
 }
 
 TwinCritic::TwinCritic(const Arrays& weights, std::int64_t observation_size,

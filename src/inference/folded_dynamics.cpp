@@ -146,7 +146,8 @@ FoldedDynamics::FoldedDynamics(const Arrays& weights, const DynamicsConfig& conf
       predicts_change_(config.predicts_change()),
       sine_cosine_(config.sine_cosine(layout)),
       mixture_(config.mixture(layout)),
-      network_(fold(weights, config, layout, what)),
+      layers_(fold(weights, config, layout, what)),
+      network_(layers_),
       output_mean_(static_cast<std::size_t>(state_size_), 0.0F),
       output_std_(static_cast<std::size_t>(state_size_), 1.0F) {
   if (config.components == 0) return;

@@ -20,12 +20,17 @@ float weights(const float* raw, std::int64_t components, float* out) {
 constexpr std::int64_t kMostComponents = 16;
 constexpr double kLeastWeight = 1e-30;  // of which a logarithm can be taken
 
-double spread_of(float raw) {
+}  // namespace
+
+void mixture_weights(const float* raw, const MixtureLayout& layout, float* out) {
+  const float sum = weights(raw, layout.components, out);
+  for (std::int64_t k = 0; k < layout.components; ++k) out[k] /= sum;
+}
+
+double mixture_spread(float raw) {
   return std::exp(kLeastLogSpread +
                   (kMostLogSpread - kLeastLogSpread) / (1.0 + std::exp(-static_cast<double>(raw))));
 }
-
-}  // namespace
 
 void mixture_mean(const float* raw, const MixtureLayout& layout, float* out) {
   float weight[kMostComponents];
@@ -52,7 +57,8 @@ void mixture_draw(const float* raw, const MixtureLayout& layout, const Luck& luc
   const float* mean = raw + layout.components + chosen * layout.size;
   const float* spread = mean + layout.components * layout.size;
   for (std::int64_t i = 0; i < layout.size; ++i)
-    out[i] = mean[i] + static_cast<float>(spread_of(spread[i]) * luck.normal[static_cast<std::size_t>(i)]);
+    out[i] =
+        mean[i] + static_cast<float>(mixture_spread(spread[i]) * luck.normal[static_cast<std::size_t>(i)]);
 }
 
 double mixture_log_density(const float* raw, const MixtureLayout& layout, const double* value,
@@ -66,7 +72,7 @@ double mixture_log_density(const float* raw, const MixtureLayout& layout, const 
   for (std::int64_t k = 0; k < layout.components; ++k) {
     log_density[k] = std::log(static_cast<double>(weight[k]) / sum + kLeastWeight);
     for (std::int64_t i = 0; i < layout.size; ++i) {
-      const double own = spread_of(*spread++);
+      const double own = mixture_spread(*spread++);
       const double variance = own * own + noise[i] * noise[i];
       const double error = value[i] - static_cast<double>(*mean++);
       log_density[k] -= 0.5 * (error * error / variance + std::log(2.0 * geometry::kPi * variance));

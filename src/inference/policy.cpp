@@ -16,6 +16,7 @@ using common::Json;
 constexpr const char* kKind = "policy";
 constexpr std::int64_t kExamples = 16;
 constexpr double kExampleTolerance = 1e-5;
+constexpr std::int64_t kMostProposals = 64;
 
 /// Observations over the range encoders give, always the same.
 std::vector<float> example_observations(std::int64_t size) {
@@ -67,10 +68,18 @@ std::vector<std::int64_t> hidden_from_json(const Json& list, const std::string& 
   return list.get<std::vector<std::int64_t>>();
 }
 
+std::int64_t proposals_from_json(const Json& count, const std::string& what) {
+  if (!count.is_number_integer() || count < 0 || count > kMostProposals)
+    throw CheckpointError(what + ": proposals = " + common::shown_json(count) + " must be within 0 .. " +
+                          std::to_string(kMostProposals));
+  return count.get<std::int64_t>();
+}
+
 Policy policy_from_facts(const Json& facts, const std::string& what) {
   Policy policy;
   try {
     policy.hidden = hidden_from_json(facts.at("hidden"), what);
+    policy.proposals = proposals_from_json(facts.value("proposals", Json(0)), what);
     policy.encoder = task::encoder_from_json(facts.at("encoder"), what);
     policy.action = task::action_from_json(facts.at("action"), what);
     policy.goal = facts.at("goal").get<std::string>();
@@ -90,7 +99,7 @@ Policy policy_from_facts(const Json& facts, const std::string& what) {
 }  // namespace
 
 Actor Policy::actor(const std::string& what) const {
-  return Actor(weights, task::ObservationEncoder(encoder).size(), hidden, 2, what);
+  return Actor(weights, task::ObservationEncoder(encoder).size(), hidden, 2, what, proposals);
 }
 
 void save_policy(const std::string& folder, const Policy& policy, const Json& run_config,
@@ -99,6 +108,7 @@ void save_policy(const std::string& folder, const Policy& policy, const Json& ru
   checkpoint.kind = kKind;
   checkpoint.config = run_config;
   checkpoint.facts["hidden"] = policy.hidden;
+  if (policy.proposals > 0) checkpoint.facts["proposals"] = policy.proposals;
   checkpoint.facts["encoder"] = task::encoder_to_json(policy.encoder);
   checkpoint.facts["action"] = task::action_to_json(policy.action);
   checkpoint.facts["goal"] = policy.goal;

@@ -6,11 +6,14 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/random.h"
+#include "lodestone/common/thread_pool.h"
 #include "lodestone/data/dataset_file.h"
 #include "lodestone/env/joined_env.h"
 #include "lodestone/env/mbs_env.h"
 #include "lodestone/env/physics_env.h"
 #include "lodestone/inference/dynamics.h"
+#include "lodestone/rl/model_gradient_learner.h"
+#include "lodestone/rl/td3_learner.h"
 
 namespace lodestone::rl {
 
@@ -38,6 +41,7 @@ PolicyEnvironments make_policy_environments(TrainPolicyConfig& config) {
   }
   PolicyEnvironments made;
   made.region = region_for(config, model);
+  made.dynamics = model;
   const auto settings_for = [&](std::int64_t count, const char* name) {
     env::EpisodeSettings settings;
     settings.count = count;
@@ -60,7 +64,7 @@ PolicyEnvironments make_policy_environments(TrainPolicyConfig& config) {
   const auto add = [&](std::unique_ptr<env::VecEnv> part) { parts.push_back(std::move(part)); };
   // Only while it learns does the success radius shrink; it is scored with the last one.
   const std::int64_t shrink_steps = training.learning.env_steps / training.environments;
-  if (simulated > 0) {
+  if (simulated > 0 && config.method == Method::kTd3) {
     env::EpisodeSettings settings = settings_for(simulated, "training");
     settings.shrink_steps = shrink_steps;
     add(simulate(settings, training.learning.overlap ? 1 : config.threads));
@@ -70,10 +74,42 @@ PolicyEnvironments make_policy_environments(TrainPolicyConfig& config) {
     settings.shrink_steps = shrink_steps;
     add(std::make_unique<env::ReplayEnv>(data::read_recordings(config.recorded), settings, config.replay));
   }
-  made.training =
-      parts.size() == 1 ? std::move(parts.front()) : std::make_unique<env::JoinedEnv>(std::move(parts));
+  if (parts.size() == 1)
+    made.training = std::move(parts.front());
+  else if (!parts.empty())
+    made.training = std::make_unique<env::JoinedEnv>(std::move(parts));
   made.evaluation = simulate(settings_for(training.evaluation_episodes, "evaluation"), config.threads);
   return made;
+}
+
+std::unique_ptr<PolicyLearner> make_policy_learner(const TrainPolicyConfig& config,
+                                                   const PolicyEnvironments& environments) {
+  const LearningConfig& learning = config.training.learning;
+  const auto seed = static_cast<std::uint64_t>(config.seed);
+  if (config.method == Method::kModelGradient) {
+    LODESTONE_CHECK(environments.dynamics, "dynamics for the gradient");
+    const ModelGradientTask task{config.task,
+                                 config.encoder,
+                                 config.action,
+                                 config.mbs.pose_noise_m,
+                                 config.mbs.heading_noise_rad,
+                                 config.training.environments,
+                                 environments.region};
+    return std::make_unique<ModelGradientLearner>(learning, config.model_gradient, task,
+                                                  *environments.dynamics, seed, config.threads);
+  }
+  std::optional<Hindsight> hindsight;
+  if (learning.hindsight > 0.0)
+    hindsight.emplace(learning.hindsight, config.task, config.encoder, config.training.environments, seed);
+  return std::make_unique<Td3Learner>(learning, config.td3, config.noise, seed,
+                                      common::thread_count(config.threads), *environments.training,
+                                      std::move(hindsight));
+}
+
+runs::PolicyResult train_policy(const TrainPolicyConfig& config, const PolicyEnvironments& environments,
+                                runs::RunFolder& run) {
+  const std::unique_ptr<PolicyLearner> learner = make_policy_learner(config, environments);
+  return train_policy(config, *learner, *environments.evaluation, run, environments.region.get());
 }
 
 }  // namespace lodestone::rl

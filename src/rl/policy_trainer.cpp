@@ -14,6 +14,7 @@
 #include "lodestone/common/metrics.h"
 #include "lodestone/inference/policy.h"
 #include "lodestone/nets/checkpoint.h"
+#include "lodestone/rl/hindsight.h"
 #include "lodestone/rl/policy_learner.h"
 #include "lodestone/runs/resumable_run.h"
 
@@ -22,10 +23,6 @@ namespace {
 
 constexpr const char* kKind = "td3_training";
 
-std::int64_t thread_count(std::int64_t asked) {
-  return asked > 0 ? asked : std::max<std::int64_t>(1, std::thread::hardware_concurrency());
-}
-
 std::string note(const PolicyScore& score) {
   char text[128];
   std::snprintf(text, sizeof text, "return %.2f, success %.0f %%, error %.2f mm", score.episode_return,
@@ -33,23 +30,15 @@ std::string note(const PolicyScore& score) {
   return text;
 }
 
-std::optional<Hindsight> hindsight(const TrainPolicyConfig& config) {
-  const double fraction = config.training.learning.hindsight;
-  if (fraction <= 0.0) return std::nullopt;
-  return Hindsight(fraction, config.task, config.encoder, config.training.environments,
-                   static_cast<std::uint64_t>(config.seed));
-}
-
 /// One run: the learner, its best policy so far, and the files.
 class Training : public runs::ResumableWork {
  public:
-  Training(const TrainPolicyConfig& config, env::VecEnv& training, env::VecEnv& evaluation,
+  Training(const TrainPolicyConfig& config, PolicyLearner& learner, env::VecEnv& evaluation,
            const std::string& folder, const task::Region* region)
       : config_(config),
         folder_(folder),
         evaluation_(evaluation, config.encoder),
-        learner_(config.training.learning, config.td3, config.noise, static_cast<std::uint64_t>(config.seed),
-                 thread_count(config.threads), training, hindsight(config)),
+        learner_(learner),
         next_evaluation_(config.training.evaluate_every) {
     if (region != nullptr) region_ = *region;
   }
@@ -116,7 +105,7 @@ class Training : public runs::ResumableWork {
   }
 
   void evaluate(common::MetricsLog& metrics) {
-    const PolicyScore score = evaluation_.run(learner_.td3().actor());
+    const PolicyScore score = evaluation_.run(learner_.actor());
     if (!std::isfinite(score.episode_return))
       throw common::DataError("training the policy: the return of its evaluation is " +
                               std::to_string(score.episode_return) + " at environment step " +
@@ -151,8 +140,9 @@ class Training : public runs::ResumableWork {
 
   void save_best() {
     inference::Policy policy;
-    policy.weights = nets::to_arrays(learner_.td3().actor_weights());
-    policy.hidden = config_.td3.hidden;
+    policy.weights = learner_.actor_weights();
+    policy.hidden = config_.hidden();
+    if (config_.method == Method::kModelGradient) policy.proposals = config_.model_gradient.proposals;
     policy.encoder = config_.encoder;
     policy.action = config_.action;
     policy.rig = config_.learned_rig;
@@ -166,7 +156,7 @@ class Training : public runs::ResumableWork {
   TrainPolicyConfig config_;
   std::string folder_;
   PolicyEvaluation evaluation_;
-  PolicyLearner learner_;
+  PolicyLearner& learner_;
   common::SteadyClock clock_;
   std::int64_t next_evaluation_;
   std::vector<std::pair<double, double>> returns_;  // of every evaluation: training time in s, mean return
@@ -178,10 +168,25 @@ class Training : public runs::ResumableWork {
 }  // namespace
 
 void TrainPolicyConfig::validate() const {
-  if (td3.hidden.size() > inference::kMostLayers)
-    throw common::InvalidConfig("td3.hidden", td3.hidden,
-                                "name at most " + std::to_string(inference::kMostLayers) + " layers");
+  for (const auto& [key, layers] :
+       {std::pair{"td3.hidden", td3.hidden}, {"model_gradient.hidden", model_gradient.hidden}})
+    if (layers.size() > inference::kMostLayers)
+      throw common::InvalidConfig(key, layers,
+                                  "name at most " + std::to_string(inference::kMostLayers) + " layers");
   const LearningConfig& learning = training.learning;
+  if (method == Method::kModelGradient) {
+    if (simulator != Simulator::kMbs)
+      throw common::InvalidConfig(
+          "method", common::name_of(method),
+          "be td3 with simulator = physics: only the learned simulator has a gradient");
+    if (replay.environments > 0)
+      throw common::InvalidConfig("replay.environments", replay.environments,
+                                  "be 0 with method = model_gradient, which learns from no recorded steps");
+    if (learning.hindsight > 0.0)
+      throw common::InvalidConfig("training.hindsight", learning.hindsight,
+                                  "be 0 with method = model_gradient, which keeps no steps to relabel");
+    return;
+  }
   if (learning.warm_up_steps >= learning.env_steps)
     throw common::InvalidConfig("training.warm_up_steps", learning.warm_up_steps,
                                 "be below training.env_steps = " + std::to_string(learning.env_steps));
@@ -230,9 +235,9 @@ runs::RunRequest run_request(const TrainPolicyConfig& config, const std::string&
   return request;
 }
 
-runs::PolicyResult train_policy(const TrainPolicyConfig& config, env::VecEnv& training,
+runs::PolicyResult train_policy(const TrainPolicyConfig& config, PolicyLearner& learner,
                                 env::VecEnv& evaluation, runs::RunFolder& run, const task::Region* region) {
-  Training work(config, training, evaluation, run.path(), region);
+  Training work(config, learner, evaluation, run.path(), region);
   runs::run_resumably(run, work,
                       {"training the policy", "environment steps", config.training.checkpoint_every_s});
   return work.result();

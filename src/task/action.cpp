@@ -35,7 +35,7 @@ ActionConfig action_from_json(common::Json json, const std::string& what) {
 
 geometry::Vector2 axis_drive(const geometry::Vector2& action, const ActionConfig& config) {
   geometry::Vector2 drive = geometry::saturated(action);
-  for (double& axis : drive) axis = std::abs(axis) < config.dead_band ? 0.0 : axis * config.scale;
+  drive *= drive.norm() < config.dead_band ? 0.0 : config.scale;
   if (config.one_axis_at_a_time) drive[std::abs(drive[0]) >= std::abs(drive[1]) ? 1 : 0] = 0.0;
   return drive;
 }

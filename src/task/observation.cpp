@@ -40,8 +40,23 @@ int ObservationEncoder::heading_size() const {
 }
 
 int ObservationEncoder::size() const {
-  return 2 + heading_size() + (config_.target ? 2 : 0) + (config_.relative_target ? 2 : 0) +
-         (config_.target_heading ? 2 : 0) + (config_.memory ? 4 : 0);
+  return 2 + heading_size() + (config_.target ? 2 : 0) + relative_size() + (config_.target_heading ? 2 : 0) +
+         (config_.memory ? 4 : 0) + (config_.drive_gain ? 2 : 0);
+}
+
+int ObservationEncoder::relative_size() const {
+  if (!config_.relative_target) return 0;
+  return config_.fine_distance_m > 0.0 ? 3 : 2;
+}
+
+void ObservationEncoder::put_relative(const geometry::Vector2& vector_m, float*& out) const {
+  const double fine_m = config_.fine_distance_m;
+  const double length_m = vector_m.norm();
+  const double unit_m = fine_m > 0.0 ? std::hypot(length_m, fine_m) : config_.length_scale_m;
+  *out++ = static_cast<float>(vector_m.x() / unit_m);
+  *out++ = static_cast<float>(vector_m.y() / unit_m);
+  if (fine_m > 0.0)
+    *out++ = static_cast<float>(std::log1p(length_m / fine_m) / std::log1p(config_.length_scale_m / fine_m));
 }
 
 void ObservationEncoder::encode(const Observation& observation, float* out) const {
@@ -50,6 +65,7 @@ void ObservationEncoder::encode(const Observation& observation, float* out) cons
     *out++ = static_cast<float>(vector.y() / scale);
   };
   const geometry::Vector2 position_m = observation.pose.position_m();
+  const geometry::Vector2 target_m = observation.target_after_m(config_.target_ahead ? 1 : 0);
   put(position_m, config_.length_scale_m);
   if (config_.heading == HeadingEncoding::kAngle) {
     *out++ = static_cast<float>(observation.pose.heading_rad);
@@ -57,8 +73,8 @@ void ObservationEncoder::encode(const Observation& observation, float* out) cons
     *out++ = static_cast<float>(std::sin(observation.pose.heading_rad));
     *out++ = static_cast<float>(std::cos(observation.pose.heading_rad));
   }
-  if (config_.target) put(observation.target_m, config_.length_scale_m);
-  if (config_.relative_target) put(observation.target_m - position_m, config_.length_scale_m);
+  if (config_.target) put(target_m, config_.length_scale_m);
+  if (config_.relative_target) put_relative(target_m - position_m, out);
   if (config_.target_heading) {
     const double heading_rad = observation.pose.heading_rad;
     const double turn_rad = observation.target_heading_rad.value_or(heading_rad) - heading_rad;
@@ -68,6 +84,11 @@ void ObservationEncoder::encode(const Observation& observation, float* out) cons
   if (config_.memory) {
     put(observation.last_action, 1.0);
     put(observation.last_displacement_m, config_.displacement_scale_m);
+  }
+  if (config_.drive_gain) {
+    const DriveGain gain = observation.drive_gain.value_or(DriveGain{});
+    *out++ = static_cast<float>(gain.log_mean);
+    *out++ = static_cast<float>(gain.log_sigma);
   }
 }
 
@@ -79,6 +100,10 @@ double ObservationEncoder::target_distance_m(const float* row) const {
   const int target = 2 + heading_size();
   if (config_.relative_target) {
     const float* vector = row + target + (config_.target ? 2 : 0);
+    const double fine_m = config_.fine_distance_m;
+    if (fine_m > 0.0)
+      return fine_m *
+             std::expm1(static_cast<double>(vector[2]) * std::log1p(config_.length_scale_m / fine_m));
     return config_.length_scale_m * std::hypot(vector[0], vector[1]);
   }
   const geometry::Vector2 at_m = position_m(row);
@@ -87,12 +112,11 @@ double ObservationEncoder::target_distance_m(const float* row) const {
 
 void ObservationEncoder::retarget(const geometry::Vector2& target_m, float* row) const {
   float* out = row + 2 + heading_size();
-  const auto put = [&](const geometry::Vector2& vector_m) {
-    *out++ = static_cast<float>(vector_m.x() / config_.length_scale_m);
-    *out++ = static_cast<float>(vector_m.y() / config_.length_scale_m);
-  };
-  if (config_.target) put(target_m);
-  if (config_.relative_target) put(target_m - position_m(row));
+  if (config_.target) {
+    *out++ = static_cast<float>(target_m.x() / config_.length_scale_m);
+    *out++ = static_cast<float>(target_m.y() / config_.length_scale_m);
+  }
+  if (config_.relative_target) put_relative(target_m - position_m(row), out);
 }
 
 }  // namespace lodestone::task

@@ -77,6 +77,10 @@ check(["deploy", "--models", "missing", "--out", "run"], 2, "missing/deploy.json
 check(["collect", "--by", "policy", "--out", "run"], 2, "--policy")
 check(["train-policy", "--set", "simulator=physics", "--set", "task.within=reachable", "--out", "run"], 2, "dynamics")
 check(["train-policy", "--set", "simulator=physics", "--set", "replay.environments=1", "--out", "run"], 2, "recorded")
+for setting, key in (("simulator=physics", "method"), ("training.hindsight=0.5", "training.hindsight"),
+                     ("replay.environments=1", "replay.environments")):
+    check(["train-policy", "--set", "method=model_gradient", "--set", setting, "--set", "recorded=x.h5",
+           "--out", "run"], 2, key)
 check(["train-policy", "--set", "simulator=physics", "--set", "task.goal=centre", "--set", "training.hindsight=0.5",
        "--set", "threads=1", "--out", "run"], 2, "training.hindsight")
 check(["collect", "--by", "keyboard", "--set", "sessions=2", "--out", "run"], 2, "set sessions = 1")

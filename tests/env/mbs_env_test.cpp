@@ -200,6 +200,24 @@ TEST_CASE("disturbances do what they are called", "[unit]") {
   CHECK(common::mean(factors) == Approx(0.0).margin(0.05));
   CHECK(common::standard_deviation(factors) == Approx(0.3).margin(0.05));
 
+  // What a policy is told of the gain explains it, as far as it says.
+  EpisodeSettings telling = settings_for(2000);
+  telling.encoder.drive_gain = true;
+  MbsEnv told(linear_model(data::StateLayout::kPose, {kGain_m}, {0.0}), telling, scattered, 1);
+  const auto columns = static_cast<std::size_t>(told.spec().observation_size);
+  const std::vector<float> at_first = told.reset();
+  const std::vector<double> moves =
+      change(told.step(std::vector<float>(4000, 0.3F)).final_observation, at_first, columns, 0);
+  std::vector<double> surprise, gain;
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    const auto log_mean = static_cast<double>(at_first[i * columns + columns - 2]);
+    const auto log_sigma = static_cast<double>(at_first[i * columns + columns - 1]);
+    gain.push_back(std::log(42.5 * moves[i] / 3.0));
+    surprise.push_back((gain.back() - log_mean) / log_sigma);
+  }
+  CHECK(common::standard_deviation(gain) == Approx(0.3).margin(0.03));
+  CHECK(common::standard_deviation(surprise) == Approx(1.0).margin(0.1));
+
   MbsConfig noisy;
   noisy.pose_noise_m = 5e-4;
   CHECK(common::standard_deviation(first_moves_mm(noisy)) == Approx(0.5 * std::sqrt(2.0)).margin(0.1));

@@ -1,5 +1,6 @@
 #include "lodestone/inference/actor_critic.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -84,6 +85,41 @@ TEST_CASE("the twin critics see observation and action", "[unit]") {
     CHECK(second[row] == Approx(reference(weights, 4, 3, input)[0]).margin(1e-6));
     CHECK(first[row] != second[row]);
   }
+}
+
+TEST_CASE("of an actor's proposals the one with the highest score is given, and resting is exactly zero",
+          "[unit]") {
+  constexpr std::int64_t kProposals = 3;
+  const std::int64_t outputs = inference::Actor::outputs(2, kProposals);
+  REQUIRE(outputs == 13);
+  Arrays weights;
+  add_layers(weights, {4, 8, outputs}, 1);
+  const inference::Actor actor(weights, 4, {8}, 2, "actor", kProposals);
+  CHECK(actor.action_size() == 2);
+  common::RandomStream random(9, "observations");
+  std::vector<int> given(kProposals + 1);
+  inference::Actor::Workspace workspace;
+  for (int i = 0; i < 400; ++i) {
+    std::vector<float> observation(4);
+    for (float& value : observation) value = static_cast<float>(random.uniform(-3.0, 3.0));
+    const std::vector<double> row = reference(weights, 1, 2, {observation.begin(), observation.end()});
+    const auto best =
+        static_cast<std::size_t>(std::max_element(row.begin() + 9, row.end()) - (row.begin() + 9));
+    ++given[best];
+    float action[2];
+    actor.act(observation.data(), 1, action, workspace);
+    if (best == kProposals) {
+      CHECK(action[0] == 0.0F);
+      CHECK(action[1] == 0.0F);
+      continue;
+    }
+    const double x = row[3 * best];
+    const double y = row[3 * best + 1];
+    const double strength = std::sqrt(2.0) / (1.0 + std::exp(-row[3 * best + 2]));
+    CHECK(action[0] == Approx(std::clamp(strength * x / std::hypot(x, y), -1.0, 1.0)).margin(1e-4));
+    CHECK(action[1] == Approx(std::clamp(strength * y / std::hypot(x, y), -1.0, 1.0)).margin(1e-4));
+  }
+  CHECK(std::count(given.begin(), given.end(), 0) < kProposals);  // more than one has its turn
 }
 
 TEST_CASE("weights of another shape are refused by name", "[unit]") {

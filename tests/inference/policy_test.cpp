@@ -40,6 +40,20 @@ TEST_CASE("a policy comes back with its encoder and acts the same", "[unit]") {
   CHECK(action_of(policy, observation) == action_of(loaded, observation));
 }
 
+TEST_CASE("a policy of proposals comes back with them", "[unit]") {
+  const tests::TemporaryFolder temporary;
+  Policy policy = sample_policy();
+  policy.proposals = 2;
+  policy.encoder.drive_gain = true;
+  tests::draw_weights(policy, 5);
+  save_policy(temporary / "policy", policy, common::Json::object(), common::Json::object());
+  const Policy loaded = load_policy(temporary / "policy");
+  CHECK(loaded.proposals == 2);
+  CHECK(loaded.encoder.drive_gain);
+  const std::vector<float> observation = {0.1F, 0.2F, 0.3F, -0.4F, 0.5F, -0.6F, 0.2F, 0.1F};
+  CHECK(action_of(policy, observation) == action_of(loaded, observation));
+}
+
 TEST_CASE("a policy whose examples do not recompute is refused", "[unit]") {
   const tests::TemporaryFolder temporary;
   save_policy(temporary / "policy", sample_policy(), common::Json::object(), common::Json::object());

@@ -23,7 +23,7 @@ inline void draw_weights(inference::Policy& policy, std::uint64_t seed) {
   if (policy.action.scale == 0.0) policy.action.scale = 15.0;
   std::vector<std::int64_t> widths = {task::ObservationEncoder(policy.encoder).size()};
   widths.insert(widths.end(), policy.hidden.begin(), policy.hidden.end());
-  widths.push_back(2);
+  widths.push_back(inference::Actor::outputs(2, policy.proposals));
   common::RandomStream random(seed, "policy");
   for (std::size_t i = 0; i + 1 < widths.size(); ++i) {
     const std::string name = "l" + std::to_string(i + 1);

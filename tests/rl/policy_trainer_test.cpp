@@ -9,6 +9,7 @@
 #include "lodestone/common/files.h"
 #include "lodestone/inference/policy.h"
 #include "lodestone/nets/checkpoint.h"
+#include "lodestone/rl/td3_learner.h"
 #include "rl/toy_environments.h"
 #include "temporary_folder.h"
 
@@ -51,7 +52,9 @@ PolicyResult run(const TrainPolicyConfig& config, const std::string& folder, boo
   PointEnv training(config.training.environments, 1);
   PointEnv evaluation(config.training.evaluation_episodes, 2);
   lodestone::runs::RunFolder run_folder(lodestone::rl::run_request(config, folder, resume));
-  const PolicyResult result = train_policy(config, training, evaluation, run_folder);
+  lodestone::rl::Td3Learner learner(config.training.learning, config.td3, config.noise,
+                                    static_cast<std::uint64_t>(config.seed), 1, training);
+  const PolicyResult result = train_policy(config, learner, evaluation, run_folder);
   run_folder.finish();
   return result;
 }

@@ -14,10 +14,11 @@ TEST_CASE("the sign picks the coil and opposite coils are never on together") {
   CHECK(coil_currents({-1.0, 2.0}) == std::array<double, 4>{0.0, 1.0, 2.0, 0.0});
 }
 
-TEST_CASE("small components fall into the dead band") {
+TEST_CASE("a weak action falls into the dead band") {
   ActionConfig config = lodestone::tests::paper_action();
   config.dead_band = 0.1;
-  CHECK(axis_drive({0.05, -0.2}, config) == Vector2(0.0, -3.0));
+  CHECK(axis_drive({0.06, -0.06}, config) == Vector2(0.0, 0.0));
+  CHECK(axis_drive({0.05, -0.2}, config) == Vector2(0.75, -3.0));  // the weak axis gives the direction
 }
 
 TEST_CASE("a device that drives one axis at a time gets the larger component") {

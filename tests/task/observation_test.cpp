@@ -70,6 +70,51 @@ TEST_CASE("an encoded row can be read back and given another target") {
   for (std::size_t i = 0; i < row.size(); ++i) CHECK(row[i] == Approx(expected[i]).margin(1e-6));
 }
 
+TEST_CASE("what is near the target gets more room, and can be read back") {
+  EncoderConfig config = lodestone::tests::paper_encoder();
+  config.heading = HeadingEncoding::kNone;
+  config.target = false;
+  config.relative_target = true;
+  config.fine_distance_m = 2e-4;
+  const ObservationEncoder encoder(config);
+  REQUIRE(encoder.size() == 5);
+  Observation seen;
+  std::vector<float> row(5);
+  const auto third = [&](double distance_m) {
+    seen.target_m = {0.0, distance_m};
+    encoder.encode(seen, row.data());
+    CHECK(encoder.target_distance_m(row.data()) == Approx(distance_m).epsilon(1e-4));
+    return row[4];
+  };
+  CHECK(third(0.0) == 0.0F);
+  CHECK(third(2e-4) == Approx(std::log(2.0) / std::log1p(config.length_scale_m / 2e-4)));
+  CHECK(third(config.length_scale_m) == Approx(1.0));
+  CHECK(row[2] == Approx(0.0).margin(1e-6));
+  CHECK(row[3] == Approx(1.0).epsilon(1e-3));  // all of the direction
+  encoder.retarget({-0.003, 0.004}, row.data());
+  CHECK(encoder.target_distance_m(row.data()) == Approx(0.005).epsilon(1e-4));
+}
+
+TEST_CASE("a policy may be told the drive's gain, and where its target will be") {
+  EncoderConfig config = lodestone::tests::paper_encoder();
+  config.heading = HeadingEncoding::kNone;
+  config.drive_gain = true;
+  config.target_ahead = true;
+  const ObservationEncoder encoder(config);
+  Observation seen;
+  seen.target_m = {0.01, 0.0};
+  seen.ahead = {{{0.02, 0.0}, 0.3}, {{0.03, 0.0}, 0.6}};
+  std::vector<float> row(static_cast<std::size_t>(encoder.size()));
+  encoder.encode(seen, row.data());
+  CHECK(encoder.target_distance_m(row.data()) == Approx(0.02));
+  CHECK(row[4] == 0.0F);  // nothing is known
+  CHECK(row[5] == 0.0F);
+  seen.drive_gain = DriveGain{0.3, 0.05};
+  encoder.encode(seen, row.data());
+  CHECK(row[4] == Approx(0.3));
+  CHECK(row[5] == Approx(0.05));
+}
+
 TEST_CASE("the target is known as far ahead as the way is told, and where it is without one", "[unit]") {
   Observation observation;
   observation.target_m = {0.01, 0.0};

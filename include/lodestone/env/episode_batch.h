@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -59,8 +60,9 @@ class EpisodeBatch {
   void check_actions(const std::vector<float>& actions) const;
 
   /// A new episode in environment i. Start and goal are drawn again (a few times at most) when the start
-  /// already counts as reached and reaching ends an episode.
-  void begin(std::size_t i, const std::function<geometry::Pose2(common::RandomStream&)>& draw_start);
+  /// already counts as reached and reaching ends an episode. `gain`: what the policy is told of the rig.
+  void begin(std::size_t i, const std::function<geometry::Pose2(common::RandomStream&)>& draw_start,
+             const std::optional<task::DriveGain>& gain = {});
   /// Signed axis drives for two numbers in [-1, 1]; remembers the action.
   geometry::Vector2 drive(std::size_t i, const float* action);
   /// Remembers an action that something else chose, in [-1, 1].

@@ -50,12 +50,19 @@ struct MbsConfig {
             {0.0, 0.1});
     v.field("heading_noise_rad", heading_noise_rad, "rad", "standard deviation of the sensed heading",
             {0.0, 3.2});
-    v.field("breakaway_scatter", breakaway_scatter, "",
-            "sigma of a log-normal factor on the drive, drawn for each episode: friction that differs",
-            {0.0, 2.0});
+    v.field(
+        "breakaway_scatter", breakaway_scatter, "",
+        "sigma of a log-normal factor on the drive, drawn for each episode: friction that differs, or rigs; "
+        "with encoder.drive_gain an estimate of it is told",
+        {0.0, 2.0});
     v.field("stall_probability", stall_probability, "", "chance that a pulse moves nothing", {0.0, 1.0});
   }
 };
+
+/// Poses of the training data within `radius_m` of the centre and inside `region` when there is one: where
+/// episodes start. Throws ConfigError when there is none.
+std::vector<geometry::Pose2> starts_within(const inference::DynamicsModel& model, double radius_m,
+                                           const task::Region* region);
 
 /// N copies of the learned simulator stepped as one batch (section IV-B1), at any number of threads with the
 /// same result: environments are worked on in shards of fixed size. The rules of the paper are options of the

@@ -9,6 +9,9 @@
 namespace lodestone::inference {
 
 /// Actor of section IV-B2 for evaluation: D -> hidden (ReLU) -> A, tanh. Read only, so threads share it.
+/// With `proposals` P above 0 the last layer proposes P actions of two axes, each by a direction and the
+/// logarithm of its odds of strength (three numbers), and has P + 1 scores, the last of which is for resting:
+/// the proposal with the highest score is given, and exactly zero where that is resting.
 class Actor {
  public:
   using Workspace = DenseNetwork::Workspace;
@@ -16,14 +19,25 @@ class Actor {
   /// Layers "l1.weight" [outputs, inputs], "l1.bias" [outputs], "l2.weight", ... as checkpoints hold them.
   /// Throws CheckpointError that begins with `what`.
   Actor(const Arrays& weights, std::int64_t observation_size, const std::vector<std::int64_t>& hidden,
-        std::int64_t action_size = 2, const std::string& what = "actor");
+        std::int64_t action_size = 2, const std::string& what = "actor", std::int64_t proposals = 0);
 
   std::int64_t observation_size() const { return network_.inputs(); }
-  std::int64_t action_size() const { return network_.outputs(); }
+  std::int64_t action_size() const { return action_size_; }
   /// `observation` [rows, D] -> `action` [rows, A] in [-1, 1].
   void act(const float* observation, std::int64_t rows, float* action, Workspace& workspace) const;
 
+  /// Numbers of the last layer.
+  static std::int64_t outputs(std::int64_t action_size, std::int64_t proposals) {
+    return proposals == 0 ? action_size : 4 * proposals + 1;
+  }
+  /// Which proposal has the highest score in a row of the last layer; `proposals` for resting.
+  static std::int64_t choose(const float* output, std::int64_t proposals);
+  /// Proposal `k` of a row: its direction times sqrt(2) / (1 + exp(-strength)), cut to the square.
+  static void propose(const float* output, std::int64_t k, float* action);
+
  private:
+  std::int64_t action_size_;
+  std::int64_t proposals_;
   DenseNetwork network_;
 };
 

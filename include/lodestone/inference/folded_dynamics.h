@@ -50,22 +50,30 @@ class FoldedDynamics {
   /// A distribution over changes is predicted, not a single value.
   bool distribution() const { return mixture_.components > 0; }
 
+  /// For what looks inside, as a gradient does: the layers from features() to numbers as mixture() lays them
+  /// out, in units of output_unit() [S] (m, m and rad).
+  const std::vector<LinearLayer>& layers() const { return layers_; }
+  const MixtureLayout& mixture() const { return mixture_; }
+  const std::vector<float>& output_unit() const { return output_std_; }
+  /// What the layers take of `state` [rows, S] and `drive` [rows, 2]: [rows, 4 .. 6], the drive last.
+  void write_features(const double* state, const double* drive, std::int64_t rows, float* out) const;
+  /// Next states from rows of normalised numbers (already in physical units where no mixture is predicted).
+  void write_next(const double* state, const float* output, std::int64_t rows, double* next) const;
+
  private:
   /// Row i draws with `luck_of`(i).
   template <class LuckOf>
   void draw(const double* state, const double* drive, std::int64_t rows, const LuckOf& luck_of, double* next,
             Workspace& workspace) const;
-  void write_features(const double* state, const double* drive, std::int64_t rows, float* out) const;
   /// Runs the layers; returns [rows, outputs], which lives in the workspace.
   const float* evaluate(const double* state, const double* drive, std::int64_t rows,
                         Workspace& workspace) const;
-  /// Next states from rows of normalised numbers (already in physical units where no mixture is predicted).
-  void write_next(const double* state, const float* output, std::int64_t rows, double* next) const;
 
   int state_size_;
   bool predicts_change_;
   bool sine_cosine_;
   MixtureLayout mixture_;  // no components: a single value
+  std::vector<LinearLayer> layers_;
   DenseNetwork network_;
   std::vector<float> output_mean_, output_std_;
 };

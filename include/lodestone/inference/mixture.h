@@ -36,6 +36,9 @@ struct Luck {
   double uniform = 0.0;
   std::array<double, 3> normal{};
 };
+/// The components' weights [K], which add up to 1, and the standard deviation that a raw spread stands for.
+void mixture_weights(const float* raw, const MixtureLayout& layout, float* out);
+double mixture_spread(float raw);
 /// One draw: writes S numbers.
 void mixture_draw(const float* raw, const MixtureLayout& layout, const Luck& luck, float* out);
 

@@ -17,6 +17,7 @@ namespace lodestone::inference {
 struct Policy {
   Arrays weights;  ///< of the actor: "l1.weight", ...
   std::vector<std::int64_t> hidden = {256, 256};
+  std::int64_t proposals = 0;  ///< see Actor
   task::EncoderConfig encoder;
   task::ActionConfig action;
   std::string goal = "point";          ///< task it was trained for

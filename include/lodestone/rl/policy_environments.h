@@ -1,16 +1,20 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "lodestone/env/vec_env.h"
+#include "lodestone/inference/dynamics.h"
 #include "lodestone/rl/policy_trainer.h"
 
 namespace lodestone::rl {
 
-/// Where a policy is trained, and where it is scored: same rules, random streams of their own.
+/// What a policy is trained in, and where it is scored: same rules, random streams of their own.
 struct PolicyEnvironments {
-  std::unique_ptr<env::VecEnv> training;       ///< training.environments copies, some of which may play back
-  std::unique_ptr<env::VecEnv> evaluation;     ///< training.evaluation_episodes copies
+  /// training.environments copies, some of which may play back; null where the learner steps its own needles.
+  std::unique_ptr<env::VecEnv> training;
+  std::unique_ptr<env::VecEnv> evaluation;  ///< training.evaluation_episodes copies
+  std::optional<inference::DynamicsModel> dynamics;
   std::shared_ptr<const task::Region> region;  ///< that starts and goals lie in; null: the whole discs
 };
 
@@ -18,5 +22,12 @@ struct PolicyEnvironments {
 /// dynamics' training data. The plain simulator needs no dynamics; when one is named, its data still give
 /// scale and workspace. Throws ConfigError, CheckpointError, DataError.
 PolicyEnvironments make_policy_environments(TrainPolicyConfig& config);
+
+/// The learner that `config` asks for, in these environments, which must outlive it. Throws ConfigError.
+std::unique_ptr<PolicyLearner> make_policy_learner(const TrainPolicyConfig& config,
+                                                   const PolicyEnvironments& environments);
+/// train_policy() with that learner.
+runs::PolicyResult train_policy(const TrainPolicyConfig& config, const PolicyEnvironments& environments,
+                                runs::RunFolder& run);
 
 }  // namespace lodestone::rl

@@ -1,81 +1,33 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <optional>
-#include <vector>
 
 #include "lodestone/common/metrics.h"
-#include "lodestone/common/thread_pool.h"
-#include "lodestone/env/vec_env.h"
+#include "lodestone/inference/actor_critic.h"
 #include "lodestone/nets/checkpoint.h"
-#include "lodestone/rl/hindsight.h"
-#include "lodestone/rl/learning_config.h"
-#include "lodestone/rl/ou_noise.h"
-#include "lodestone/rl/replay_buffer.h"
-#include "lodestone/rl/td3.h"
 
 namespace lodestone::rl {
 
-/// Collects from a batch of environments and learns from it with TD3. Everything that later steps depend on
-/// can be saved: N steps, save, load and N steps equal 2 N steps, bitwise.
-///
-/// With `overlap` the updates that fall due in one step are made during the next, from the transitions before
-/// it: the lag is always one step, so results do not depend on timing or threads.
+/// Learns a policy step by step. Everything that later steps depend on can be saved: N steps, save, load and
+/// N steps equal 2 N steps, bitwise.
 class PolicyLearner {
  public:
-  /// Takes the environments over: resets them. `environments` must outlive this. `threads` are those
-  /// of the updates. With learning.hindsight, `hindsight` must be given.
-  PolicyLearner(const LearningConfig& learning, const Td3Config& td3, const NoiseConfig& noise,
-                std::uint64_t seed, std::int64_t threads, env::VecEnv& environments,
-                std::optional<Hindsight> hindsight = {});
+  virtual ~PolicyLearner() = default;
 
-  /// One step of every environment and the updates that fall due.
-  void step();
+  virtual void step() = 0;
+  /// Pulses simulated so far, all environments together.
+  virtual std::int64_t env_steps() const = 0;
+  virtual std::int64_t updates() const = 0;
+  virtual bool finished() const = 0;
+  /// The policy as it is now: for acting, and its weights "l1.weight", ...
+  virtual inference::Actor actor() const = 0;
+  virtual inference::Arrays actor_weights() const = 0;
+  /// Means since the last call, under the keys train/...; keys without data are left out.
+  virtual common::Scalars take_statistics() = 0;
 
-  std::int64_t env_steps() const { return env_steps_; }
-  std::int64_t updates() const { return td3_->updates(); }
-  bool finished() const { return env_steps_ >= learning_.env_steps; }
-  Td3& td3() { return *td3_; }
-
-  /// Means since the last call, under the keys train/...: episode_return, success_rate, episode_length,
-  /// critic_loss, actor_loss, q_mean, action_saturation (fraction of components beyond 0.95). Keys without
-  /// data are left out.
-  common::Scalars take_statistics();
-
-  void save(nets::Checkpoint& checkpoint);
+  virtual void save(nets::Checkpoint& checkpoint) = 0;
   /// Throws CheckpointError when it comes from another configuration.
-  void load(const nets::Checkpoint& checkpoint);
-
- private:
-  struct Mean {
-    double sum = 0.0;
-    double count = 0.0;
-    void add(double value) {
-      sum += value;
-      count += 1.0;
-    }
-  };
-  void make_due_updates();
-  void check_finite(const env::StepResult& result) const;
-  void check_finite(const UpdateResult& update) const;
-  void count_episodes(const env::StepResult& result);
-  std::vector<float> choose_actions();
-
-  LearningConfig learning_;
-  double learning_rate_;
-  env::VecEnv& environments_;
-  std::unique_ptr<Td3> td3_;
-  ReplayBuffer buffer_;
-  ExplorationNoise noise_;
-  std::optional<Hindsight> hindsight_;
-  common::ThreadPool overlap_;  // one thread unless environments and updates overlap
-  std::int64_t env_steps_ = 0;
-  double due_updates_ = 0.0;
-  std::vector<float> observation_;  // [N, D]
-  std::vector<float> returns_;      // [N] of the running episodes
-  std::vector<float> lengths_;      // [N]
-  Mean return_, success_, length_, critic_loss_, actor_loss_, q_, saturation_;
+  virtual void load(const nets::Checkpoint& checkpoint) = 0;
 };
 
 }  // namespace lodestone::rl

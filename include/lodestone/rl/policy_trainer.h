@@ -11,6 +11,7 @@
 #include "lodestone/env/vec_env.h"
 #include "lodestone/physics/rig_description.h"
 #include "lodestone/rl/learning_config.h"
+#include "lodestone/rl/model_gradient_config.h"
 #include "lodestone/rl/ou_noise.h"
 #include "lodestone/rl/policy_evaluation.h"
 #include "lodestone/rl/td3_config.h"
@@ -22,9 +23,15 @@
 
 namespace lodestone::rl {
 
+class PolicyLearner;
+
 /// What a policy is trained in: the learned simulator (MBS), or the plain one of section IV-C.
 enum class Simulator { kMbs, kPhysics };
 inline std::vector<std::string> names_of(Simulator) { return {"mbs", "physics"}; }
+
+/// How a policy is learned: from rewards (section IV-B2), or down the gradient of the learned simulator.
+enum class Method { kTd3, kModelGradient };
+inline std::vector<std::string> names_of(Method) { return {"td3", "model_gradient"}; }
 
 /// The run around the learner.
 struct PolicyTrainingConfig {
@@ -53,6 +60,7 @@ struct PolicyTrainingConfig {
 struct TrainPolicyConfig {
   std::int64_t seed = 1;
   std::int64_t threads = 0;
+  Method method = Method::kTd3;
   std::string dynamics;
   Simulator simulator = Simulator::kMbs;
   std::string recorded;
@@ -66,12 +74,17 @@ struct TrainPolicyConfig {
   task::RegionConfig region;
   Td3Config td3;
   NoiseConfig noise;
+  ModelGradientConfig model_gradient;
   PolicyTrainingConfig training;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("seed", seed, "", "seed of every random stream of the run", {0, 9e15});
     v.field("threads", threads, "", "threads; 0 means one per processor", {0, 1024});
+    v.field(
+        "method", method, "",
+        "how the policy is learned: by TD3 from rewards, or down the gradient of what the learned simulator "
+        "expects of a pulse");
     v.field("dynamics", dynamics, "", "dynamics checkpoint: folder that train-dynamics wrote");
     v.field("simulator", simulator, "",
             "what the policy is trained in: the learned MBS, or the simulator of IV-C");
@@ -86,12 +99,17 @@ struct TrainPolicyConfig {
     v.group("physics", physics, "the simulator of section IV-C as an environment");
     v.group("replay", replay, "recorded steps as an environment (section V-C)");
     v.group("region", region, "how task.within = reachable is mapped from the dynamics' training data");
-    v.group("td3", td3, "the learner");
-    v.group("noise", noise, "exploration");
+    v.group("td3", td3, "the learner of method td3");
+    v.group("noise", noise, "its exploration");
+    v.group("model_gradient", model_gradient, "the learner of method model_gradient");
     v.group("training", training, "how long, how often");
   }
   /// Throws ConfigError when nothing would be learned.
   void validate() const;
+  /// Widths of the policy's hidden layers.
+  const std::vector<std::int64_t>& hidden() const {
+    return method == Method::kTd3 ? td3.hidden : model_gradient.hidden;
+  }
 
   common::Json learned_rig;  ///< no key: the rig that the policy is for, null where nobody says
 };
@@ -107,10 +125,11 @@ runs::RunRequest run_request(const TrainPolicyConfig& config, const std::string&
 
 /// Trains until env_steps, writing into the run's folder: metrics (the first line is of the untrained
 /// policy), `checkpoint` (the policy with the best evaluation return so far) and, every checkpoint_every_s,
-/// `training`, from which a resumption goes on bitwise. `evaluation` must have another seed than `training`.
+/// `training`, from which a resumption goes on bitwise. `evaluation` must have another seed than what the
+/// learner learns from.
 /// Throws Interrupted after saving when the user asked to stop, and CheckpointError. `region`, when given, is
 /// kept with the policy.
-runs::PolicyResult train_policy(const TrainPolicyConfig& config, env::VecEnv& training,
+runs::PolicyResult train_policy(const TrainPolicyConfig& config, PolicyLearner& learner,
                                 env::VecEnv& evaluation, runs::RunFolder& run,
                                 const task::Region* region = nullptr);
 

@@ -11,13 +11,13 @@ namespace lodestone::task {
 /// Section IV-B3: a 2-D action in [-1, 1]^2; the sign picks the coil of each axis, the magnitude times
 /// `scale` is its drive. Opposite coils are never on together.
 struct ActionConfig {
-  double dead_band = 0.0;           ///< magnitudes below this become zero
+  double dead_band = 0.0;           ///< a weaker action gives no pulse
   bool one_axis_at_a_time = false;  ///< only the larger component acts (the recorded sphere's device)
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.retired("scale", "rig.coils.max_current_A");
-    v.field("dead_band", dead_band, "", "actions smaller than this become zero", {0.0, 1.0});
+    v.field("dead_band", dead_band, "", "an action of less than this magnitude gives no pulse", {0.0, 1.0});
     v.field("one_axis_at_a_time", one_axis_at_a_time, "", "only the larger component acts");
   }
 

@@ -53,6 +53,9 @@ struct EncoderConfig {
   bool relative_target = false;  ///< append target - position as well
   bool target_heading = false;   ///< append sine and cosine of target heading - heading (0 and 1 without one)
   bool memory = false;           ///< append last action and last displacement: remembers a stall
+  bool drive_gain = false;    ///< append what is known of the rig: mean and deviation of its gain's logarithm
+  bool target_ahead = false;  ///< the target is where it will be after the pulse, not where it is
+  double fine_distance_m = 0.0;  ///< what is near gets more room: see relative()
   double displacement_scale_m = 0.005;
 
   template <class Visitor>
@@ -63,6 +66,16 @@ struct EncoderConfig {
     v.field("target_heading", target_heading, "",
             "append the turn to the target heading, as sine and cosine");
     v.field("memory", memory, "", "append last action and last displacement");
+    v.field(
+        "drive_gain", drive_gain, "",
+        "append what is known of how strongly the rig answers: mean and deviation of the gain's logarithm");
+    v.field("target_ahead", target_ahead, "",
+            "the target is where it will be after the pulse, not where it is");
+    v.field(
+        "fine_distance_m", fine_distance_m, "m",
+        "the vector from needle to target grows with the logarithm of its length beyond this; 0: with the "
+        "length",
+        {0.0, 1.0});
     v.retired("length_scale_m", "rig.dish.radius_m");
     v.field("displacement_scale_m", displacement_scale_m, "m", "displacements are divided by this",
             {1e-5, 1.0});
@@ -81,11 +94,11 @@ class ObservationEncoder {
  public:
   explicit ObservationEncoder(const EncoderConfig& config) : config_(config) {}
 
-  /// Numbers per observation: 2 + heading (0, 1, 2) + target 2 + relative target 2 + target heading 2 +
-  /// memory 4.
+  /// Numbers per observation: 2 + heading (0, 1, 2) + target 2 + relative target (2, 3) + target heading 2 +
+  /// memory 4 + drive gain 2.
   int size() const;
   /// Writes size() numbers in the order position, heading, target, relative target, turn to the target
-  /// heading, last action, displacement.
+  /// heading, last action, displacement, drive gain.
   void encode(const Observation& observation, float* out) const;
 
   /// Sensed position in an encoded row.
@@ -97,6 +110,10 @@ class ObservationEncoder {
 
  private:
   int heading_size() const;
+  int relative_size() const;
+  /// The vector from needle to target, v, in the network's units: v / L with L = length_scale_m; or, where f
+  /// = fine_distance_m is above 0, its direction v / sqrt(|v|^2 + f^2) and log(1 + |v| / f) / log(1 + L / f).
+  void put_relative(const geometry::Vector2& vector_m, float*& out) const;
 
   EncoderConfig config_;
 };

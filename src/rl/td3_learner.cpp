@@ -1,4 +1,4 @@
-#include "lodestone/rl/policy_learner.h"
+#include "lodestone/rl/td3_learner.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,9 +38,9 @@ void load_same_size(std::vector<float>& target, const nets::NamedTensors& stored
 
 }  // namespace
 
-PolicyLearner::PolicyLearner(const LearningConfig& learning, const Td3Config& td3, const NoiseConfig& noise,
-                             std::uint64_t seed, std::int64_t threads, env::VecEnv& environments,
-                             std::optional<Hindsight> hindsight)
+Td3Learner::Td3Learner(const LearningConfig& learning, const Td3Config& td3, const NoiseConfig& noise,
+                       std::uint64_t seed, std::int64_t threads, env::VecEnv& environments,
+                       std::optional<Hindsight> hindsight)
     : learning_(learning),
       learning_rate_(td3.learning_rate),
       environments_(environments),
@@ -56,7 +56,7 @@ PolicyLearner::PolicyLearner(const LearningConfig& learning, const Td3Config& td
   lengths_.resize(returns_.size());
 }
 
-std::vector<float> PolicyLearner::choose_actions() {
+std::vector<float> Td3Learner::choose_actions() {
   if (env_steps_ < learning_.warm_up_steps) return noise_.uniform_actions();
   std::vector<float> action = td3_->act(observation_);
   const auto saturated =
@@ -70,7 +70,7 @@ std::vector<float> PolicyLearner::choose_actions() {
   return action;
 }
 
-void PolicyLearner::step() {
+void Td3Learner::step() {
   const at::NoGradGuard no_grad;
   const bool warming_up = env_steps_ < learning_.warm_up_steps;
   const std::vector<float> action = choose_actions();
@@ -101,7 +101,7 @@ void PolicyLearner::step() {
 }
 
 /// Nothing can be learned from what is not a number, and it would spread into every weight.
-void PolicyLearner::check_finite(const env::StepResult& result) const {
+void Td3Learner::check_finite(const env::StepResult& result) const {
   const auto finite = [](float value) { return std::isfinite(value); };
   const auto check = [&](const std::vector<float>& values, const char* what) {
     const auto bad = std::find_if_not(values.begin(), values.end(), finite);
@@ -118,7 +118,7 @@ void PolicyLearner::check_finite(const env::StepResult& result) const {
   check(result.final_observation, "the observation");
 }
 
-void PolicyLearner::check_finite(const UpdateResult& update) const {
+void Td3Learner::check_finite(const UpdateResult& update) const {
   if (std::isfinite(update.critic_loss) && std::isfinite(update.q_mean) &&
       (!update.policy_updated || std::isfinite(update.actor_loss)))
     return;
@@ -127,7 +127,7 @@ void PolicyLearner::check_finite(const UpdateResult& update) const {
                       " (its loss is not finite); lower td3.learning_rate");
 }
 
-void PolicyLearner::make_due_updates() {
+void Td3Learner::make_due_updates() {
   const double done = static_cast<double>(env_steps_) / static_cast<double>(learning_.env_steps);
   td3_->set_learning_rate(learning_rate_ *
                           (1.0 - (1.0 - learning_.final_learning_rate) * std::min(1.0, done)));
@@ -140,7 +140,7 @@ void PolicyLearner::make_due_updates() {
   }
 }
 
-void PolicyLearner::count_episodes(const env::StepResult& result) {
+void Td3Learner::count_episodes(const env::StepResult& result) {
   for (std::size_t i = 0; i < returns_.size(); ++i) {
     returns_[i] += result.reward[i];
     lengths_[i] += 1.0F;
@@ -154,7 +154,7 @@ void PolicyLearner::count_episodes(const env::StepResult& result) {
   }
 }
 
-common::Scalars PolicyLearner::take_statistics() {
+common::Scalars Td3Learner::take_statistics() {
   common::Scalars scalars;
   const auto take = [&scalars](const char* key, Mean& mean) {
     if (mean.count > 0.0) scalars.emplace_back(key, mean.sum / mean.count);
@@ -170,7 +170,7 @@ common::Scalars PolicyLearner::take_statistics() {
   return scalars;
 }
 
-void PolicyLearner::save(nets::Checkpoint& checkpoint) {
+void Td3Learner::save(nets::Checkpoint& checkpoint) {
   td3_->save(checkpoint);
   checkpoint.parts["buffer"] = buffer_.save();
   const env::Snapshot snapshot = environments_.save();
@@ -186,7 +186,7 @@ void PolicyLearner::save(nets::Checkpoint& checkpoint) {
   checkpoint.facts["due_updates"] = due_updates_;
 }
 
-void PolicyLearner::load(const nets::Checkpoint& checkpoint) {
+void Td3Learner::load(const nets::Checkpoint& checkpoint) {
   for (const char* part : {"buffer", "running"}) {
     if (checkpoint.parts.count(part) == 0) {
       throw common::CheckpointError(std::string("training checkpoint: part \"") + part + "\" is missing");

@@ -1,4 +1,4 @@
-#include "lodestone/rl/policy_learner.h"
+#include "lodestone/rl/td3_learner.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -14,9 +14,9 @@ using lodestone::rl::LearningConfig;
 using lodestone::rl::NoiseConfig;
 using lodestone::rl::NoiseKind;
 using lodestone::rl::PolicyEvaluation;
-using lodestone::rl::PolicyLearner;
 using lodestone::rl::PolicyScore;
 using lodestone::rl::Td3Config;
+using lodestone::rl::Td3Learner;
 using lodestone::rl::testing::BanditEnv;
 using lodestone::rl::testing::PointEnv;
 
@@ -68,7 +68,7 @@ class SpoiledEnv final : public lodestone::env::VecEnv {
   lodestone::env::StepResult result_;
 };
 
-bool same_state(PolicyLearner& one, PolicyLearner& two) {
+bool same_state(Td3Learner& one, Td3Learner& two) {
   Checkpoint first;
   Checkpoint second;
   one.save(first);
@@ -86,7 +86,7 @@ bool same_state(PolicyLearner& one, PolicyLearner& two) {
 
 TEST_CASE("A bandit's best action is found, and its value", "[rl]") {
   BanditEnv bandit(8, 0.6F, -0.3F, 1, true);
-  PolicyLearner learner(short_learning(6000, 0.25), small_td3(), gaussian(0.4), 1, 1, bandit);
+  Td3Learner learner(short_learning(6000, 0.25), small_td3(), gaussian(0.4), 1, 1, bandit);
   while (!learner.finished()) learner.step();
   const std::vector<float> action = learner.td3().act({1.0F});
   const double off_x = action[0] - 0.6;
@@ -100,8 +100,8 @@ TEST_CASE("Overlapping environments and updates lag by one step, at any number o
   learning.overlap = true;
   PointEnv for_one(5, 1);
   PointEnv for_four(5, 1);
-  PolicyLearner one(learning, small_td3(), gaussian(0.4), 1, 1, for_one);
-  PolicyLearner four(learning, small_td3(), gaussian(0.4), 1, 4, for_four);
+  Td3Learner one(learning, small_td3(), gaussian(0.4), 1, 1, for_one);
+  Td3Learner four(learning, small_td3(), gaussian(0.4), 1, 4, for_four);
   for (int step = 0; step < 100; ++step) {
     one.step();
     four.step();
@@ -113,7 +113,7 @@ TEST_CASE("Overlapping environments and updates lag by one step, at any number o
   Checkpoint checkpoint;
   one.save(checkpoint);
   PointEnv for_resumed(5, 4321);
-  PolicyLearner resumed(learning, small_td3(), gaussian(0.4), 77, 2, for_resumed);
+  Td3Learner resumed(learning, small_td3(), gaussian(0.4), 77, 2, for_resumed);
   resumed.load(checkpoint);
   while (!four.finished()) four.step();
   while (!resumed.finished()) resumed.step();
@@ -127,7 +127,7 @@ TEST_CASE("Truncation bootstraps and termination does not", "[rl][slow]") {
   td3.policy_noise = 0.0;  // the smoothed value would be lower
   for (const bool terminates : {false, true}) {
     BanditEnv bandit(8, 0.0F, 0.0F, 1, terminates);
-    PolicyLearner learner(short_learning(8000, 0.5), td3, gaussian(0.1), 1, 1, bandit);
+    Td3Learner learner(short_learning(8000, 0.5), td3, gaussian(0.1), 1, 1, bandit);
     while (!learner.finished()) {
       if (learner.env_steps() == 7200) learner.take_statistics();
       learner.step();
@@ -147,7 +147,7 @@ TEST_CASE("The point task is solved to within 7 % of its best return", "[rl][slo
   PolicyEvaluation evaluate(evaluation, {});
   Td3Config td3 = small_td3();
   td3.policy_noise = 0.1;  // smoothing costs return here, where the best action changes within a stride
-  PolicyLearner learner(short_learning(80000, 0.4), td3, gaussian(0.2), 3, 2, training);
+  Td3Learner learner(short_learning(80000, 0.4), td3, gaussian(0.2), 3, 2, training);
   const double before = evaluate.run(learner.td3().actor()).episode_return;
   while (!learner.finished()) learner.step();
   const PolicyScore score = evaluate.run(learner.td3().actor());
@@ -169,17 +169,17 @@ TEST_CASE("2 N steps equal N, save, load and N, bitwise", "[rl]") {
     LearningConfig learning = short_learning(2000, 0.2);
     learning.buffer_size = 300;  // the ring wraps
     learning.final_noise = 0.5;
-    return PolicyLearner(learning, small_td3(), NoiseConfig{}, seed, threads, env);
+    return Td3Learner(learning, small_td3(), NoiseConfig{}, seed, threads, env);
   };
   PointEnv env_whole(5, 1);
   PointEnv env_resumed(5, 4321);
   PointEnv env_two_threads(5, 1);
-  PolicyLearner whole = make(env_whole, 3, 1);
-  PolicyLearner two_threads = make(env_two_threads, 3, 2);
+  Td3Learner whole = make(env_whole, 3, 1);
+  Td3Learner two_threads = make(env_two_threads, 3, 2);
   for (int i = 0; i < 100; ++i) whole.step();
   Checkpoint checkpoint;
   whole.save(checkpoint);
-  PolicyLearner resumed = make(env_resumed, 999, 1);
+  Td3Learner resumed = make(env_resumed, 999, 1);
   resumed.load(checkpoint);
   CHECK(same_state(whole, resumed));
   for (int i = 0; i < 100; ++i) {
@@ -193,7 +193,7 @@ TEST_CASE("2 N steps equal N, save, load and N, bitwise", "[rl]") {
   CHECK(same_state(whole, two_threads));
 
   PointEnv env_other(6, 1);
-  PolicyLearner other = make(env_other, 3, 1);
+  Td3Learner other = make(env_other, 3, 1);
   CHECK_THROWS_AS(other.load(checkpoint), lodestone::common::CheckpointError);
   checkpoint.parts.erase("running");
   CHECK_THROWS_AS(resumed.load(checkpoint), lodestone::common::CheckpointError);
@@ -202,7 +202,7 @@ TEST_CASE("2 N steps equal N, save, load and N, bitwise", "[rl]") {
 TEST_CASE("Training stops where a reward or an observation stops being a number", "[rl]") {
   for (const bool reward : {true, false}) {
     SpoiledEnv environments(reward);
-    PolicyLearner learner(short_learning(4000, 0.25), small_td3(), gaussian(0.1), 1, 1, environments, {});
+    Td3Learner learner(short_learning(4000, 0.25), small_td3(), gaussian(0.1), 1, 1, environments, {});
     for (int i = 0; i < 5; ++i) learner.step();
     environments.spoiled = true;
     CHECK_THROWS_WITH(learner.step(), Catch::Contains(reward ? "the reward of environment 1 is nan"
