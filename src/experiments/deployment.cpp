@@ -183,6 +183,11 @@ ControllerSource policy_source(const DeploymentConfig& config, const inference::
   source.name = "policy";
   source.action = in_ampere(config, policy.action, what);
   source.identify = identified_by(config, simulator);
+  if (policy.encoder.drive_gain && !source.identify)
+    common::log_warning(
+        what +
+        " wants to know how strongly its rig answers, and takes it for the one it was learned "
+        "on; name the simulator that identifies it: --set dynamics=DIR");
   DeploymentConfig around = config;
   if (policy.encoder.target_ahead) around.decorators.lead_s = 0.0;  // it knows where its target will be
   source.make = [policy, config = around, scale_A = source.action.scale](std::uint64_t) {

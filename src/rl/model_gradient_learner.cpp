@@ -23,7 +23,6 @@ constexpr std::size_t kNeedleNumbers = 17;
 constexpr double kNewPose = 0.2;         // of the new goals, the share that comes with a new pose
 constexpr double kNearest_m = 2e-4;      // of the goals that lie near
 constexpr double kMostGain = 1.1;        // of the logarithm: beyond a factor of three it is another rig
-constexpr double kFirstRestWidth = 0.1;  // action units
 constexpr float kFirstStrength = -1.0F;  // log odds
 constexpr double kChoice = 0.1;          // of the logarithm of a cost: differences that matter
 constexpr double kExplored = 0.1;        // share of the gradients and pulses of whatever proposal

@@ -107,6 +107,25 @@ TEST_CASE("with a simulator every controller is told how strong its rig is, each
   CHECK_FALSE(experiments::baseline_source(config).identify);
 }
 
+TEST_CASE("a policy that is told the gain decides for itself; the commands of any other are divided by it") {
+  const auto config = quick_config();
+  task::Observation strong;
+  strong.drive_gain = task::DriveGain{std::log(2.0), 0.1};
+  for (const bool told : {false, true}) {
+    inference::Policy policy;
+    policy.hidden = {8};
+    policy.encoder.drive_gain = told;
+    tests::draw_weights(policy, 3);
+    task::Observation as_seen = strong;
+    if (!told) as_seen.drive_gain.reset();
+    const geometry::Vector2 own = control::PolicyController(policy).act(as_seen);
+    REQUIRE(own.norm() > 0.01);
+    const auto controller = experiments::policy_source(config, policy, "policy", nullptr).make(1);
+    const geometry::Vector2 given = controller->act(strong);
+    CHECK((given - (told ? own : geometry::Vector2(own / 2.0))).norm() < 1e-6);
+  }
+}
+
 TEST_CASE("on a bench what was identified is carried from trial to trial where that is asked for") {
   auto config = quick_config();
   const std::string folder = std::string(LODESTONE_SOURCE_DIR) + "/models/dynamics_best";

@@ -31,7 +31,10 @@ struct ModelGradientConfig {
     v.field("gain_sigma", gain_sigma, "",
             "standard deviation of the logarithm of the drive's gain over the rigs that are imagined",
             {0.0, 2.0});
-    v.field("least_gain_sigma", least_gain_sigma, "", "what is left of it once a rig is known", {0.0, 2.0});
+    v.field(
+        "least_gain_sigma", least_gain_sigma, "",
+        "what is left of it once a rig is known: estimates lie between the two, spread by their logarithm",
+        {0.0, 2.0});
     v.field("place_sigma", place_sigma, "",
             "the same of a place's own part: friction that stays the same until the needle is elsewhere",
             {0.0, 2.0});

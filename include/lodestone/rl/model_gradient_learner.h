@@ -39,15 +39,20 @@ struct ModelGradientTask {
 /// all poses, targets and gains of the drive (compare Deisenroth and Rasmussen, PILCO, 2011; Heess et al.,
 /// Stochastic value gradients, 2015).
 ///
+/// The best pulse jumps where another way to the target becomes the better one, and a smooth function would
+/// give the mean of the two. So the policy proposes several, and scores them and resting: the scores learn
+/// which of them is expected to be best (cross-entropy), and of the proposals mostly the best one learns.
+/// Costs are weighed by their ratio, or pulses far from their target would drown those that end at it.
+///
 /// One step: every needle has a pose, a target that may move, a gain of the drive and an estimate of it that
-/// the policy is told, and all of them together give one step of Adam; then each gives its pulse, so that
-/// the poses learned from are those the policy comes to. A pulse and resting (below action.dead_band) are
-/// weighed against each other by a soft step, whose width ends as rest_width. Work is cut into shards of
-/// fixed size with random streams of their own, so the result does not depend on the number of threads.
+/// the policy is told, and friction that stays with the place, so that a pulse which moved nothing had better
+/// not be repeated. All of them together give one step of Adam; then each gives its pulse, so that the poses
+/// learned from are those the policy comes to. Work is cut into shards of fixed size with random streams of
+/// their own, so the result does not depend on the number of threads.
 class ModelGradientLearner final : public PolicyLearner {
  public:
   /// `threads`: 0 means one per processor. Throws ConfigError when the dynamics predict single values, or
-  /// when the policy would see what is not imagined here (memory, target heading).
+  /// when the goal has a heading, which is not imagined here.
   ModelGradientLearner(const LearningConfig& learning, const ModelGradientConfig& config,
                        const ModelGradientTask& task, inference::DynamicsModel model, std::uint64_t seed,
                        std::int64_t threads);
@@ -58,7 +63,8 @@ class ModelGradientLearner final : public PolicyLearner {
   bool finished() const override { return env_steps_ >= learning_.env_steps; }
   inference::Actor actor() const override;
   inference::Arrays actor_weights() const override;
-  /// train/actor_loss (expected distance after a pulse in mm, and what the pulse costs), action_saturation.
+  /// train/actor_loss (mean expected distance after a pulse in mm, and what the pulse costs),
+  /// action_saturation.
   common::Scalars take_statistics() override;
   void save(nets::Checkpoint& checkpoint) override;
   void load(const nets::Checkpoint& checkpoint) override;
