@@ -19,14 +19,16 @@ namespace {
 
 /// Fixed, so that results do not depend on the number of threads; its activations fit a core's cache.
 constexpr std::int64_t kShardRows = 128;
-constexpr std::size_t kNeedleNumbers = 17;
+constexpr std::size_t kNeedleNumbers = 19;
 constexpr double kNewPose = 0.2;         // of the new goals, the share that comes with a new pose
 constexpr double kNearest_m = 2e-4;      // of the goals that lie near
 constexpr double kMostGain = 1.1;        // of the logarithm: beyond a factor of three it is another rig
 constexpr float kFirstStrength = -1.0F;  // log odds
 constexpr double kChoice = 0.1;          // of the logarithm of a cost: differences that matter
 constexpr double kExplored = 0.1;        // share of the gradients and pulses of whatever proposal
-constexpr double kNear_mm = 0.5;         // costs are weighed by their ratio, beyond this
+constexpr double kStall_m = 2e-4;        // a shorter way is none
+constexpr double kAlike = 0.25;   // of its strength: an action so near to one that stalled does so, too
+constexpr double kNear_mm = 0.5;  // costs are weighed by their ratio, beyond this
 
 std::vector<std::int64_t> widths_of(const task::ObservationEncoder& encoder,
                                     const std::vector<std::int64_t>& hidden, std::int64_t proposals) {
@@ -42,6 +44,13 @@ double factor_of(const Needle& needle) {
   return std::exp(needle.log_gain + needle.log_place);
 }
 
+/// Whether this action stalls as the one before did.
+template <class Needle>
+bool stalls_again(const Needle& needle, const geometry::Vector2& action) {
+  const double strength = needle.stalled.norm();
+  return strength > 0.0 && (action - needle.stalled).norm() < kAlike * strength;
+}
+
 /// The numbers of a needle in the order checkpoints hold them.
 template <class Needle, class Visit>
 void visit_numbers(Needle& needle, Visit&& visit) {
@@ -49,8 +58,8 @@ void visit_numbers(Needle& needle, Visit&& visit) {
        {&needle.pose.x_m, &needle.pose.y_m, &needle.pose.heading_rad, &needle.target_m.x(),
         &needle.target_m.y(), &needle.target_step_m.x(), &needle.target_step_m.y(), &needle.told.log_mean,
         &needle.told.log_sigma, &needle.log_gain, &needle.log_place, &needle.place_m.x(), &needle.place_m.y(),
-        &needle.last_action.x(), &needle.last_action.y(), &needle.last_displacement_m.x(),
-        &needle.last_displacement_m.y()})
+        &needle.stalled.x(), &needle.stalled.y(), &needle.last_action.x(), &needle.last_action.y(),
+        &needle.last_displacement_m.x(), &needle.last_displacement_m.y()})
     visit(*value);
 }
 
@@ -125,6 +134,7 @@ void ModelGradientLearner::draw_pose(Needle& needle, common::RandomStream& rando
   needle.pose = starts_[random.below(starts_.size())];
   needle.place_m = needle.pose.position_m();
   needle.log_place = config_.place_sigma * random.normal();
+  needle.stalled.setZero();
   needle.last_action.setZero();
   needle.last_displacement_m.setZero();
 }
@@ -241,11 +251,19 @@ void ModelGradientLearner::work_on(Shard& shard, const ExpectedDistance& simulat
     inference::Actor::propose(output + i * outputs, static_cast<std::int64_t>(k), action);
     return geometry::Vector2(action[0], action[1]);
   };
+  std::vector<double> rest_mm(count);
+  for (std::size_t i = 0; i < count; ++i)
+    rest_mm[i] =
+        rest.at(shard.needles[i].pose.position_m(), {shard.target_m[2 * i], shard.target_m[2 * i + 1]});
   const double turn_rad = shard.random.uniform(0.0, geometry::kPi);
   for (std::size_t k = 0; k < proposals; ++k) {
     for (std::size_t i = 0; i < count; ++i) shard.tried[i] = proposal(i, k);
     evaluate(shard, simulator, shard.tried, turn_rad, false);
-    for (std::size_t i = 0; i < count; ++i) shard.each_mm[i * (proposals + 1) + k] = shard.cost_mm[i];
+    for (std::size_t i = 0; i < count; ++i) {
+      const double stalled_mm = rest_mm[i] + config_.current_cost_mm * shard.tried[i].squaredNorm();
+      shard.each_mm[i * (proposals + 1) + k] =
+          stalls_again(shard.needles[i], shard.tried[i]) ? stalled_mm : shard.cost_mm[i];
+    }
   }
   const double each = 1.0 / static_cast<double>(task_.environments);
   std::fill(shard.output_gradient.begin(), shard.output_gradient.end(), 0.0F);
@@ -253,8 +271,7 @@ void ModelGradientLearner::work_on(Shard& shard, const ExpectedDistance& simulat
   std::vector<double> right(proposals + 1), given(proposals + 1);
   for (std::size_t i = 0; i < count; ++i) {
     double* cost_mm = &shard.each_mm[i * (proposals + 1)];
-    cost_mm[proposals] =
-        rest.at(shard.needles[i].pose.position_m(), {shard.target_m[2 * i], shard.target_m[2 * i + 1]});
+    cost_mm[proposals] = rest_mm[i];
     const double least_mm = *std::min_element(cost_mm, cost_mm + proposals + 1);
     const float* score = output + i * outputs + 3 * proposals;
     const float most = *std::max_element(score, score + proposals + 1);
@@ -298,6 +315,10 @@ void ModelGradientLearner::work_on(Shard& shard, const ExpectedDistance& simulat
         by_action[axis] = std::max(0.0, by_action[axis] * a) / a;  // only back inside
       if (std::abs(a) > static_cast<double>(kSaturatedAction)) shard.saturated += 0.5;
     }
+    const geometry::Vector2 away = shard.tried[i] - shard.needles[i].stalled;
+    if (stalls_again(shard.needles[i], shard.tried[i]))  // what it costs falls where it is another one
+      by_action = -std::max(0.0, rest_mm[i] - shard.cost_mm[i]) /
+                  (kAlike * shard.needles[i].stalled.norm() * std::max(1e-6, away.norm())) * away;
     by_action *= each / (kNear_mm + shard.cost_mm[i]);
     const geometry::Vector2 across = by_action - by_action.dot(direction) * direction;
     shard.output_gradient[first] = static_cast<float>(strength / length * across.x());
@@ -330,11 +351,14 @@ void ModelGradientLearner::give_pulses(Shard& shard, const ExpectedDistance& sim
     Needle& needle = shard.needles[i];
     const geometry::Vector2 before_m = needle.pose.position_m();
     needle.last_action = shard.tried[i];
-    if (shard.chosen[i] != config_.proposals) {
+    const bool rests = shard.chosen[i] == config_.proposals;
+    if (!rests && !stalls_again(needle, shard.tried[i])) {
       double next[3];
       simulator.draw(static_cast<std::int64_t>(i), &shard.state[i * size], shard.random, next,
                      shard.distance);
       needle.pose = {next[0], next[1], size == 3 ? next[2] : 0.0};
+      const bool stalled = (needle.pose.position_m() - before_m).norm() < kStall_m;
+      needle.stalled = stalled ? shard.tried[i] : geometry::Vector2(geometry::Vector2::Zero());
     }
     needle.last_displacement_m = needle.pose.position_m() - before_m;
     if ((needle.pose.position_m() - needle.place_m).norm() > config_.place_size_m) {

@@ -45,8 +45,8 @@ struct ModelGradientTask {
 /// Costs are weighed by their ratio, or pulses far from their target would drown those that end at it.
 ///
 /// One step: every needle has a pose, a target that may move, a gain of the drive and an estimate of it that
-/// the policy is told, and friction that stays with the place, so that a pulse which moved nothing had better
-/// not be repeated. All of them together give one step of Adam; then each gives its pulse, so that the poses
+/// the policy is told, and friction that stays with the place: a pulse like the one that moved nothing moves
+/// nothing again. All of them together give one step of Adam; then each gives its pulse, so that the poses
 /// learned from are those the policy comes to. Work is cut into shards of fixed size with random streams of
 /// their own, so the result does not depend on the number of threads.
 class ModelGradientLearner final : public PolicyLearner {
@@ -78,6 +78,7 @@ class ModelGradientLearner final : public PolicyLearner {
     double log_gain = 0.0;   // of the rig
     double log_place = 0.0;  // and of the place: friction that stays with it
     geometry::Vector2 place_m = geometry::Vector2::Zero();
+    geometry::Vector2 stalled = geometry::Vector2::Zero();  // the action that moved nothing here; zero: none
     geometry::Vector2 last_action = geometry::Vector2::Zero();
     geometry::Vector2 last_displacement_m = geometry::Vector2::Zero();
   };
