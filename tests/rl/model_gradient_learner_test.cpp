@@ -1,5 +1,6 @@
 #include "lodestone/rl/model_gradient_learner.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
@@ -51,6 +52,25 @@ ModelGradientTask task_for(std::int64_t environments) {
   task.action.scale = 10.0;
   task.environments = environments;
   return task;
+}
+
+/// Every other pulse moves nothing; the others move by `gain_m` metres per unit of drive.
+lodestone::inference::DynamicsModel sticking_model(double gain_m) {
+  namespace inference = lodestone::inference;
+  constexpr auto kLayout = lodestone::data::StateLayout::kPose;
+  constexpr double kUnit_m = 1e-3;
+  inference::DynamicsModel model = env_tests::empty_linear_model(kLayout, 1);
+  model.config.components = 2;
+  const std::int64_t outputs = model.config.mixture(kLayout).outputs();
+  const std::int64_t second_mean = 2 + 3;
+  inference::Arrays weights =
+      env_tests::passing_drive_on(model.config.inputs(kLayout), 3, outputs, second_mean, gain_m / kUnit_m);
+  std::vector<float> bias(static_cast<std::size_t>(outputs));
+  std::fill(bias.begin() + 8, bias.end(), -20.0F);  // hardly any spread
+  weights["layers.2.bias"] = {std::move(bias), {outputs}};
+  weights["output_std"] = {std::vector<float>(3, static_cast<float>(kUnit_m)), {3}};
+  model.members.emplace_back(weights, model.config, kLayout, "sticking model");
+  return model;
 }
 
 bool same(const lodestone::inference::Arrays& one, const lodestone::inference::Arrays& two) {
@@ -108,6 +128,46 @@ TEST_CASE("A needle that lies at its target is left alone", "[rl]") {
   learner.actor().act(input.data(), 1, action, workspace);
   CHECK(action[0] == 0.0F);  // exactly, so that no coil is switched on
   CHECK(action[1] == 0.0F);
+}
+
+TEST_CASE("A pulse that moved nothing is not repeated", "[rl]") {
+  ModelGradientTask task = task_for(128);
+  task.encoder.memory = true;
+  ModelGradientConfig config = small_config();
+  config.gain_sigma = config.least_gain_sigma = 0.0;
+  config.proposals = 4;
+  ModelGradientLearner learner(learning_for(600000), config, task, sticking_model(kGain_m), 1, 1);
+  while (!learner.finished()) learner.step();
+  const lodestone::inference::Actor actor = learner.actor();
+  const lodestone::task::ObservationEncoder encoder(task.encoder);
+  lodestone::inference::Actor::Workspace workspace;
+  const auto decide = [&](const lodestone::task::Observation& seen) {
+    std::vector<float> input(static_cast<std::size_t>(encoder.size()));
+    encoder.encode(seen, input.data());
+    float action[2];
+    actor.act(input.data(), 1, action, workspace);
+    return lodestone::geometry::Vector2(action[0], action[1]);
+  };
+  lodestone::common::RandomStream random(6, "goals");
+  int right = 0;
+  int other = 0;
+  constexpr int kGoals = 60;
+  for (int i = 0; i < kGoals; ++i) {
+    const double angle_rad = random.uniform(-3.1, 3.1);
+    lodestone::task::Observation seen;
+    seen.pose = {random.uniform(-0.01, 0.01), random.uniform(-0.01, 0.01), random.uniform(-3.0, 3.0)};
+    seen.target_m = seen.pose.position_m() +
+                    0.004 * lodestone::geometry::Vector2(std::cos(angle_rad), std::sin(angle_rad));
+    seen.last_action = {0.9, 0.9};
+    seen.last_displacement_m = {0.009, 0.009};  // it came here
+    const lodestone::geometry::Vector2 first = decide(seen);
+    if ((kGain_m * 10.0 * first - (seen.target_m - seen.pose.position_m())).norm() < 0.0015) ++right;
+    seen.last_action = first;
+    seen.last_displacement_m.setZero();
+    if ((decide(seen) - first).norm() > 0.15 * first.norm()) ++other;
+  }
+  CHECK(right > 0.8 * kGoals);
+  CHECK(other > 0.8 * kGoals);
 }
 
 TEST_CASE("A learner down the gradient goes on bitwise, at any number of threads", "[rl]") {
