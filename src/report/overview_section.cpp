@@ -64,11 +64,13 @@ std::string overview_section(const RunData& run, const RunData* recorded) {
   std::string html;
   if (!run.deployment_only) {
     const bool planned = !run.rigs.empty() && run.rigs.front().driver() == "planner";
+    const bool down = run.policy.config.is_object() && run.policy.config.value("method", "td3") != "td3";
     html =
         std::string(
             "<p>The rig is explored and recorded; a network learns from the record what a pulse of "
-            "the coils does (the model-based simulator, MBS); a policy is trained by TD3 in many "
-            "copies of that simulator; and ") +
+            "the coils does (the model-based simulator, MBS); a policy is trained ") +
+        (down ? "down the gradient of what that simulator expects of a pulse; and "
+              : "by TD3 in many copies of that simulator; and ") +
         (planned ? "a planner, which tries pulses in that simulator before it gives one, drives the rig."
                  : "the policy then drives the rig.") +
         " Every image below comes from the files of this run; a click shows it as large as the window.</p>\n";

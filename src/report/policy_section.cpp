@@ -76,9 +76,12 @@ std::string policy_section(const RunData& run, const std::string& prefix) {
     html += "<p>At the last evaluation, on a fixed set of starts and targets in the learned simulator, <b>" +
             percent(evaluated.back().second) + "</b> of the episodes reached their target.</p>\n";
   return html + "<div class=\"three\">" + charts +
-         "</div>\n<p class=\"subtitle\">Evaluation runs without exploration noise. Q values should level off "
-         "near the "
-         "returns seen; losses alone say little about the policy.</p>\n";
+         "</div>\n<p class=\"subtitle\">Evaluation runs without exploration noise." +
+         (of(runs::curves::kQ).empty()
+              ? " The actor's loss is the distance in mm that it expects after a pulse."
+              : " Q values should level off near the returns seen; losses alone say little about the "
+                "policy.") +
+         "</p>\n";
 }
 
 }  // namespace lodestone::report

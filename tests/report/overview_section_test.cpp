@@ -17,6 +17,9 @@ TEST_CASE("the overview names where each step ran, and says no more than there w
   CHECK(holds(html, "the policy then drives"));
   run.rigs.front().summary.controller = "planner";
   CHECK(holds(lodestone::report::overview_section(run, nullptr), "a planner, which tries pulses"));
+  CHECK(holds(html, "by TD3"));
+  run.policy.config = {{"method", "model_gradient"}};
+  CHECK_FALSE(holds(lodestone::report::overview_section(run, nullptr), "by TD3"));
   run.deployment_only = true;
   CHECK_FALSE(holds(lodestone::report::overview_section(run, nullptr), "a network learns"));
 }
