@@ -69,6 +69,10 @@ experiments::Teleoperator policy_teleoperator(const CollectConfig& config, std::
                               std::to_string(policy.action.scale) + ", the rig's is " +
                               std::to_string(config.collection.rig.coils.max_current_A) +
                               " A; the policy was trained for another rig");
+  if (policy.encoder.drive_gain)
+    common::log_warning(
+        config.policy +
+        " wants to know how strongly its rig answers; nothing identifies it while collecting");
   const auto seeker = std::make_shared<control::GoalSeeker>(
       control::decorate(std::make_unique<control::PolicyController>(policy), config.decorators), config.seek,
       config.collection.rig.dish.radius_m,

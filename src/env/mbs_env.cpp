@@ -72,14 +72,8 @@ std::size_t MbsEnv::shards() const { return (member_.size() + kShardRows - 1) / 
 void MbsEnv::begin(std::size_t i) {
   common::RandomStream& random = episodes_.random(i);
   std::optional<task::DriveGain> told;
-  if (episodes_.settings().encoder.drive_gain) {
-    // An estimate, and below the truth as far from it as the estimate says.
-    const double most = config_.breakaway_scatter;
-    told.emplace();
-    told->log_sigma = kLeastGainSigma * std::pow(std::max(1.0, most / kLeastGainSigma), random.uniform());
-    told->log_sigma = std::min(told->log_sigma, most);
-    told->log_mean = std::sqrt(most * most - told->log_sigma * told->log_sigma) * random.normal();
-  }
+  if (episodes_.settings().encoder.drive_gain)
+    told = task::draw_gain_estimate(config_.breakaway_scatter, kLeastGainSigma, random);
   episodes_.begin(
       i, [this](common::RandomStream& stream) { return starts_[stream.below(starts_.size())]; }, told);
   if (config_.ensemble == EnsembleUse::kPerEpisode)

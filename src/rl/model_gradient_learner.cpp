@@ -82,8 +82,7 @@ ModelGradientLearner::ModelGradientLearner(const LearningConfig& learning, const
   if (model_.config.components == 0)
     throw common::ConfigError(
         "method = \"model_gradient\", but the dynamics predict single values; train them with "
-        "model.components "
-        "of 1 or more");
+        "model.components of 1 or more");
   if (task.encoder.target_heading || task.task.goal == task::GoalKind::kPose)
     throw common::ConfigError(
         "method = \"model_gradient\" knows no headings to be reached: set encoder.target_heading to "
@@ -158,12 +157,7 @@ void ModelGradientLearner::draw_goal(Needle& needle, common::RandomStream& rando
     needle.target_step_m = step_m * geometry::Vector2(std::cos(angle_rad), std::sin(angle_rad));
   }
   // An estimate, and the truth as far from it as the estimate says: what a filter's posterior means.
-  const double most = std::max(config_.gain_sigma, config_.least_gain_sigma);
-  if (most <= 0.0) return;
-  const double least = std::min(most, std::max(config_.least_gain_sigma, 1e-3 * most));
-  needle.told.log_sigma = least * std::pow(most / least, random.uniform());
-  needle.told.log_mean =
-      std::sqrt(most * most - needle.told.log_sigma * needle.told.log_sigma) * random.normal();
+  needle.told = task::draw_gain_estimate(config_.gain_sigma, config_.least_gain_sigma, random);
   needle.told.log_mean = std::clamp(needle.told.log_mean, -kMostGain, kMostGain);
   needle.log_gain =
       std::clamp(needle.told.log_mean + needle.told.log_sigma * random.normal(), -kMostGain, kMostGain);
@@ -222,13 +216,11 @@ void ModelGradientLearner::observe(Shard& shard) const {
 void ModelGradientLearner::evaluate(Shard& shard, const ExpectedDistance& simulator,
                                     const std::vector<geometry::Vector2>& action, double turn_rad,
                                     bool gradient) const {
-  task::ActionConfig pulse = task_.action;
-  pulse.dead_band = 0.0;
   const std::size_t count = shard.needles.size();
   for (std::size_t i = 0; i < count; ++i) {
     const double factor = factor_of(shard.needles[i]);
     const geometry::Vector2 drive =
-        geometry::saturated(factor * task::axis_drive(action[i], pulse), pulse.scale);
+        geometry::saturated(factor * task::axis_drive(action[i], task_.action), task_.action.scale);
     shard.drive[2 * i] = drive.x();
     shard.drive[2 * i + 1] = drive.y();
   }

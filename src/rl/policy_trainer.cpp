@@ -21,7 +21,7 @@
 namespace lodestone::rl {
 namespace {
 
-constexpr const char* kKind = "td3_training";
+constexpr const char* kKind = "policy_training";
 
 std::string note(const PolicyScore& score) {
   char text[128];
@@ -185,6 +185,9 @@ void TrainPolicyConfig::validate() const {
     if (learning.hindsight > 0.0)
       throw common::InvalidConfig("training.hindsight", learning.hindsight,
                                   "be 0 with method = model_gradient, which keeps no steps to relabel");
+    if (action.dead_band > 0.0)
+      throw common::InvalidConfig("action.dead_band", action.dead_band,
+                                  "be 0 with method = model_gradient, which learns by itself when to rest");
     return;
   }
   if (learning.warm_up_steps >= learning.env_steps)

@@ -1,5 +1,6 @@
 #include "lodestone/task/observation.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lodestone::task {
@@ -9,6 +10,16 @@ constexpr double kLeastLengthScale_m = 1e-3;
 constexpr double kMostLengthScale_m = 1.0;
 
 }  // namespace
+
+DriveGain draw_gain_estimate(double sigma, double least_sigma, common::RandomStream& random) {
+  DriveGain estimate;
+  const double least = std::min(sigma, least_sigma);
+  const double share = random.uniform();
+  if (sigma <= 0.0) return estimate;
+  estimate.log_sigma = least > 0.0 ? least * std::pow(sigma / least, share) : share * sigma;
+  estimate.log_mean = std::sqrt(sigma * sigma - estimate.log_sigma * estimate.log_sigma) * random.normal();
+  return estimate;
+}
 
 common::Json encoder_to_json(const EncoderConfig& config) {
   common::Json json = common::config_to_json(config);

@@ -78,7 +78,7 @@ check(["collect", "--by", "policy", "--out", "run"], 2, "--policy")
 check(["train-policy", "--set", "simulator=physics", "--set", "task.within=reachable", "--out", "run"], 2, "dynamics")
 check(["train-policy", "--set", "simulator=physics", "--set", "replay.environments=1", "--out", "run"], 2, "recorded")
 for setting, key in (("simulator=physics", "method"), ("training.hindsight=0.5", "training.hindsight"),
-                     ("replay.environments=1", "replay.environments")):
+                     ("replay.environments=1", "replay.environments"), ("action.dead_band=0.1", "action.dead_band")):
     check(["train-policy", "--set", "method=model_gradient", "--set", setting, "--set", "recorded=x.h5",
            "--out", "run"], 2, key)
 check(["train-policy", "--set", "simulator=physics", "--set", "task.goal=centre", "--set", "training.hindsight=0.5",

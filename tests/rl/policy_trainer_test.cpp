@@ -108,8 +108,8 @@ TEST_CASE("An interrupted run goes on to the same weights", "[rl]") {
   CHECK(resumed.env_steps == expected.env_steps);
   CHECK(resumed.updates == expected.updates);
   CHECK(count_lines_with(part + "/metrics.jsonl", "\"step\":0,") == 1);
-  const auto one = lodestone::nets::load_checkpoint(whole + "/training", "td3_training");
-  const auto two = lodestone::nets::load_checkpoint(part + "/training", "td3_training");
+  const auto one = lodestone::nets::load_checkpoint(whole + "/training", "policy_training");
+  const auto two = lodestone::nets::load_checkpoint(part + "/training", "policy_training");
   CHECK(one.facts.at("td3") == two.facts.at("td3"));
   for (const char* part_name : {"networks", "optimiser", "buffer", "environments", "running"}) {
     for (const auto& [name, tensor] : one.parts.at(part_name)) {

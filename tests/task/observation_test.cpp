@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "lodestone/common/statistics.h"
 #include "paper_rig.h"
 
 using namespace lodestone::task;
@@ -113,6 +114,25 @@ TEST_CASE("a policy may be told the drive's gain, and where its target will be")
   encoder.encode(seen, row.data());
   CHECK(row[4] == Approx(0.3));
   CHECK(row[5] == Approx(0.05));
+}
+
+TEST_CASE("an estimate of a gain and what is left to it together have the gain's own spread") {
+  lodestone::common::RandomStream random(2, "gains");
+  std::vector<double> gain;
+  double least = 1.0, most = 0.0;
+  for (int i = 0; i < 20000; ++i) {
+    const DriveGain estimate = draw_gain_estimate(0.4, 0.05, random);
+    least = std::min(least, estimate.log_sigma);
+    most = std::max(most, estimate.log_sigma);
+    gain.push_back(estimate.log_mean + estimate.log_sigma * random.normal());
+  }
+  CHECK(lodestone::common::mean(gain) == Approx(0.0).margin(0.01));
+  CHECK(lodestone::common::standard_deviation(gain) == Approx(0.4).margin(0.01));
+  CHECK(least == Approx(0.05).epsilon(0.01));
+  CHECK(most == Approx(0.4).epsilon(0.01));
+  const DriveGain nothing = draw_gain_estimate(0.0, 0.05, random);  // rigs that do not differ
+  CHECK(nothing.log_mean == 0.0);
+  CHECK(nothing.log_sigma == 0.0);
 }
 
 TEST_CASE("the target is known as far ahead as the way is told, and where it is without one", "[unit]") {

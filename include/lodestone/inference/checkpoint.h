@@ -10,7 +10,7 @@ namespace lodestone::inference {
 
 /// A folder `manifest.json` + `<part>.safetensors`. Loading never executes code.
 struct Checkpoint {
-  std::string kind;                              ///< "dynamics", "policy", "td3_training", ...
+  std::string kind;                              ///< "dynamics", "policy", "policy_training", ...
   common::Json config = common::Json::object();  ///< resolved configuration it was made with
   common::Json facts = common::Json::object();   ///< anything else that is JSON: layout, counters, RNG states
   std::map<std::string, Arrays> parts;           ///< file stem -> arrays

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lodestone/common/config.h"
+#include "lodestone/common/random.h"
 #include "lodestone/geometry/pose2.h"
 
 namespace lodestone::task {
@@ -23,6 +24,10 @@ struct DriveGain {
   double log_mean = 0.0;
   double log_sigma = 0.0;
 };
+
+/// What a filter may know of a rig whose gain is drawn with `sigma` (of the logarithm): anything between
+/// nothing and `least_sigma`, spread by the logarithm. A gain drawn from the estimate has `sigma` again.
+DriveGain draw_gain_estimate(double sigma, double least_sigma, common::RandomStream& random);
 
 /// What a controller knows when it decides, in SI units in the dish frame.
 struct Observation {
@@ -55,7 +60,7 @@ struct EncoderConfig {
   bool memory = false;           ///< append last action and last displacement: remembers a stall
   bool drive_gain = false;    ///< append what is known of the rig: mean and deviation of its gain's logarithm
   bool target_ahead = false;  ///< the target is where it will be after the pulse, not where it is
-  double fine_distance_m = 0.0;  ///< what is near gets more room: see relative()
+  double fine_distance_m = 0.0;  ///< what is near gets more room: see put_relative()
   double displacement_scale_m = 0.005;
 
   template <class Visitor>
@@ -71,11 +76,11 @@ struct EncoderConfig {
         "append what is known of how strongly the rig answers: mean and deviation of the gain's logarithm");
     v.field("target_ahead", target_ahead, "",
             "the target is where it will be after the pulse, not where it is");
-    v.field(
-        "fine_distance_m", fine_distance_m, "m",
-        "the vector from needle to target grows with the logarithm of its length beyond this; 0: with the "
-        "length",
-        {0.0, 1.0});
+    v.field("fine_distance_m", fine_distance_m, "m",
+            "above 0, the vector from needle to target is given as its direction and the logarithm of its "
+            "length, "
+            "which is as it is below this; 0: as a vector",
+            {0.0, 1.0});
     v.retired("length_scale_m", "rig.dish.radius_m");
     v.field("displacement_scale_m", displacement_scale_m, "m", "displacements are divided by this",
             {1e-5, 1.0});
