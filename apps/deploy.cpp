@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -64,6 +65,17 @@ void print_summary(const DeploymentJob& job, const runs::DeploymentSummary& summ
   print_heading();
   if (summary.by_rig.empty()) print_rig(experiments::to_string(job.rigs.front()), summary);
   for (const auto& [rig, of_rig] : summary.by_rig) print_rig(rig, of_rig);
+  std::int64_t changed = 0;
+  const auto count = [&changed](const runs::TaskTable& table) {
+    for (const auto& [task, of_task] : table.by_task) changed += of_task.rig_changed.value_or(0);
+  };
+  count(summary.tasks);
+  if (summary.baseline) count(*summary.baseline);
+  if (changed > 0)
+    std::printf(
+        "In %lld trials pulses moved the needle otherwise than the simulator expects of any strength of "
+        "the rig (rig_changed).\n",
+        static_cast<long long>(changed));
 }
 
 void drive(const DeployConfig& config, const DeploymentJob& job, runs::RunFolder& run) {
@@ -119,6 +131,12 @@ void add_deploy(Verb& program) {
     const bool simulator = manifest.is_object() && manifest.value("kind", common::Json()) == "dynamics";
     set((simulator ? "dynamics=" : "policy=") + common::Json(folder).dump(), "--models");
     options.config_files.insert(options.config_files.begin(), folder + "/deploy.json");
+    const auto preset = common::read_json_if_there(folder + "/deploy.json");
+    if (!preset.is_object() || !preset.contains("dynamics") || !preset["dynamics"].is_string()) return;
+    const std::filesystem::path dynamics(preset["dynamics"].get<std::string>());  // as seen from that folder
+    set("dynamics=" +
+            common::Json((std::filesystem::path(folder) / dynamics).lexically_normal().string()).dump(),
+        (folder + "/deploy.json: dynamics").c_str());
   };
   verb.add_option("--models", models,
                   "folder of a released model, with its deploy.json before any --config: a policy, or a "

@@ -61,7 +61,7 @@ geometry::Vector2 decide(Controller& controller, const task::Observation& observ
 
 ControlLoop::ControlLoop(const ControlLoopConfig& config, const task::ActionConfig& action, Guard& coils,
                          PoseSensor& sensor, common::Clock& clock, const physics::RigDescription* rig,
-                         GainFilter* identifier)
+                         RigIdentifier* identifier)
     : config_(config),
       action_(action),
       coils_(coils),
@@ -148,9 +148,10 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
       invalid_in_a_row = 0;
       if (identifier_ != nullptr) {
         if (memory.pose_before)
-          identifier_->pulse(*memory.pose_before, task::axis_drive(memory.action, action_),
-                             record.estimate.pose);
+          identifier_->learn(
+              {*memory.pose_before, task::axis_drive(memory.action, action_), record.estimate.pose});
         record.drive_gain = identifier_->gain();
+        record.rig_changed = identifier_->changed();
       }
       if (!record.last) {
         task::Observation observation =
@@ -185,6 +186,7 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     if (config_.decide_s > 0.0) rest_until(start_s + due_s + config_.decide_s);
     if (interruption_.raised()) throw_interrupted();
     pulse(record);
+    if (identifier_ != nullptr) identifier_->check();
     rest_until(start_s + static_cast<double>(step + 1) * config_.period_s());
   }
 }

@@ -20,68 +20,82 @@ void normalise(std::vector<double>& weights) {
 
 }  // namespace
 
-GainFilter::GainFilter(std::shared_ptr<const LearnedSimulator> model, const IdentificationConfig& config,
-                       double drive_per_A)
-    : model_(std::move(model)), config_(config), drive_per_A_(drive_per_A) {
-  LODESTONE_CHECK(model_->sampled, "a simulator that predicts distributions");
-  for (int k = -kSteps; k <= kSteps; ++k) log_gain_.push_back(k * std::log(kMostGain) / kSteps);
+GainFilter::GainFilter(MotionModel model, const IdentificationConfig& config)
+    : config_(config), model_(std::move(model)) {
+  for (int k = -kSteps; k <= kSteps; ++k) factor_.push_back(std::pow(kMostGain, 1.0 * k / kSteps));
   reset();
 }
 
 void GainFilter::reset() {
   weight_.clear();
-  for (const double gain : log_gain_) {
-    const double z = gain / config_.prior_log_sigma;
+  for (const double factor : factor_) {
+    const double z = std::log(factor) / config_.prior_log_sigma;
     weight_.push_back(std::exp(-0.5 * z * z));
+  }
+  normalise(weight_);
+  stalled_.clear();
+}
+
+void GainFilter::learn(const SeenPulse& pulse) {
+  if (pulse.drive_A.isZero(0.0)) return;
+  imagined_.clear();
+  for (const double factor : factor_)
+    imagined_.push_back({pulse.before, factor * pulse.drive_A, pulse.after});
+  model_.judge(imagined_, says_);
+  const double most = *std::max_element(says_.begin(), says_.end());
+  for (double& ratio : says_) ratio = std::pow(ratio / most, config_.temper);
+  if (!still(pulse.before)) {
+    place_ = pulse.before;
+    stalled_.clear();
+  }
+  if (!still(pulse.after)) {
+    for (std::size_t k = 0; k < weight_.size(); ++k) weight_[k] *= says_[k];
+  } else {
+    // The same friction held the needle each time: what one of these pulses said, another cannot say again.
+    if (stalled_.empty()) stalled_.assign(weight_.size(), 1.0);
+    for (std::size_t k = 0; k < weight_.size(); ++k) {
+      const double least = std::min(stalled_[k], says_[k]);
+      weight_[k] *= least / stalled_[k];
+      stalled_[k] = least;
+    }
   }
   normalise(weight_);
 }
 
-void GainFilter::pulse(const geometry::Pose2& before, const geometry::Vector2& drive_A,
-                       const geometry::Pose2& after) {
-  if (drive_A.isZero(0.0)) return;
-  const std::size_t size = model_->state_size;
-  const std::size_t count = log_gain_.size();
-  const double from[3] = {before.x_m, before.y_m, before.heading_rad};
-  const double to[3] = {after.x_m, after.y_m, after.heading_rad};
-  const double noise[3] = {config_.noise_m, config_.noise_m, config_.noise_rad};
-  const double limit = model_->action.scale;
-  state_.resize(count * size);
-  seen_.resize(count * size);
-  drive_.resize(2 * count);
-  density_.resize(count);
-  sum_.assign(count, 0.0);
-  for (std::size_t g = 0; g < count; ++g) {
-    std::copy_n(from, size, &state_[g * size]);
-    std::copy_n(to, size, &seen_[g * size]);
-    // No simulator knows what more than it was shown does.
-    const geometry::Vector2 drive =
-        (std::exp(log_gain_[g]) * drive_per_A_ * drive_A).cwiseMax(-limit).cwiseMin(limit);
-    drive_[2 * g] = drive.x();
-    drive_[2 * g + 1] = drive.y();
-  }
-  for (const inference::FoldedDynamics& member : model_->members) {
-    member.log_density(state_.data(), drive_.data(), seen_.data(), noise, static_cast<std::int64_t>(count),
-                       density_.data(), workspace_);
-    for (std::size_t g = 0; g < count; ++g)
-      sum_[g] += std::exp(density_[g]) / static_cast<double>(model_->members.size());
-  }
-  // An outlier lies anywhere in the dish.
-  const double turns = size == 3 ? 2.0 * geometry::kPi : 1.0;
-  const double outlier = 1.0 / (geometry::kPi * std::pow(model_->dish_radius_m, 2) * turns);
-  for (std::size_t g = 0; g < count; ++g)
-    weight_[g] *=
-        std::pow((1.0 - config_.outlier_share) * sum_[g] / outlier + config_.outlier_share, config_.temper);
-  normalise(weight_);
+bool GainFilter::still(const geometry::Pose2& pose) const {
+  const double turned_rad = geometry::wrap_angle(pose.heading_rad - place_.heading_rad);
+  return (pose.position_m() - place_.position_m()).norm() < config_.noise_m &&
+         std::abs(turned_rad) < config_.noise_rad;
 }
 
 task::DriveGain GainFilter::gain() const {
   double mean = 0.0, square = 0.0;
-  for (std::size_t g = 0; g < log_gain_.size(); ++g) {
-    mean += weight_[g] * log_gain_[g];
-    square += weight_[g] * log_gain_[g] * log_gain_[g];
+  for (std::size_t k = 0; k < factor_.size(); ++k) {
+    const double log_factor = std::log(factor_[k]);
+    mean += weight_[k] * log_factor;
+    square += weight_[k] * log_factor * log_factor;
   }
   return {mean, std::sqrt(std::max(0.0, square - mean * mean))};
+}
+
+common::Json GainFilter::save() const {
+  return {
+      {"weight", weight_}, {"place", {place_.x_m, place_.y_m, place_.heading_rad}}, {"stalled", stalled_}};
+}
+
+void GainFilter::restore(const common::Json& state) {
+  try {
+    auto weight = state.at("weight").get<std::vector<double>>();
+    auto stalled = state.at("stalled").get<std::vector<double>>();
+    const common::Json& place = state.at("place");
+    if (weight.size() != factor_.size() || (!stalled.empty() && stalled.size() != factor_.size()))
+      throw common::DataError("identification state: it is of another grid of gains");
+    place_ = {place.at(0).get<double>(), place.at(1).get<double>(), place.at(2).get<double>()};
+    weight_ = std::move(weight);
+    stalled_ = std::move(stalled);
+  } catch (const common::Json::exception& error) {
+    throw common::DataError(std::string("identification state is malformed: ") + error.what());
+  }
 }
 
 }  // namespace lodestone::control

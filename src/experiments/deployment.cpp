@@ -64,19 +64,19 @@ void warn_of_another_rig(const DeploymentConfig& config, const common::Json& tra
 }
 
 /// What makes filters by a simulator, where the configuration asks for it and there is one that can.
-std::function<std::shared_ptr<control::GainFilter>()> identified_by(const DeploymentConfig& config,
-                                                                    const SimulatorSource* source) {
+std::function<std::shared_ptr<control::RigIdentifier>()> identified_by(const DeploymentConfig& config,
+                                                                       const SimulatorSource* source) {
   if (source == nullptr || !config.identification.enabled || !source->simulator->sampled) return {};
-  const double drive_per_A = source->simulator->action.scale / source->action.scale;
-  const auto make = [simulator = source->simulator, drive_per_A, identification = config.identification] {
-    return std::make_shared<control::GainFilter>(simulator, identification, drive_per_A);
+  const auto make = [simulator = *source, identification = config.identification] {
+    return std::make_shared<control::RigIdentifier>(simulator.simulator, identification,
+                                                    simulator.drive_per_A());
   };
   // Virtual trials run beside one another, on rigs of their own.
   if (!config.rig.real() || !config.identification.carry) return make;
   return [carried = make()] { return carried; };
 }
 
-std::shared_ptr<control::GainFilter> identifier_of(const ControllerSource& source) {
+std::shared_ptr<control::RigIdentifier> identifier_of(const ControllerSource& source) {
   return source.identify ? source.identify() : nullptr;
 }
 
@@ -212,6 +212,11 @@ ControllerSource planner_source(const DeploymentConfig& config, const SimulatorS
   return source;
 }
 
+control::MotionModel motion_model(const SimulatorSource& source,
+                                  const control::IdentificationConfig& config) {
+  return {source.simulator, config, source.drive_per_A()};
+}
+
 ControllerSource baseline_source(const DeploymentConfig& config, const SimulatorSource* simulator) {
   ControllerSource source;
   source.name = "baseline";
@@ -233,7 +238,7 @@ std::string video_file(const std::string& folder, RigKind kind, const Controller
 
 TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& config, const TrialPlan& plan,
                            const ControllerSource& source, const TruePose& truth, const TrialWatch& watch) {
-  const std::shared_ptr<control::GainFilter> identifier = identifier_of(source);
+  const std::shared_ptr<control::RigIdentifier> identifier = identifier_of(source);
   control::ControlLoop loop(config.loop, source.action, bench.coils(), bench.sensor(), bench.clock(),
                             &config.rig, identifier.get());
   const std::unique_ptr<control::Controller> controller = source.make(trial_seed(config, plan));
@@ -291,7 +296,7 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   if (realtime) rig.keep_pace_with(wall);
   common::Clock& clock = *drive.clock;
   safety::Supervisor coils(*drive.coils, config_.safety, config_.rig, clock);
-  const std::shared_ptr<control::GainFilter> identifier = identifier_of(source);
+  const std::shared_ptr<control::RigIdentifier> identifier = identifier_of(source);
   control::ControlLoop loop(config_.loop, source.action, coils, *sensor, clock, &config_.rig,
                             identifier.get());
   const std::unique_ptr<control::Controller> controller = source.make(seed);

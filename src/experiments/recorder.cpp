@@ -20,7 +20,8 @@ std::string heading(bool true_poses) {
   return std::string("rig,controller,task,trial,t_s,") +
          (true_poses ? "true_x_m,true_y_m,true_heading_rad," : "") +
          "sensed,sensed_x_m,sensed_y_m,sensed_heading_rad,target_x_m,target_y_m,approach,action_x,action_y,"
-         "current_px_A,current_mx_A,current_py_A,current_my_A,log_drive_gain,log_drive_gain_sigma\n";
+         "current_px_A,current_mx_A,current_py_A,current_my_A,log_drive_gain,log_drive_gain_sigma,"
+         "rig_changed\n";
 }
 
 runs::PoseMm pose_mm(const geometry::Pose2& pose) {
@@ -108,9 +109,10 @@ void Recorder::write_row(const TrialPlan& plan, const std::string& rig, const st
         << step.action.x() << ',' << step.action.y();
   for (const double current_A : step.current_A) file_ << ',' << current_A;
   if (step.drive_gain)
-    file_ << ',' << step.drive_gain->log_mean << ',' << step.drive_gain->log_sigma << '\n';
+    file_ << ',' << step.drive_gain->log_mean << ',' << step.drive_gain->log_sigma << ','
+          << (step.rig_changed ? 1 : 0) << '\n';
   else
-    file_ << ",,\n";
+    file_ << ",,,\n";
 }
 
 void Recorder::flush() {
@@ -152,6 +154,7 @@ runs::TrialRecord record_of(const TrialResult& result) {
     const control::PoseEstimate& estimate = sample.step.estimate;
     record.sensed_trajectory.push_back(estimate.valid ? std::optional(pose_mm(estimate.pose)) : std::nullopt);
     record.current_A->push_back(sample.step.current_A);
+    if (sample.step.rig_changed && !record.rig_changed_s) record.rig_changed_s = sample.step.time_s;
     if (record.log_drive_gain) {
       const std::optional<task::DriveGain>& gain = sample.step.drive_gain;
       record.log_drive_gain->push_back(

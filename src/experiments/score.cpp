@@ -158,11 +158,13 @@ runs::ErrorStatistics summarise_trials(const std::vector<const runs::TrialFigure
 
 runs::TaskSummary summarise_task(const std::vector<runs::TrialRecord>& trials) {
   runs::TaskSummary summary;
+  summary.rig_changed = 0;
   std::vector<const runs::TrialFigures*> truth;
   std::vector<const runs::TrialFigures*> sensed;
   for (const runs::TrialRecord& trial : trials) {
     ++summary.n_trials;
     if (!trial.completed) ++summary.stopped;
+    if (trial.rig_changed_s) ++*summary.rig_changed;
     if (trial.truth) truth.push_back(&*trial.truth);
     sensed.push_back(&trial.sensed);
   }

@@ -1,7 +1,11 @@
 #include "lodestone/experiments/trial_driver.h"
 
+#include <cmath>
 #include <memory>
 #include <optional>
+#include <utility>
+
+#include "lodestone/common/log.h"
 
 namespace lodestone::experiments {
 namespace {
@@ -15,9 +19,15 @@ TrialResult drive_one(session::RigSession& rig, const DeploymentConfig& config, 
   if (!video_folder.empty() && plan.index < record.trials)
     video.emplace(video_file(video_folder, RigKind::kReal, source, plan), record, config.loop.period_s(),
                   rig::bench_of(config.rig), source.action.scale, plan);
+  bool told = false;
   TrialResult result = run_on_session(rig, config, plan, source, {}, [&](const TrialSample& sample) {
     const session::CameraDetector* camera = rig.camera();
     if (watch) watch(sample);
+    if (sample.step.rig_changed && !std::exchange(told, true))
+      common::log_warning(
+          "after " + std::to_string(std::lround(sample.step.time_s)) +
+          " s the needle no longer moves as the simulator expects of any strength of the "
+          "rig: look after coils, needle and camera, or learn the rig anew (lodestone adapt)");
     if (video && camera->calibration())
       video->show(camera->frame(), camera->calibration()->camera, sample.step);
   });

@@ -99,10 +99,13 @@ struct Parameter {
 
 const std::vector<Parameter>& parameters() {
   static const std::vector<Parameter> kParameters = {
-      {"strength", "moment × coil gain / friction",
-       [](const RigFigures& rig) { return rig.moment * rig.coil_gain / rig.friction; }},
+      {"strength", "moment × coil gain / (friction × weight)",
+       [](const RigFigures& rig) {
+         return rig.moment * rig.coil_gain / (rig.friction * rig.weight.value_or(1.0));
+       }},
       {"moment", "moment of the needle", [](const RigFigures& rig) { return rig.moment; }},
       {"friction", "friction", [](const RigFigures& rig) { return rig.friction; }},
+      {"weight", "weight of the needle", [](const RigFigures& rig) { return rig.weight.value_or(1.0); }},
       {"viscosity", "viscosity", [](const RigFigures& rig) { return rig.viscosity; }},
       {"gain", "mean gain of the coils", [](const RigFigures& rig) { return rig.coil_gain; }}};
   return kParameters;

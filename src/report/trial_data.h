@@ -34,6 +34,7 @@ struct Trial {
   bool success = false;
   bool completed = true;
   std::string stop_reason;
+  std::optional<double> rig_changed_s;  ///< when its rig was told to be another
 
   /// Distance to the reference at an observation.
   double distance_mm(std::size_t observation) const;

@@ -132,7 +132,8 @@ std::string worst_section(const std::vector<const Trial*>& trials, double radius
   std::string panels;
   std::vector<const Trial*> drawn;
   for (const Trial* trial : trials) {
-    const std::string ended = trial->completed ? "at its time" : escape(trial->stop_reason);
+    std::string ended = trial->completed ? "at its time" : escape(trial->stop_reason);
+    if (trial->rig_changed_s) ended += "; rig found changed after " + fixed(*trial->rig_changed_s, 0) + " s";
     if (rows.size() < kWorstInTable)
       rows.push_back({escape(trial->task), escape(trial->controller), escape(trial->rig), ended,
                       std::to_string(trial->number), fixed(trial->error_mm, 2),
@@ -209,10 +210,14 @@ std::string gain_chart(const Trial& trial) {
 std::string identification_figure(const Trial& shown) {
   const std::string chart = gain_chart(shown);
   if (chart.empty()) return "";
-  return figure(chart,
-                "<b>What the pulses said about the rig</b> in the same trial: the factor on the drive by "
-                "which it answers more strongly than the one that its simulator was learned on, and the "
-                "band that holds it with 95 %.");
+  return figure(
+      chart,
+      std::string("<b>What the pulses said about the rig</b> in the same trial: the factor on the drive by "
+                  "which it answers more strongly than the one that its simulator was learned on, and the "
+                  "band that holds it with 95 %.") +
+          (shown.rig_changed_s ? " After " + fixed(*shown.rig_changed_s, 0) +
+                                     " s that no longer explained what the pulses did: the rig is another."
+                               : ""));
 }
 
 std::string coils_section(const std::vector<Group>& groups, const Trial& shown) {

@@ -178,7 +178,7 @@ TEST_CASE("a rig is identified from pulses between two poses, and the controller
   constexpr double kGain_m = 0.8e-3;
   const auto simulator =
       std::make_shared<const control::LearnedSimulator>(env::tests::noisy_linear_model(kGain_m));
-  control::GainFilter filter(simulator, {}, 1.0);
+  control::RigIdentifier identifier(simulator, {}, 1.0);
   Bench bench;
   bench.duration_s = 2.4;
   const double step_m = 1.5 * kGain_m * 3.0;  // 3 A on a rig half as strong again
@@ -188,7 +188,8 @@ TEST_CASE("a rig is identified from pulses between two poses, and the controller
   for (int i = 1; i < 5; ++i) bench.sensor.push(-0.03 + i * step_m, 0.0);
   tests::FunctionController controller([](const task::Observation&) { return Vector2(0.2, 0.0); });
   safety::Supervisor coils(bench.device, bench.safety, tests::paper_rig(), bench.clock);
-  control::ControlLoop loop(bench.config, bench.action, coils, bench.sensor, bench.clock, nullptr, &filter);
+  control::ControlLoop loop(bench.config, bench.action, coils, bench.sensor, bench.clock, nullptr,
+                            &identifier);
   control::PointReference reference({0.01, 0.0}, bench.duration_s);
   const auto outcome = loop.run(controller, reference);
   REQUIRE(outcome.steps.size() == 9);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "env/linear_model.h"
+#include "lodestone/common/error.h"
 #include "lodestone/common/random.h"
 
 using namespace lodestone;
@@ -27,7 +28,7 @@ void drive(control::GainFilter& filter, double gain, int pulses, double per_A = 
     Pose2 after = pose;
     after.x_m += gain * kStrength_m * per_A * drive_A.x() + env::tests::kLinearNoise_m * random.normal();
     after.y_m += gain * kStrength_m * per_A * drive_A.y() + env::tests::kLinearNoise_m * random.normal();
-    filter.pulse(pose, drive_A, after);
+    filter.learn({pose, drive_A, after});
     pose = after;
   }
 }
@@ -37,7 +38,7 @@ void drive(control::GainFilter& filter, double gain, int pulses, double per_A = 
 TEST_CASE("a rig's gain is found from a few pulses, and doubted until then", "[unit]") {
   for (const double gain : {0.6, 1.0, 1.8}) {
     INFO("gain " << gain);
-    control::GainFilter filter(known_rig(), {}, 1.0);
+    control::GainFilter filter({known_rig(), {}, 1.0}, {});
     const task::DriveGain before = filter.gain();
     CHECK(before.log_mean == Approx(0.0).margin(1e-12));
     CHECK(before.log_sigma > 0.35);
@@ -51,17 +52,54 @@ TEST_CASE("a rig's gain is found from a few pulses, and doubted until then", "[u
 }
 
 TEST_CASE("what a simulator calls per cent is told in amperes", "[unit]") {
-  control::GainFilter filter(known_rig(), {}, 20.0);
+  control::GainFilter filter({known_rig(), {}, 20.0}, {});
   drive(filter, 1.5, 8, 20.0);
   CHECK(filter.gain().log_mean == Approx(std::log(1.5)).margin(0.1));
 }
 
 TEST_CASE("a step without current says nothing, and a single odd one little", "[unit]") {
-  control::GainFilter filter(known_rig(), {}, 1.0);
+  control::GainFilter filter({known_rig(), {}, 1.0}, {});
   drive(filter, 1.0, 8);
   const task::DriveGain known = filter.gain();
-  filter.pulse({0.0, 0.0, 0.0}, {0.0, 0.0}, {0.02, 0.0, 0.0});
+  filter.learn({{0.0, 0.0, 0.0}, {0.0, 0.0}, {0.02, 0.0, 0.0}});
   CHECK(filter.gain().log_mean == known.log_mean);
-  filter.pulse({0.0, 0.0, 0.0}, {3.0, 0.0}, {-0.03, 0.02, 2.0});
+  filter.learn({{0.0, 0.0, 0.0}, {3.0, 0.0}, {-0.03, 0.02, 2.0}});
   CHECK(filter.gain().log_mean == Approx(known.log_mean).margin(0.02));
+}
+
+TEST_CASE("a stall that is repeated says nothing new until the needle lies elsewhere", "[unit]") {
+  const Pose2 here = {0.01, 0.0, 0.2};
+  const Pose2 there = {0.01, 0.005, 0.2};
+  control::GainFilter filter({known_rig(), {}, 1.0}, {});
+  filter.learn({here, {1.0, 0.0}, here});
+  const task::DriveGain once = filter.gain();
+  CHECK(once.log_mean < -0.1);
+  for (int i = 0; i < 40; ++i) filter.learn({here, {1.0, 0.0}, here});
+  CHECK(filter.gain().log_mean == Approx(once.log_mean).margin(1e-9));
+  CHECK(filter.gain().log_sigma == Approx(once.log_sigma).margin(1e-9));
+  filter.learn({here, {0.3, 0.0}, here});  // weaker: what the stronger one said holds
+  CHECK(filter.gain().log_mean == Approx(once.log_mean).margin(0.02));
+  filter.learn({here, {2.0, 0.0}, here});
+  const task::DriveGain stronger = filter.gain();
+  CHECK(stronger.log_mean < once.log_mean - 0.02);
+  filter.learn({there, {1.0, 0.0}, there});
+  CHECK(filter.gain().log_mean < stronger.log_mean - 0.01);
+  filter.reset();
+  filter.learn({here, {1.0, 0.0}, here});
+  CHECK(filter.gain().log_mean == once.log_mean);
+}
+
+TEST_CASE("what a filter knows outlives it", "[unit]") {
+  control::GainFilter filter({known_rig(), {}, 1.0}, {});
+  drive(filter, 1.4, 5);
+  const Pose2 here = {0.01, 0.0, 0.2};
+  filter.learn({here, {1.0, 0.0}, here});
+  control::GainFilter again({known_rig(), {}, 1.0}, {});
+  again.restore(common::Json::parse(filter.save().dump()));
+  for (control::GainFilter* each : {&filter, &again}) each->learn({here, {1.5, 0.5}, here});
+  CHECK(again.gain().log_mean == filter.gain().log_mean);
+  CHECK(again.gain().log_sigma == filter.gain().log_sigma);
+  CHECK_THROWS_AS(again.restore({{"weight", {1.0}}, {"stalled", {}}, {"place", {0.0, 0.0, 0.0}}}),
+                  common::DataError);
+  CHECK_THROWS_AS(again.restore({{"weight", 1.0}}), common::DataError);
 }

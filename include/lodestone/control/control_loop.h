@@ -10,11 +10,11 @@
 
 #include "lodestone/common/clock.h"
 #include "lodestone/control/controller.h"
-#include "lodestone/control/gain_filter.h"
 #include "lodestone/control/guard.h"
 #include "lodestone/control/pose_sensor.h"
 #include "lodestone/control/recovery.h"
 #include "lodestone/control/reference.h"
+#include "lodestone/control/rig_identifier.h"
 #include "lodestone/rig/coils.h"
 #include "lodestone/task/action.h"
 
@@ -53,6 +53,7 @@ struct StepRecord {
   std::array<double, rig::kCoilCount> current_A{};       ///< as asked of the coils
   bool probe = false;                                    ///< the needle was not seen, and this looked for it
   std::optional<task::DriveGain> drive_gain;             ///< as identified from the pulses before
+  bool rig_changed = false;                              ///< what they do is no longer explained by it
   bool last = false;                                     ///< the closing observation: no pulse followed
 };
 
@@ -73,7 +74,7 @@ class ControlLoop {
   /// the controller is told what the pulses say about the rig.
   ControlLoop(const ControlLoopConfig& config, const task::ActionConfig& action, Guard& coils,
               PoseSensor& sensor, common::Clock& clock, const physics::RigDescription* rig = nullptr,
-              GainFilter* identifier = nullptr);
+              RigIdentifier* identifier = nullptr);
 
   /// Never throws for what sensor, controller or coils do: any fault stops the coils and is the outcome's
   /// stop_reason, and so is the user's interrupt. Without a valid pose the controller is not asked. In real
@@ -98,7 +99,7 @@ class ControlLoop {
   PoseSensor& sensor_;
   common::Clock& clock_;
   std::optional<Recovery> recovery_;
-  GainFilter* identifier_;
+  RigIdentifier* identifier_;
   common::Interruption interruption_;
   std::mutex mutex_;  // of the reason
   std::string interrupted_by_;

@@ -12,10 +12,10 @@
 #include "lodestone/control/control_loop.h"
 #include "lodestone/control/decorators.h"
 #include "lodestone/control/dipole_pull.h"
-#include "lodestone/control/gain_filter.h"
 #include "lodestone/control/learned_simulator.h"
 #include "lodestone/control/planner.h"
 #include "lodestone/control/reference.h"
+#include "lodestone/control/rig_identifier.h"
 #include "lodestone/control/turn_in_place.h"
 #include "lodestone/experiments/score.h"
 #include "lodestone/experiments/trial.h"
@@ -135,7 +135,13 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
 struct SimulatorSource {
   std::shared_ptr<const control::LearnedSimulator> simulator;
   task::ActionConfig action;  ///< its own, in the rig's ampere
+
+  /// Takes amperes to its unit of drive.
+  double drive_per_A() const { return simulator->action.scale / action.scale; }
 };
+
+/// What a simulator says of pulses on the rig.
+control::MotionModel motion_model(const SimulatorSource& source, const control::IdentificationConfig& config);
 
 /// Reads the simulator in a folder for this rig. Says so where it was learned on another one, or where a rig
 /// that shall be identified cannot be by it. Throws ConfigError when its drives go beyond the rig's largest
@@ -149,7 +155,7 @@ struct ControllerSource {
   task::ActionConfig action;
   std::function<std::unique_ptr<control::Controller>(std::uint64_t seed)> make;
   /// What the rig is identified by in the next trial, as it knows it then; empty: it is not.
-  std::function<std::shared_ptr<control::GainFilter>()> identify;
+  std::function<std::shared_ptr<control::RigIdentifier>()> identify;
 };
 
 /// The baseline at the rig's largest current; with a simulator, its commands are divided by the gain that is

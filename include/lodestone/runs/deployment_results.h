@@ -78,6 +78,8 @@ struct TrialRecord {
   /// Mean and standard deviation of what was identified, null where no pose was found; absent where nothing
   /// was.
   std::optional<std::vector<std::optional<std::array<double, 2>>>> log_drive_gain;
+  /// When simulator and gain no longer explained what the pulses do; absent where they did.
+  std::optional<double> rig_changed_s;
   std::optional<TrialFigures> truth;  ///< by true poses; absent likewise
   TrialFigures sensed;
   bool completed = false;
@@ -101,6 +103,7 @@ struct TrialRecord {
     v.field("current_A", current_A);
     v.field("temperature_C", temperature_C);
     v.field("log_drive_gain", log_drive_gain);
+    v.field("rig_changed_s", rig_changed_s);
     v.part("final_error_mm", truth);
     v.field("sensed", sensed);
     v.field("completed", completed);
@@ -143,7 +146,9 @@ struct ErrorStatistics {
 /// One task by one controller on one kind of rig.
 struct TaskSummary {
   std::int64_t n_trials = 0;
-  std::int64_t stopped = 0;              ///< trials that ended early; they count as failed
+  std::int64_t stopped = 0;  ///< trials that ended early; they count as failed
+  /// Trials in which the rig was told to be another than simulator and gain describe; absent in older runs.
+  std::optional<std::int64_t> rig_changed;
   std::optional<ErrorStatistics> truth;  ///< against true poses; absent where nobody knows them
   ErrorStatistics sensed;
 
@@ -151,6 +156,7 @@ struct TaskSummary {
   void visit(Visitor& v) {
     v.field("n_trials", n_trials);
     v.field("stopped", stopped);
+    v.field("rig_changed", rig_changed);
     v.part("mean_error_mm", truth);
     v.field("sensed", sensed);
   }

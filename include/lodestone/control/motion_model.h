@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "lodestone/common/random.h"
+#include "lodestone/control/identification_config.h"
+#include "lodestone/control/learned_simulator.h"
+#include "lodestone/geometry/pose2.h"
+
+namespace lodestone::control {
+
+/// One pulse as it was seen: the pose before it, the drive of the axes in A, and the pose after it.
+struct SeenPulse {
+  geometry::Pose2 before;
+  geometry::Vector2 drive_A = geometry::Vector2::Zero();
+  geometry::Pose2 after;
+};
+
+/// What a learned simulator says of pulses: how likely a motion is, and motions drawn from it, both with what
+/// a seen motion differs by besides. Drives beyond what the simulator was shown count as the largest that it
+/// was.
+class MotionModel {
+ public:
+  /// `model` predicts distributions. `drive_per_A` takes amperes to its unit of drive.
+  MotionModel(std::shared_ptr<const LearnedSimulator> model, const IdentificationConfig& config,
+              double drive_per_A);
+
+  /// For each pulse [N] the density of its motion, mean over the ensemble, as a ratio to that of an outlier,
+  /// which lies anywhere in the dish; outliers are mixed in by their share. Writes `out` [N], all above 0.
+  void judge(const std::vector<SeenPulse>& pulses, std::vector<double>& out);
+  /// A pose after the pulse, by a member of the ensemble that is drawn, too; no outlier.
+  geometry::Pose2 draw(const geometry::Pose2& before, const geometry::Vector2& drive_A,
+                       common::RandomStream& random);
+
+ private:
+  geometry::Vector2 drive_of(const geometry::Vector2& drive_A) const;
+
+  std::shared_ptr<const LearnedSimulator> model_;
+  IdentificationConfig config_;
+  double drive_per_A_;
+  std::vector<double> state_, seen_, drive_, log_density_;
+  inference::FoldedDynamics::Workspace workspace_;
+};
+
+}  // namespace lodestone::control

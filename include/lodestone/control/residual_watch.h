@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include "lodestone/common/random.h"
+#include "lodestone/control/motion_model.h"
+#include "lodestone/task/observation.h"
+
+namespace lodestone::control {
+
+/// Notices that a rig is no longer the one that a simulator and an identified gain describe: a coil that went
+/// dead or was turned, another needle. A pulse is surprising where its motion is less likely than every one
+/// of some that are drawn from the prediction, which happens to one pulse in twenty on a rig that is as
+/// predicted, whatever the pulse; surprises that come too often are summed up by Page's cumulative sum
+/// (Biometrika, 1954).
+class ResidualWatch {
+ public:
+  /// `model` is as MotionModel takes it.
+  explicit ResidualWatch(MotionModel model);
+
+  /// Back to a rig as described.
+  void reset();
+  /// One more pulse, on a rig of this gain. A pulse like one that moved nothing at the same place before is
+  /// no surprise: friction stays there.
+  void check(const SeenPulse& pulse, const task::DriveGain& gain);
+
+  /// Logarithm of how much more likely the surprises since some pulse are on a changed rig; 0 at least.
+  double evidence() const { return evidence_; }
+  /// Whether that is enough to tell somebody.
+  bool changed() const;
+
+ private:
+  bool known_stall(const SeenPulse& pulse);
+
+  MotionModel model_;
+  common::RandomStream random_;
+  double evidence_ = 0.0;
+  geometry::Pose2 place_;                     // where the needle came to lie
+  std::vector<geometry::Vector2> stalled_A_;  // drives that moved nothing there
+  std::vector<SeenPulse> draws_;
+  std::vector<double> ratio_;
+};
+
+}  // namespace lodestone::control

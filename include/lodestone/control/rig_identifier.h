@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "lodestone/common/config.h"
+#include "lodestone/control/gain_filter.h"
+#include "lodestone/control/residual_watch.h"
+
+namespace lodestone::control {
+
+/// What the pulses of a run say about its rig: how strongly it answers, and whether that still explains what
+/// they do.
+class RigIdentifier {
+ public:
+  /// As MotionModel.
+  RigIdentifier(const std::shared_ptr<const LearnedSimulator>& model, const IdentificationConfig& config,
+                double drive_per_A)
+      : filter_({model, config, drive_per_A}, config), watch_({model, config, drive_per_A}) {}
+
+  void reset();
+  /// One more pulse.
+  void learn(const SeenPulse& pulse);
+  task::DriveGain gain() const { return filter_.gain(); }
+  /// Judges the pulse that was learned from last, once. Decisions need not wait for it.
+  void check();
+  /// As ResidualWatch.
+  double change_evidence() const { return watch_.evidence(); }
+  bool changed() const { return watch_.changed(); }
+
+  /// What is known of the gain, and back; the watch begins anew. restore() throws DataError.
+  common::Json save() const { return filter_.save(); }
+  void restore(const common::Json& state);
+
+ private:
+  GainFilter filter_;
+  ResidualWatch watch_;
+  std::optional<SeenPulse> unchecked_;
+  task::DriveGain gain_before_;  // that pulse
+};
+
+}  // namespace lodestone::control

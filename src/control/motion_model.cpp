@@ -1,0 +1,74 @@
+#include "lodestone/control/motion_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lodestone/common/error.h"
+#include "lodestone/geometry/angle.h"
+
+namespace lodestone::control {
+namespace {
+
+void write_state(const geometry::Pose2& pose, std::size_t size, double* out) {
+  const double numbers[3] = {pose.x_m, pose.y_m, pose.heading_rad};
+  std::copy_n(numbers, size, out);
+}
+
+}  // namespace
+
+MotionModel::MotionModel(std::shared_ptr<const LearnedSimulator> model, const IdentificationConfig& config,
+                         double drive_per_A)
+    : model_(std::move(model)), config_(config), drive_per_A_(drive_per_A) {
+  LODESTONE_CHECK(model_->sampled, "a simulator that predicts distributions");
+}
+
+geometry::Vector2 MotionModel::drive_of(const geometry::Vector2& drive_A) const {
+  const double limit = model_->action.scale;
+  return (drive_per_A_ * drive_A).cwiseMax(-limit).cwiseMin(limit);
+}
+
+void MotionModel::judge(const std::vector<SeenPulse>& pulses, std::vector<double>& out) {
+  const std::size_t size = model_->state_size;
+  const std::size_t count = pulses.size();
+  const double noise[3] = {config_.noise_m, config_.noise_m, config_.noise_rad};
+  state_.resize(count * size);
+  seen_.resize(count * size);
+  drive_.resize(2 * count);
+  log_density_.resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    write_state(pulses[k].before, size, &state_[k * size]);
+    write_state(pulses[k].after, size, &seen_[k * size]);
+    const geometry::Vector2 drive = drive_of(pulses[k].drive_A);
+    drive_[2 * k] = drive.x();
+    drive_[2 * k + 1] = drive.y();
+  }
+  out.assign(count, 0.0);
+  for (const inference::FoldedDynamics& member : model_->members) {
+    member.log_density(state_.data(), drive_.data(), seen_.data(), noise, static_cast<std::int64_t>(count),
+                       log_density_.data(), workspace_);
+    for (std::size_t k = 0; k < count; ++k)
+      out[k] += std::exp(log_density_[k]) / static_cast<double>(model_->members.size());
+  }
+  const double turns_rad = size == 3 ? 2.0 * geometry::kPi : 1.0;
+  const double outlier = 1.0 / (geometry::kPi * std::pow(model_->dish_radius_m, 2) * turns_rad);
+  for (double& ratio : out) ratio = (1.0 - config_.outlier_share) * ratio / outlier + config_.outlier_share;
+}
+
+geometry::Pose2 MotionModel::draw(const geometry::Pose2& before, const geometry::Vector2& drive_A,
+                                  common::RandomStream& random) {
+  const std::size_t size = model_->state_size;
+  double state[3];
+  write_state(before, size, state);
+  const geometry::Vector2 drive = drive_of(drive_A);
+  const double numbers[2] = {drive.x(), drive.y()};
+  common::RandomStream* const stream = &random;
+  double next[3];
+  model_->members[random.below(model_->members.size())].sample(state, numbers, 1, &stream, next, workspace_);
+  geometry::Pose2 after = {next[0] + config_.noise_m * random.normal(),
+                           next[1] + config_.noise_m * random.normal(), before.heading_rad};
+  if (size == 3) after.heading_rad = geometry::wrap_angle(next[2] + config_.noise_rad * random.normal());
+  return after;
+}
+
+}  // namespace lodestone::control
