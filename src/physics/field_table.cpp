@@ -53,16 +53,17 @@ SplineWeights spline_weights(double t) {
 
 }  // namespace
 
-FieldTable::FieldTable(const CoilGeometry& geometry, double reach_m, double spacing_m)
+FieldTable::FieldTable(const CoilGeometry& geometry, double reach_m, double spacing_m, double free_m)
     : geometry_(geometry), reach_m_(reach_m), spacing_m_(spacing_m) {
   LODESTONE_CHECK(reach_m > 0.0 && spacing_m > 0.0, "reach and spacing must be positive");
   geometry.validate();
   const int half = static_cast<int>(std::ceil(reach_m / spacing_m - 1e-9)) + kPadding;
   const double face_m = geometry.centre_distance_m - geometry.length_m / 2.0;
   const double winding_m = std::hypot(face_m, geometry.inner_radius_m);
-  if (winding_m <= reach_m)
+  if (free_m <= 0.0) free_m = reach_m;
+  if (winding_m <= free_m)
     throw common::ConfigError("coil: its winding begins " + std::to_string(winding_m) +
-                              " m from the dish centre, which must be beyond " + std::to_string(reach_m) +
+                              " m from the dish centre, which must be beyond " + std::to_string(free_m) +
                               " m, the reach of the field table");
   const int side = 2 * half + 1;
   const FiniteCoil coil(geometry);
@@ -116,7 +117,8 @@ geometry::Vector2 FieldTable::per_ampere(const geometry::Vector2& point_m) const
 
 std::shared_ptr<const FieldTable> make_field_table(const CoilGeometry& geometry, double dish_radius_m,
                                                    double margin_m, double spacing_m) {
-  return std::make_shared<const FieldTable>(geometry, dish_radius_m + 0.5e-3 + margin_m, spacing_m);
+  const double free_m = dish_radius_m + 0.5e-3;
+  return std::make_shared<const FieldTable>(geometry, free_m + margin_m, spacing_m, free_m);
 }
 
 }  // namespace lodestone::physics

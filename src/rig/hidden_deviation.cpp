@@ -14,18 +14,26 @@ struct Ranges {
   common::Range moment;  // factors, uniform in their logarithm
   common::Range friction;
   common::Range viscosity;
-  double gain;        // +-, uniform
-  double tilt_rad;    // +-, uniform
-  double position_m;  // radius of a disc
-  double offset_m;    // radius of a disc
+  double gain;                        // +-, uniform
+  double tilt_rad;                    // +-, uniform
+  double position_m;                  // radius of a disc
+  double offset_m;                    // radius of a disc
+  common::Range weight = {1.0, 1.0};  // factors, likewise
+  common::Range map_sigma = {1.0, 1.0};
+  common::Range map_correlation = {1.0, 1.0};
 };
 
 constexpr Ranges kLab = {{0.9, 1.1}, {0.9, 1.1}, {0.9, 1.1}, 0.03, 1.0 * geometry::kPi / 180.0,
                          0.5e-3,     0.5e-3};
 constexpr Ranges kWide = {{0.75, 1.6}, {0.6, 1.6}, {0.7, 1.4}, 0.08, 3.0 * geometry::kPi / 180.0,
                           2e-3,        1.5e-3};
+constexpr Ranges kFar = {{0.75, 1.6}, {0.6, 1.6}, {0.7, 1.4}, 0.08,       8.0 * geometry::kPi / 180.0,
+                         5e-3,        1.5e-3,     {0.7, 1.3}, {0.5, 1.5}, {0.5, 2.0}};
 
-const Ranges& ranges(DeviationWidth width) { return width == DeviationWidth::kWide ? kWide : kLab; }
+const Ranges& ranges(DeviationWidth width) {
+  if (width == DeviationWidth::kFar) return kFar;
+  return width == DeviationWidth::kWide ? kWide : kLab;
+}
 
 double draw_factor(const common::Range& range, common::RandomStream& random) {
   return std::exp(random.uniform(std::log(range.low), std::log(range.high)));
@@ -55,6 +63,9 @@ HiddenDeviation HiddenDeviation::draw(DeviationWidth width, std::uint64_t seed) 
     placement.offset_m = offset_m + draw_in_disc(of.position_m, random);
     hidden.coils.push_back(placement);
   }
+  hidden.weight = draw_factor(of.weight, random);
+  hidden.map_sigma = draw_factor(of.map_sigma, random);
+  hidden.map_correlation = draw_factor(of.map_correlation, random);
   return hidden;
 }
 
@@ -62,7 +73,11 @@ physics::RigDescription HiddenDeviation::applied_to(physics::RigDescription rig)
   rig.needle.moment_A_m2 *= moment;
   rig.friction.static_coefficient *= friction;
   rig.friction.kinetic_coefficient *= friction;
+  rig.friction.map_sigma *= map_sigma;
+  rig.friction.map_correlation_m *= map_correlation;
   rig.fluid.viscosity_Pa_s *= viscosity;
+  for (double* of_weight : {&rig.needle.mass_kg, &rig.needle.net_weight_N, &rig.needle.inertia_kg_m2})
+    *of_weight *= weight;
   return rig;
 }
 

@@ -49,6 +49,25 @@ TEST_CASE("what is hidden keeps to its ranges, and uses them") {
   CHECK(HiddenDeviation::draw(DeviationWidth::kNone, 3).coils.empty());
 }
 
+TEST_CASE("a far rig differs by more than its gain; the others do not") {
+  double lightest = 1e9, heaviest = 0.0, farthest_m = 0.0;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    const HiddenDeviation far = HiddenDeviation::draw(DeviationWidth::kFar, seed);
+    lightest = std::min(lightest, far.weight);
+    heaviest = std::max(heaviest, far.weight);
+    for (const physics::CoilPlacement& coil : far.coils)
+      farthest_m = std::max(farthest_m, coil.offset_m.norm());
+    physics::RigDescription described;
+    const physics::RigDescription real = far.applied_to(described);
+    CHECK(real.needle.net_weight_N == described.needle.net_weight_N * far.weight);
+    CHECK(real.friction.map_correlation_m == described.friction.map_correlation_m * far.map_correlation);
+  }
+  CHECK((lightest > 0.7 && lightest < 0.72 && heaviest > 1.28 && heaviest < 1.3));
+  CHECK((farthest_m > 5e-3 && farthest_m < 6.5e-3));
+  const HiddenDeviation wide = HiddenDeviation::draw(DeviationWidth::kWide, 5);
+  CHECK((wide.weight == 1.0 && wide.map_sigma == 1.0 && wide.map_correlation == 1.0));
+}
+
 TEST_CASE("coils that stand elsewhere make the field that they would make there") {
   const physics::CoilGeometry geometry;
   const auto table = physics::make_field_table(geometry, 0.0425, 9e-3);
@@ -73,7 +92,8 @@ TEST_CASE("coils that stand elsewhere make the field that they would make there"
 
 TEST_CASE("a rig of any width can be driven all over its dish, and widths differ") {
   std::vector<geometry::Pose2> ends;
-  for (const DeviationWidth width : {DeviationWidth::kNone, DeviationWidth::kLab, DeviationWidth::kWide}) {
+  for (const DeviationWidth width :
+       {DeviationWidth::kNone, DeviationWidth::kLab, DeviationWidth::kWide, DeviationWidth::kFar}) {
     VirtualRigConfig config;
     config.simulation.deviation = width;
     for (const std::uint64_t seed : {1, 2, 3}) {

@@ -13,8 +13,9 @@ namespace lodestone::physics {
 class FieldTable {
  public:
   /// Covers |x|, |y| <= reach_m as far as the winding leaves room: beside it the field of the nearest free
-  /// point towards the dish centre stands. Throws ConfigError when the winding begins within the reach.
-  FieldTable(const CoilGeometry& geometry, double reach_m, double spacing_m = 1e-3);
+  /// point towards the dish centre stands. Throws ConfigError when the winding begins within `free_m`, the
+  /// part of the reach that must be free of it; 0: all of it.
+  FieldTable(const CoilGeometry& geometry, double reach_m, double spacing_m = 1e-3, double free_m = 0.0);
 
   /// T/A at a point of the frame with the coil on +x. Throws LogicFault outside the reach.
   geometry::Vector2 per_ampere(const geometry::Vector2& point_m) const;
@@ -33,8 +34,8 @@ class FieldTable {
   std::vector<double> coefficients_;  // [rows, columns, 2]
 };
 
-/// Table over a dish of the given radius with a margin for the needle's ends, and a further one for coils
-/// that stand elsewhere than they should.
+/// Table over a dish of the given radius with a margin for the needle's ends, which must be free of winding,
+/// and a further one for coils that stand elsewhere than they should.
 std::shared_ptr<const FieldTable> make_field_table(const CoilGeometry& geometry, double dish_radius_m,
                                                    double margin_m = 0.0, double spacing_m = 1e-3);
 

@@ -29,7 +29,7 @@ struct SimulationConfig {
     v.field(
         "deviation", deviation, "",
         "how far the virtual rig is from its description: not at all, by what a careful laboratory would not "
-        "know, or as another rig of the same kind");
+        "know, as another rig of the same kind, or further than that");
     v.field("max_pulse_s", max_pulse_s, "s", "longest pulse the drivers accept", {1e-3, 3600.0});
     v.field("max_temperature_C", max_temperature_C, "C",
             "coil temperature above which status() reports a fault", {0.0, 300.0});

@@ -75,7 +75,8 @@ struct RigsSummary {
 /// task.
 struct RigFigures {
   double moment = 1.0, friction = 1.0, viscosity = 1.0;
-  double coil_gain = 1.0;  ///< mean over the coils
+  std::optional<double> weight;  ///< absent in older runs
+  double coil_gain = 1.0;        ///< mean over the coils
   std::map<std::string, std::map<std::string, double>> mean_error_mm;
 
   template <class Visitor>
@@ -83,6 +84,7 @@ struct RigFigures {
     v.field("moment", moment);
     v.field("friction", friction);
     v.field("viscosity", viscosity);
+    v.field("weight", weight);
     v.field("coil_gain", coil_gain);
     v.field("mean_error_mm", mean_error_mm);
   }
