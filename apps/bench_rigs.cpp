@@ -53,7 +53,7 @@ void add_bench_rigs(Verb& bench) {
   add("--task", "task", Shorthand::kText, "centre, point, square, circle or all");
   add("--sensor", "sensor.kind", Shorthand::kText, "camera or simulated");
   add("--models", "models", Shorthand::kText,
-      "folder that holds the policy `target` and the simulator `dynamics_best`");
+      "folder that holds the policy `any_rig` and the simulator `dynamics_best`");
   add("--controllers", "controllers", Shorthand::kText, "with commas between: planner, policy, baseline");
   verb.add_option("--decorated", Flag{[&options] {
                     options.overrides.push_back({"decorated=true", "--decorated"});

@@ -4,7 +4,6 @@
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/log.h"
 #include "lodestone/data/dataset_file.h"
-#include "lodestone/dynamics/evaluation.h"
 #include "lodestone/dynamics/training.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/rig/rig_config.h"
@@ -46,7 +45,8 @@ void print_evaluation(const runs::DynamicsEvaluation& evaluation) {
 }
 
 void train_dynamics(const CommonOptions& options) {
-  const auto [config, rig] = resolve_config<DynamicsRunConfig>(options);
+  const auto [asked, rig] = resolve_config<DynamicsRunConfig>(options);
+  const TrainDynamicsConfig config = dynamics::adopt_start(asked);
   if (config.data.empty()) {
     throw common::ConfigError(
         "train-dynamics needs transitions: --set data=FILE.h5 (from collect or import)");
@@ -61,16 +61,7 @@ void train_dynamics(const CommonOptions& options) {
   data::Dataset dataset = data::read_recordings(config.data);
   check_rig(options, rig, dataset.info);
   if (config.transitions > 0) dataset = data::first_transitions(std::move(dataset), config.transitions);
-  dynamics::TrainingResult result = dynamics::train_dynamics(dataset, config, run);
-  runs::DynamicsEvaluation evaluation =
-      dynamics::evaluate_dynamics(result.model, dynamics::test_split(result.model, dataset));
-  evaluation.split = "test";
-  evaluation.transitions = dataset.transitions();
-  evaluation.training = result.facts;
-  dynamics::save_model(run.file("checkpoint"), result.model, common::config_to_json(config),
-                       common::artefact_to_json(evaluation));
-  common::write_artefact(file, evaluation);
-  run.finish();
+  const runs::DynamicsEvaluation evaluation = dynamics::train_into(run, dataset, config);
   print_evaluation(evaluation);
   common::log_info("wrote " + run.path() + "/checkpoint and evaluation.json");
 }

@@ -13,6 +13,7 @@ void add_import(Verb& program);
 void add_train_segmenter(Verb& program);
 void add_train_dynamics(Verb& program);
 void add_train_policy(Verb& program);
+void add_adapt(Verb& program);
 void add_deploy(Verb& program);
 void add_evaluate(Verb& program);
 void add_calibrate(Verb& program);

@@ -112,6 +112,12 @@ void Network::fit_normalisers(const at::Tensor& state, const at::Tensor& action,
   fit(output_mean, output_std, target);
 }
 
+void Network::scale_drive(double gain) {
+  const at::NoGradGuard no_grad;
+  for (at::Tensor* numbers : {&input_mean, &input_std})
+    numbers->narrow(-1, numbers->size(-1) - data::kActionSize, data::kActionSize).div_(gain);
+}
+
 Members make_members(const DynamicsConfig& config, data::StateLayout layout, std::uint64_t seed) {
   Members members;
   for (std::int64_t k = 0; k < config.members; ++k) {

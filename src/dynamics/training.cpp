@@ -1,13 +1,20 @@
 #include "lodestone/dynamics/training.h"
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <sstream>
 
+#include <ATen/TensorOperators.h>
+#include <ATen/ops/cat.h>
+
+#include "lodestone/common/artefact.h"
 #include "lodestone/common/clock.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "lodestone/common/random.h"
 #include "lodestone/common/thread_pool.h"
+#include "lodestone/dynamics/evaluation.h"
 #include "lodestone/inference/checkpoint.h"
 #include "lodestone/nets/checkpoint.h"
 #include "lodestone/nets/tensors.h"
@@ -30,6 +37,39 @@ RowTensors row_tensors(const data::Dataset& dataset) {
           nets::tensor_from(table.next_state, {rows, table.state_size})};
 }
 
+/// What a model was trained on, as a rig would have recorded it on which drives count for `gain` times as
+/// much.
+RowTensors rehearsed(const Model& model, double gain) {
+  const auto rows = [](const inference::Array& array) { return nets::to_tensor(array).to(at::kDouble); };
+  const TrainingRows& of = model.training_rows;
+  return {rows(of.state), rows(of.action) / gain, rows(of.next_state)};
+}
+
+RowTensors joined(const RowTensors& a, const RowTensors& b) {
+  return {at::cat({a.state, b.state}), at::cat({a.action, b.action}), at::cat({a.next_state, b.next_state})};
+}
+
+RowTensors repeated(const RowTensors& rows, std::int64_t times) {
+  const auto of = [times](const at::Tensor& tensor) { return tensor.repeat({times, 1}); };
+  return {of(rows.state), of(rows.action), of(rows.next_state)};
+}
+
+/// New rows as often as leaves `rehearsal` to the old ones.
+std::int64_t repetitions(std::int64_t fresh, std::int64_t old, double rehearsal) {
+  const double wanted = static_cast<double>(old) * (1.0 - rehearsal) / std::max(rehearsal, 1e-9);
+  return std::max<std::int64_t>(1, std::llround(wanted / static_cast<double>(fresh)));
+}
+
+void check_same_quantities(const data::DatasetInfo& from, const data::DatasetInfo& here,
+                           const std::string& folder) {
+  if (from.layout != here.layout || from.action_unit != here.action_unit ||
+      from.action_scale != here.action_scale || from.one_axis_at_a_time != here.one_axis_at_a_time)
+    throw common::ConfigError(
+        "warm_start.from: " + folder +
+        " was trained on other quantities than these recordings (state, unit or largest "
+        "drive); learn from nothing: leave warm_start.from out");
+}
+
 /// SHA-256 of the training rows: a run resumes only on the data it began with.
 std::string fingerprint(const RowTensors& rows) {
   return common::sha256(inference::encode_safetensors(
@@ -49,7 +89,7 @@ class Training : public runs::ResumableWork {
                     training.test_fraction};
     const data::Split split = data::split_by_episode(dataset, training.validation_fraction,
                                                      training.test_fraction, model_.split.seed);
-    const RowTensors train = row_tensors(split.train);
+    RowTensors train = row_tensors(split.train);
     const RowTensors validation = row_tensors(split.validation);
     if (train.size() < 2 || validation.size() < 1) {
       throw common::DataError(
@@ -57,17 +97,26 @@ class Training : public runs::ResumableWork {
           " to train, " + std::to_string(validation.size()) +
           " to validate; collect more or change the fractions");
     }
-    data_sha256_ = fingerprint(train);
-    model_.start_states = nets::to_array(train.state);
-    model_.training_rows = {nets::to_array(train.state.to(at::kFloat)),
-                            nets::to_array(train.action.to(at::kFloat)),
-                            nets::to_array(train.next_state.to(at::kFloat))};
-    model_.members = make_members(config.model, dataset.info.layout, seed);
-    std::int64_t index = 0;
-    for (const auto& network : model_.members) {
-      network->fit_normalisers(train.state, train.action, train.next_state);
-      members_.push_back(std::make_unique<Member>(network, train, validation, training, seed, index++));
+    const WarmStartConfig& start = config.warm_start;
+    if (start.from.empty()) {
+      model_.members = make_members(config.model, dataset.info.layout, seed);
+      for (const auto& network : model_.members)
+        network->fit_normalisers(train.state, train.action, train.next_state);
+      remember(train);
+    } else {
+      Model from = load_model(start.from);
+      check_same_quantities(from.info, dataset.info, start.from);
+      for (const auto& network : from.members) network->scale_drive(start.drive_gain);
+      model_.members = std::move(from.members);
+      const RowTensors old = rehearsed(from, start.drive_gain);
+      remember(joined(old, train));
+      if (start.rehearsal > 0.0)
+        train = joined(old, repeated(train, repetitions(train.size(), old.size(), start.rehearsal)));
     }
+    data_sha256_ = fingerprint(train);
+    std::int64_t index = 0;
+    for (const auto& network : model_.members)
+      members_.push_back(std::make_unique<Member>(network, train, validation, training, seed, index++));
   }
 
   runs::Progress progress() const override {
@@ -132,6 +181,14 @@ class Training : public runs::ResumableWork {
   }
 
  private:
+  /// What the model keeps of its rows.
+  void remember(const RowTensors& rows) {
+    model_.start_states = nets::to_array(rows.state);
+    model_.training_rows = {nets::to_array(rows.state.to(at::kFloat)),
+                            nets::to_array(rows.action.to(at::kFloat)),
+                            nets::to_array(rows.next_state.to(at::kFloat))};
+  }
+
   bool all_stopped() const {
     for (const auto& member : members_) {
       if (!member->stopped()) return false;
@@ -164,6 +221,11 @@ class Training : public runs::ResumableWork {
 
 }  // namespace
 
+TrainDynamicsConfig adopt_start(TrainDynamicsConfig config) {
+  if (!config.warm_start.from.empty()) config.model = load_model(config.warm_start.from).config;
+  return config;
+}
+
 runs::RunRequest run_request(const TrainDynamicsConfig& config, const std::string& folder, bool resume) {
   runs::RunRequest request;
   request.folder = folder;
@@ -172,7 +234,7 @@ runs::RunRequest run_request(const TrainDynamicsConfig& config, const std::strin
   request.seed = config.seed;
   request.resume = resume;
   // Files may be moved; the checkpoint says when they hold other transitions.
-  request.free_keys = {"threads", "data", "training.checkpoint_interval_s"};
+  request.free_keys = {"threads", "data", "training.checkpoint_interval_s", "warm_start.from"};
   request.length_keys = {"training.max_seconds"};
   return request;
 }
@@ -184,6 +246,20 @@ TrainingResult train_dynamics(const data::Dataset& dataset, const TrainDynamicsC
   const double seconds =
       runs::run_resumably(run, work, {"train dynamics", "epochs", config.training.checkpoint_interval_s});
   return work.finish(seconds);
+}
+
+runs::DynamicsEvaluation train_into(runs::RunFolder& run, const data::Dataset& dataset,
+                                    const TrainDynamicsConfig& config) {
+  const TrainingResult result = train_dynamics(dataset, config, run);
+  runs::DynamicsEvaluation evaluation = evaluate_dynamics(result.model, test_split(result.model, dataset));
+  evaluation.split = "test";
+  evaluation.transitions = dataset.transitions();
+  evaluation.training = result.facts;
+  save_model(run.file("checkpoint"), result.model, common::config_to_json(config),
+             common::artefact_to_json(evaluation));
+  common::write_artefact(run.file(runs::DynamicsEvaluation::kFile), evaluation);
+  run.finish();
+  return evaluation;
 }
 
 }  // namespace lodestone::dynamics

@@ -85,9 +85,11 @@ data::Episode Collection::next_episode(std::int64_t max_steps) {
     UntilOver reference(
         teleoperator_ ? teleoperator_->episode_over : [this] { return explorer_.stuck(); },
         (static_cast<double>(max_steps) - 0.5) * config_.loop.period_s());
-    const task::ActionConfig action = action_config(config_);
+    const task::ActionConfig action =
+        teleoperator_ && teleoperator_->action.scale > 0.0 ? teleoperator_->action : action_config(config_);
     control::ControlLoop loop(loop_config(config_), action, bench_->coils(), bench_->sensor(),
-                              bench_->clock());
+                              bench_->clock(), nullptr,
+                              teleoperator_ ? teleoperator_->identifier.get() : nullptr);
     control::Controller& controller = teleoperator_ ? *teleoperator_->controller : explorer_;
     const control::LoopOutcome outcome = loop.run(
         controller, reference, teleoperator_ ? teleoperator_->watch : control::ControlLoop::Observer());

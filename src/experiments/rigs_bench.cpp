@@ -111,7 +111,7 @@ DeployConfig RigsBenchConfig::deploy() const {
   config.deployment = deployment;
   config.threads = threads;
   config.task = task;
-  config.policy = policy.empty() && !models.empty() ? models + "/target" : policy;
+  config.policy = policy.empty() && !models.empty() ? models + "/any_rig" : policy;
   config.dynamics = dynamics.empty() && !models.empty() ? models + "/dynamics_best" : dynamics;
   config.on_rig = "unseen";
   config.deployment.trials.per_rig = config.deployment.trials.count;
@@ -172,6 +172,7 @@ runs::RigsResult RigsRun::rigs_result() const {
     figures.moment = hidden.moment;
     figures.friction = hidden.friction;
     figures.viscosity = hidden.viscosity;
+    figures.weight = hidden.weight;
     std::vector<double> gains;
     for (const physics::CoilPlacement& coil : hidden.coils) gains.push_back(coil.gain);
     if (!gains.empty()) figures.coil_gain = common::mean(gains);

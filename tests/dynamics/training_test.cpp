@@ -230,4 +230,36 @@ TEST_CASE("a mixture learns that the robot stays or jumps, which a mean hides", 
   CHECK(stayed + jumped > 0.9 * kDraws);
 }
 
+TEST_CASE("learning goes on from a model as its rig would be, were it as strong", "[unit]") {
+  const ::lodestone::tests::TemporaryFolder temporary;
+  const data::Dataset known = known_dataset(data::StateLayout::kPose, 60, 20, 1);
+  TrainDynamicsConfig config = small_config(DynamicsForm::kDelta);
+  config.training.epochs = 20;
+  const TrainingResult first = train(known, config);
+  save_model(temporary / "model", first.model, common::config_to_json(config), {});
+  // The same motions on a rig that takes half the current for them.
+  data::Dataset strong = known_dataset(data::StateLayout::kPose, 30, 20, 2);
+  for (data::Episode& episode : strong.episodes)
+    for (double& drive : episode.actions) drive /= 2.0;
+  config.model.hidden = {7};  // the model's own are taken
+  config.warm_start = {temporary / "model", 2.0, 0.5};
+  config.training.epochs = 1;
+  config.training.learning_rate = 1e-8;
+  config = adopt_start(config);
+  CHECK(config.model.hidden == first.model.config.hidden);
+  const TrainingResult second = train(strong, config);
+  const double as_it_was = evaluate_dynamics(first.model, known_dataset(data::StateLayout::kPose, 30, 20, 2))
+                               .one_step.position_rms_mm;
+  CHECK(evaluate_dynamics(second.model, strong).one_step.position_rms_mm == Approx(as_it_was).epsilon(0.02));
+  const std::int64_t rows = first.model.training_rows.state.shape()[0];
+  CHECK(second.model.training_rows.state.shape()[0] > rows);
+  CHECK(second.model.training_rows.action.to_double().front() ==
+        Approx(first.model.training_rows.action.to_double().front() / 2.0));
+  config.warm_start.drive_gain = 1.0;
+  CHECK(evaluate_dynamics(train(strong, config).model, strong).one_step.position_rms_mm > 2.0 * as_it_was);
+  data::Dataset other = strong;
+  other.info.action_scale += 1.0;
+  CHECK_THROWS_WITH(train(other, config), Contains("warm_start.from"));
+}
+
 }  // namespace lodestone::dynamics

@@ -45,6 +45,9 @@ class Network {
   /// Sets input and output mean and standard deviation from training rows (float32 or float64).
   void fit_normalisers(const at::Tensor& state, const at::Tensor& action, const at::Tensor& next_state);
 
+  /// From now on a drive counts for `gain` times as much.
+  void scale_drive(double gain);
+
   const DynamicsConfig& config() const { return config_; }
   data::StateLayout layout() const { return layout_; }
   nets::Parameters& tensors() { return tensors_; }

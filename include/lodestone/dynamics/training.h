@@ -64,6 +64,27 @@ struct TrainingConfig {
   }
 };
 
+/// Learning that goes on from a trained model, on another rig of its kind.
+struct WarmStartConfig {
+  std::string from;
+  double drive_gain = 1.0;
+  double rehearsal = 0.5;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("from", from, "",
+            "folder of a dynamics checkpoint to go on from, whose networks (model) are taken; empty: from "
+            "nothing");
+    v.field("drive_gain", drive_gain, "", "how strongly the rig answers to a drive, where that model's is 1",
+            {0.1, 10.0});
+    v.field("rehearsal", rehearsal, "",
+            "share of the training rows that are that model's own, their drives divided by the gain; the new "
+            "ones "
+            "are repeated as often as that takes",
+            {0.0, 0.99});
+  }
+};
+
 /// Everything `lodestone train-dynamics` is told.
 struct TrainDynamicsConfig {
   std::int64_t seed = 1;
@@ -72,6 +93,7 @@ struct TrainDynamicsConfig {
   std::int64_t transitions = 0;
   DynamicsConfig model;
   TrainingConfig training;
+  WarmStartConfig warm_start;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -82,8 +104,13 @@ struct TrainDynamicsConfig {
     v.field("transitions", transitions, "", "use only the first so many; 0: all", {0, 1e9});
     v.group("model", model, "the networks");
     v.group("training", training, "how they learn");
+    v.group("warm_start", warm_start, "what they begin with");
   }
 };
+
+/// The configuration with the networks of the model that it goes on from, where it does. Throws
+/// CheckpointError.
+TrainDynamicsConfig adopt_start(TrainDynamicsConfig config);
 
 struct TrainingResult {
   Model model;
@@ -98,8 +125,14 @@ runs::RunRequest run_request(const TrainDynamicsConfig& config, const std::strin
 /// Trains the ensemble, one member per thread; results depend on the seed alone, not on threads. Writes
 /// metrics (train_loss, validation_loss per epoch) and, every so often, `training` into the run's folder,
 /// from which a resumption goes on bitwise. Throws DataError (NaN, empty split), CheckpointError, ConfigError
-/// (resuming with other data), and Interrupted after saving when the user asked to stop.
+/// (resuming with other data, going on from a model of other quantities), and Interrupted after saving when
+/// the user asked to stop.
 TrainingResult train_dynamics(const data::Dataset& dataset, const TrainDynamicsConfig& config,
                               runs::RunFolder& run);
+
+/// The same, with its figures on the episodes that were set aside: writes `checkpoint` and evaluation.json
+/// into the run's folder, and finishes it.
+runs::DynamicsEvaluation train_into(runs::RunFolder& run, const data::Dataset& dataset,
+                                    const TrainDynamicsConfig& config);
 
 }  // namespace lodestone::dynamics

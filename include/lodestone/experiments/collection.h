@@ -60,9 +60,11 @@ data::DatasetInfo dataset_info(const CollectionConfig& config);
 /// Somebody or something at the controls instead of the explorer.
 struct Teleoperator {
   control::Controller* controller = nullptr;
-  std::function<bool()> episode_over;    ///< asked at every step
-  control::ControlLoop::Observer watch;  ///< sees every observation, before its pulse
-  std::function<std::string()> save;     ///< its state between two episodes; empty functions: it has none
+  task::ActionConfig action;  ///< what its actions mean in A; by default the rig's largest current
+  std::shared_ptr<control::RigIdentifier> identifier;  ///< what tells it how strong the rig is; null: nothing
+  std::function<bool()> episode_over;                  ///< asked at every step
+  control::ControlLoop::Observer watch;                ///< sees every observation, before its pulse
+  std::function<std::string()> save;  ///< its state between two episodes; empty functions: it has none
   std::function<void(const std::string&)> restore;
 };
 

@@ -31,7 +31,7 @@ struct RigsBenchConfig {
     v.field("controllers", controllers, "", "what drives, with commas between: planner, policy, baseline");
     v.field(
         "models", models, "",
-        "folder that holds the policy as `target` and the simulator as `dynamics_best`, where `policy` and "
+        "folder that holds the policy as `any_rig` and the simulator as `dynamics_best`, where `policy` and "
         "`dynamics` name none");
     v.field("policy", policy, "", "folder of the policy checkpoint");
     v.field("dynamics", dynamics, "",

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lodestone/data/dataset.h"
+#include "lodestone/experiments/deployment.h"
+#include "lodestone/runs/adaptation_results.h"
+
+namespace lodestone::experiments {
+
+/// The gain of the rig that was recorded, from all its pulses in their order.
+task::DriveGain identify(const SimulatorSource& simulator, const control::IdentificationConfig& config,
+                         const data::Dataset& recorded);
+
+/// How well a simulator explains recorded pulses with current on a rig of this gain: the natural logarithm of
+/// what MotionModel judges, one row for each episode that has any.
+std::vector<std::vector<double>> explain(const SimulatorSource& simulator,
+                                         const control::IdentificationConfig& config,
+                                         const data::Dataset& recorded, double log_drive_gain);
+
+/// Whether a simulator that learned from a rig explains pulses that it did not learn from better than the one
+/// it began with (null: none) does, which knows the rig's gain from the others. Fills what of Adaptation
+/// follows from them.
+runs::Adaptation compare(const SimulatorSource* before, const SimulatorSource& after,
+                         const control::IdentificationConfig& config, const data::Dataset& learned_from,
+                         const data::Dataset& held_back);
+
+/// The simulator of an adaptation lies in folder `model` of its run, beside the one that it took the place
+/// of, which roll_back() puts there again. Each is swapped in whole.
+void put_model(const std::string& run, const std::string& model);
+/// Throws ConfigError where there is none.
+void roll_back(const std::string& run);
+
+}  // namespace lodestone::experiments

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace lodestone::runs {
+
+/// Held-back pulses by one simulator.
+struct HeldBack {
+  double log_likelihood = 0.0;  ///< mean over the pulses, natural, of the density beside an outlier's
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("log_likelihood", log_likelihood);
+  }
+};
+
+/// `adaptation.json` of adapt: what came of it.
+struct Adaptation {
+  static constexpr const char* kFile = "adaptation.json";
+  std::string from;                            ///< folder of the simulator that it began with; empty: nothing
+  std::int64_t pulses = 0;                     ///< recorded
+  double rig_minutes = 0.0;                    ///< that they take
+  std::int64_t held_back = 0;                  ///< pulses with current that no model learned from
+  std::optional<double> log_drive_gain;        ///< of the rig, where that simulator's is 0
+  std::optional<double> log_drive_gain_sigma;  ///< its standard deviation
+  std::optional<HeldBack> before;              ///< the simulator that it began with
+  std::optional<HeldBack> with_gain;           ///< the same at that gain
+  HeldBack after;                              ///< the one that learned
+  /// after less with_gain, and its 95 % interval by bootstrap over episodes.
+  std::optional<double> better_by, better_by_low, better_by_high;
+  bool kept = true;  ///< whether `model` is the one that learned: the interval lies above 0
+  bool rolled_back = false;
+  double seconds = 0.0;  ///< of computing, driving a virtual rig included
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("from", from);
+    v.field("pulses", pulses);
+    v.field("rig_minutes", rig_minutes);
+    v.field("held_back", held_back);
+    v.field("log_drive_gain", log_drive_gain);
+    v.field("log_drive_gain_sigma", log_drive_gain_sigma);
+    v.field("before", before);
+    v.field("with_gain", with_gain);
+    v.field("after", after);
+    v.field("better_by", better_by);
+    v.field("better_by_low", better_by_low);
+    v.field("better_by_high", better_by_high);
+    v.field("kept", kept);
+    v.field("rolled_back", rolled_back);
+    v.field("seconds", seconds);
+  }
+};
+
+}  // namespace lodestone::runs

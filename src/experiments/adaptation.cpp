@@ -1,0 +1,127 @@
+#include "lodestone/experiments/adaptation.h"
+
+#include <cmath>
+#include <filesystem>
+
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+#include "lodestone/common/statistics.h"
+
+namespace lodestone::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+using control::SeenPulse;
+
+constexpr const char* kModel = "/model";
+constexpr const char* kBefore = "/model_before";
+
+/// The pulses of an episode that had current.
+std::vector<SeenPulse> pulses_of(const data::Episode& episode, data::StateLayout layout) {
+  const auto size = static_cast<std::size_t>(data::state_size(layout));
+  const auto pose = [&](std::size_t row) {
+    const double* state = &episode.observations[row * size];
+    return geometry::Pose2{state[0], state[1], size == 3 ? state[2] : 0.0};
+  };
+  std::vector<SeenPulse> pulses;
+  for (std::size_t t = 0; t < static_cast<std::size_t>(episode.length()); ++t) {
+    if (episode.zero_current[t] != 0) continue;
+    pulses.push_back({pose(t), {episode.actions[2 * t], episode.actions[2 * t + 1]}, pose(t + 1)});
+  }
+  return pulses;
+}
+
+double mean_of(const std::vector<std::vector<double>>& rows) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (const std::vector<double>& row : rows) {
+    for (const double value : row) sum += value;
+    count += row.size();
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0.0;
+}
+
+/// Of every episode, the mean difference of its pulses.
+std::vector<double> differences(const std::vector<std::vector<double>>& after,
+                                const std::vector<std::vector<double>>& before) {
+  std::vector<double> means;
+  for (std::size_t i = 0; i < after.size(); ++i)
+    means.push_back(common::mean(after[i]) - common::mean(before[i]));
+  return means;
+}
+
+}  // namespace
+
+task::DriveGain identify(const SimulatorSource& simulator, const control::IdentificationConfig& config,
+                         const data::Dataset& recorded) {
+  control::GainFilter filter(motion_model(simulator, config), config);
+  for (const data::Episode& episode : recorded.episodes)
+    for (const SeenPulse& pulse : pulses_of(episode, recorded.info.layout)) filter.learn(pulse);
+  return filter.gain();
+}
+
+std::vector<std::vector<double>> explain(const SimulatorSource& simulator,
+                                         const control::IdentificationConfig& config,
+                                         const data::Dataset& recorded, double log_drive_gain) {
+  control::MotionModel model = motion_model(simulator, config);
+  std::vector<std::vector<double>> rows;
+  for (const data::Episode& episode : recorded.episodes) {
+    std::vector<SeenPulse> pulses = pulses_of(episode, recorded.info.layout);
+    if (pulses.empty()) continue;
+    for (SeenPulse& pulse : pulses) pulse.drive_A *= std::exp(log_drive_gain);
+    model.judge(pulses, rows.emplace_back());
+    for (double& ratio : rows.back()) ratio = std::log(ratio);
+  }
+  return rows;
+}
+
+runs::Adaptation compare(const SimulatorSource* before, const SimulatorSource& after,
+                         const control::IdentificationConfig& config, const data::Dataset& learned_from,
+                         const data::Dataset& held_back) {
+  runs::Adaptation result;
+  const auto rows = explain(after, config, held_back, 0.0);
+  for (const std::vector<double>& row : rows) result.held_back += static_cast<std::int64_t>(row.size());
+  result.after.log_likelihood = mean_of(rows);
+  if (before == nullptr) return result;
+  const task::DriveGain gain = identify(*before, config, learned_from);
+  const auto corrected = explain(*before, config, held_back, gain.log_mean);
+  result.log_drive_gain = gain.log_mean;
+  result.log_drive_gain_sigma = gain.log_sigma;
+  result.before = {mean_of(explain(*before, config, held_back, 0.0))};
+  result.with_gain = {mean_of(corrected)};
+  const std::vector<double> better = differences(rows, corrected);
+  const common::Interval interval =
+      common::bootstrap_interval({better}, common::mean, common::RandomStream(1, "adaptation"));
+  result.better_by = common::mean(better);
+  result.better_by_low = interval.low;
+  result.better_by_high = interval.high;
+  result.kept = interval.low > 0.0;
+  return result;
+}
+
+void put_model(const std::string& run, const std::string& model) {
+  const std::string next = run + "/model.tmp";
+  fs::remove_all(next);
+  fs::copy(model, next, fs::copy_options::recursive);
+  common::sync_path(next);
+  if (fs::exists(run + kModel)) {
+    fs::remove_all(run + kBefore);
+    fs::rename(run + kModel, run + kBefore);
+  }
+  fs::rename(next, run + kModel);
+}
+
+void roll_back(const std::string& run) {
+  if (!fs::exists(run + kBefore))
+    throw common::ConfigError(
+        "--rollback: " + run +
+        " holds no simulator to go back to: it began from nothing, or was taken back already");
+  fs::remove_all(run + kModel);
+  fs::rename(run + kBefore, run + kModel);
+  auto result = common::read_artefact<runs::Adaptation>(run + "/" + runs::Adaptation::kFile);
+  result.rolled_back = true;
+  common::write_artefact(run + "/" + runs::Adaptation::kFile, result);
+}
+
+}  // namespace lodestone::experiments

@@ -1,0 +1,123 @@
+#include "lodestone/experiments/adaptation_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/clock.h"
+#include "lodestone/common/error.h"
+#include "lodestone/data/coverage.h"
+#include "lodestone/data/dataset_file.h"
+#include "lodestone/experiments/collection_run.h"
+
+namespace lodestone::experiments {
+
+runs::Adaptation AdaptationRun::run() {
+  const common::SteadyClock clock;
+  const double start_s = clock.now_s();
+  std::string data;
+  std::string simulator = config_.dynamics;
+  std::int64_t left = config_.pulses();
+  if (config_.from_scratch) {
+    const auto explored = static_cast<std::int64_t>(std::ceil(config_.explored * static_cast<double>(left)));
+    left -= explored;
+    data = record("exploring", explored, nullptr);
+    if (left > 0) simulator = learn("first", data, "", 0.0);
+  }
+  if (left > 0) {
+    const SimulatorSource source = load(simulator);
+    data += (data.empty() ? "" : ",") + record("driving", left, &source);
+  }
+  const data::Dataset recorded = data::read_recordings(data);
+  std::optional<SimulatorSource> before;
+  double log_gain = 0.0;
+  if (!config_.from_scratch) {
+    before = load(config_.dynamics);
+    log_gain = identify(*before, config_.identification, recorded).log_mean;
+  }
+  const std::string learned = learn("learning", data, config_.dynamics, log_gain);
+  const dynamics::DataSplit split = dynamics::load_model(learned).split;
+  const data::Split parts =
+      data::split_by_episode(recorded, split.validation_fraction, split.test_fraction, split.seed);
+  runs::Adaptation result =
+      compare(before ? &*before : nullptr, load(learned), config_.identification, parts.train, parts.test);
+  result.from = config_.dynamics;
+  result.pulses = recorded.transitions();
+  result.rig_minutes = static_cast<double>(result.pulses) * config_.collection.loop.period_s() / 60.0;
+  result.seconds = clock.now_s() - start_s;
+  if (before) put(config_.dynamics);
+  if (result.kept) put(learned);
+  common::write_artefact(run_.file(runs::Adaptation::kFile), result);
+  return result;
+}
+
+SimulatorSource AdaptationRun::load(const std::string& folder) const {
+  DeploymentConfig deployment;
+  deployment.rig = config_.collection.rig;
+  return load_simulator(deployment, folder);
+}
+
+std::string AdaptationRun::record(const std::string& stage, std::int64_t pulses,
+                                  const SimulatorSource* simulator) {
+  CollectionConfig config = config_.collection;
+  config.transitions = pulses;
+  const bool repeatable = !config.rig.real();
+  runs::RunRequest request{run_.file(stage), "collect", common::config_to_json(config), config.seed, true};
+  request.free_keys = {"checkpoint_every_s", "rig.serial.port"};
+  runs::RunFolder folder(request);
+  const std::string recording = folder.file(kRecording);
+  if (folder.finished()) return recording;
+  std::optional<Teleoperator> driver;
+  if (simulator != nullptr)
+    driver = seeking_planner(config, *simulator, config_.planner, config_.identification, config_.seek);
+  Sessions sessions;
+  sessions.push_back(std::make_unique<Collection>(config, bench_(), std::move(driver)));
+  CollectionRun work(config, sessions, repeatable, 1, folder.path());
+  try {
+    runs::run_resumably(folder, work, {stage, "pulses", repeatable ? config.checkpoint_every_s : 0.0});
+  } catch (const common::Interrupted&) {
+    say_stopped();
+  }
+  data::fold_journal(recording);
+  common::write_artefact(folder.file(data::Coverage::kFile),
+                         data::measure_coverage(data::read_dataset(recording)));
+  folder.finish();
+  return recording;
+}
+
+std::string AdaptationRun::learn(const std::string& stage, const std::string& data, const std::string& from,
+                                 double log_gain) {
+  dynamics::TrainDynamicsConfig config;
+  config.seed = config_.collection.seed;
+  config.threads = config_.threads;
+  config.data = data;
+  config.model = config_.model;
+  config.training = from.empty() ? config_.first : config_.learning;
+  config.warm_start = {from, std::exp(log_gain), config_.rehearsal};
+  config = dynamics::adopt_start(config);
+  runs::RunFolder folder(dynamics::run_request(config, run_.file(stage), true));
+  if (!folder.finished()) {
+    try {
+      dynamics::train_into(folder, data::read_recordings(data), config);
+    } catch (const common::Interrupted&) {
+      say_stopped();
+    }
+  }
+  return folder.file("checkpoint");
+}
+
+void AdaptationRun::put(const std::string& simulator) {
+  put_model(run_.path(), simulator);
+  const std::string deploy = run_.file("model") + "/deploy.json";
+  if (!std::filesystem::exists(deploy))
+    common::write_json(deploy, {{"task", "all"}, {"controller", "planner"}});
+}
+
+void AdaptationRun::say_stopped() const {
+  throw common::Interrupted("adapt: stopped; the same command with --resume goes on in " + run_.path());
+}
+
+}  // namespace lodestone::experiments
