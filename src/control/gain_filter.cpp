@@ -23,6 +23,11 @@ void normalise(std::vector<double>& weights) {
 GainFilter::GainFilter(MotionModel model, const IdentificationConfig& config)
     : config_(config), model_(std::move(model)) {
   for (int k = -kSteps; k <= kSteps; ++k) factor_.push_back(std::pow(kMostGain, 1.0 * k / kSteps));
+  if (config_.place_sigma > 0.0)
+    for (std::size_t k = 0; k < factor_.size(); ++k) {
+      const double z = static_cast<double>(k) * std::log(kMostGain) / kSteps / config_.place_sigma;
+      kernel_.push_back(std::exp(-0.5 * z * z));
+    }
   reset();
 }
 
@@ -33,7 +38,6 @@ void GainFilter::reset() {
     weight_.push_back(std::exp(-0.5 * z * z));
   }
   normalise(weight_);
-  stalled_.clear();
 }
 
 void GainFilter::learn(const SeenPulse& pulse) {
@@ -43,29 +47,22 @@ void GainFilter::learn(const SeenPulse& pulse) {
     imagined_.push_back({pulse.before, factor * pulse.drive_A, pulse.after});
   model_.judge(imagined_, says_);
   const double most = *std::max_element(says_.begin(), says_.end());
-  for (double& ratio : says_) ratio = std::pow(ratio / most, config_.temper);
-  if (!still(pulse.before)) {
-    place_ = pulse.before;
-    stalled_.clear();
-  }
-  if (!still(pulse.after)) {
-    for (std::size_t k = 0; k < weight_.size(); ++k) weight_[k] *= says_[k];
-  } else {
-    // The same friction held the needle each time: what one of these pulses said, another cannot say again.
-    if (stalled_.empty()) stalled_.assign(weight_.size(), 1.0);
-    for (std::size_t k = 0; k < weight_.size(); ++k) {
-      const double least = std::min(stalled_[k], says_[k]);
-      weight_[k] *= least / stalled_[k];
-      stalled_[k] = least;
-    }
-  }
+  for (std::size_t k = 0; k < weight_.size(); ++k) weight_[k] *= std::pow(says_[k] / most, config_.temper);
   normalise(weight_);
+  const double turned_rad = geometry::wrap_angle(pulse.after.heading_rad - pulse.before.heading_rad);
+  const bool still = (pulse.after.position_m() - pulse.before.position_m()).norm() < config_.noise_m &&
+                     std::abs(turned_rad) < config_.noise_rad;
+  if (!still) move_on();
 }
 
-bool GainFilter::still(const geometry::Pose2& pose) const {
-  const double turned_rad = geometry::wrap_angle(pose.heading_rad - place_.heading_rad);
-  return (pose.position_m() - place_.position_m()).norm() < config_.noise_m &&
-         std::abs(turned_rad) < config_.noise_rad;
+void GainFilter::move_on() {
+  if (kernel_.empty()) return;
+  const std::vector<double> before = weight_;
+  for (std::size_t k = 0; k < weight_.size(); ++k) {
+    weight_[k] = 0.0;
+    for (std::size_t j = 0; j < before.size(); ++j) weight_[k] += before[j] * kernel_[k > j ? k - j : j - k];
+  }
+  normalise(weight_);
 }
 
 task::DriveGain GainFilter::gain() const {
@@ -78,24 +75,18 @@ task::DriveGain GainFilter::gain() const {
   return {mean, std::sqrt(std::max(0.0, square - mean * mean))};
 }
 
-common::Json GainFilter::save() const {
-  return {
-      {"weight", weight_}, {"place", {place_.x_m, place_.y_m, place_.heading_rad}}, {"stalled", stalled_}};
-}
+common::Json GainFilter::save() const { return weight_; }
 
 void GainFilter::restore(const common::Json& state) {
+  std::vector<double> weight;
   try {
-    auto weight = state.at("weight").get<std::vector<double>>();
-    auto stalled = state.at("stalled").get<std::vector<double>>();
-    const common::Json& place = state.at("place");
-    if (weight.size() != factor_.size() || (!stalled.empty() && stalled.size() != factor_.size()))
-      throw common::DataError("identification state: it is of another grid of gains");
-    place_ = {place.at(0).get<double>(), place.at(1).get<double>(), place.at(2).get<double>()};
-    weight_ = std::move(weight);
-    stalled_ = std::move(stalled);
+    weight = state.get<std::vector<double>>();
   } catch (const common::Json::exception& error) {
     throw common::DataError(std::string("identification state is malformed: ") + error.what());
   }
+  if (weight.size() != factor_.size())
+    throw common::DataError("identification state: it is of another grid of gains");
+  weight_ = std::move(weight);
 }
 
 }  // namespace lodestone::control

@@ -67,39 +67,34 @@ TEST_CASE("a step without current says nothing, and a single odd one little", "[
   CHECK(filter.gain().log_mean == Approx(known.log_mean).margin(0.02));
 }
 
-TEST_CASE("a stall that is repeated says nothing new until the needle lies elsewhere", "[unit]") {
+TEST_CASE("a place that holds the needle counts, and less so once the needle has left it", "[unit]") {
   const Pose2 here = {0.01, 0.0, 0.2};
-  const Pose2 there = {0.01, 0.005, 0.2};
   control::GainFilter filter({known_rig(), {}, 1.0}, {});
-  filter.learn({here, {1.0, 0.0}, here});
-  const task::DriveGain once = filter.gain();
-  CHECK(once.log_mean < -0.1);
-  for (int i = 0; i < 40; ++i) filter.learn({here, {1.0, 0.0}, here});
-  CHECK(filter.gain().log_mean == Approx(once.log_mean).margin(1e-9));
-  CHECK(filter.gain().log_sigma == Approx(once.log_sigma).margin(1e-9));
-  filter.learn({here, {0.3, 0.0}, here});  // weaker: what the stronger one said holds
-  CHECK(filter.gain().log_mean == Approx(once.log_mean).margin(0.02));
-  filter.learn({here, {2.0, 0.0}, here});
-  const task::DriveGain stronger = filter.gain();
-  CHECK(stronger.log_mean < once.log_mean - 0.02);
-  filter.learn({there, {1.0, 0.0}, there});
-  CHECK(filter.gain().log_mean < stronger.log_mean - 0.01);
-  filter.reset();
-  filter.learn({here, {1.0, 0.0}, here});
-  CHECK(filter.gain().log_mean == once.log_mean);
+  drive(filter, 1.0, 20);
+  const task::DriveGain before = filter.gain();
+  filter.learn({here, {1.5, 0.0}, here});
+  const double once = filter.gain().log_mean;
+  for (int i = 0; i < 20; ++i) filter.learn({here, {1.5, 0.0}, here});
+  const task::DriveGain held = filter.gain();
+  CHECK(once < before.log_mean - 0.02);
+  CHECK(held.log_mean < once - 0.1);  // so a controller pulls harder there
+  drive(filter, 1.0, 6);
+  CHECK(filter.gain().log_mean == Approx(before.log_mean).margin(0.1));
+  control::IdentificationConfig alike;
+  alike.place_sigma = 0.0;
+  control::GainFilter everywhere({known_rig(), alike, 1.0}, alike);
+  drive(everywhere, 1.0, 20);
+  CHECK(everywhere.gain().log_sigma < before.log_sigma);
 }
 
 TEST_CASE("what a filter knows outlives it", "[unit]") {
   control::GainFilter filter({known_rig(), {}, 1.0}, {});
   drive(filter, 1.4, 5);
-  const Pose2 here = {0.01, 0.0, 0.2};
-  filter.learn({here, {1.0, 0.0}, here});
   control::GainFilter again({known_rig(), {}, 1.0}, {});
   again.restore(common::Json::parse(filter.save().dump()));
-  for (control::GainFilter* each : {&filter, &again}) each->learn({here, {1.5, 0.5}, here});
+  for (control::GainFilter* each : {&filter, &again}) each->learn({{}, {1.5, 0.5}, {0.001, 0.0, 0.0}});
   CHECK(again.gain().log_mean == filter.gain().log_mean);
   CHECK(again.gain().log_sigma == filter.gain().log_sigma);
-  CHECK_THROWS_AS(again.restore({{"weight", {1.0}}, {"stalled", {}}, {"place", {0.0, 0.0, 0.0}}}),
-                  common::DataError);
+  CHECK_THROWS_AS(again.restore(common::Json::array({1.0})), common::DataError);
   CHECK_THROWS_AS(again.restore({{"weight", 1.0}}), common::DataError);
 }

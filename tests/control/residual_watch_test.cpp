@@ -7,7 +7,6 @@
 #include "lodestone/common/random.h"
 
 using namespace lodestone;
-using geometry::Pose2;
 using geometry::Vector2;
 
 namespace {
@@ -15,10 +14,9 @@ namespace {
 constexpr double kWatched_m = 0.8e-3;  // per unit of drive
 
 control::ResidualWatch watch_of_known_rig() {
-  return control::ResidualWatch(
-      {std::make_shared<const control::LearnedSimulator>(env::tests::noisy_linear_model(kWatched_m)),
-       {},
-       1.0});
+  control::MotionModel model(
+      std::make_shared<const control::LearnedSimulator>(env::tests::noisy_linear_model(kWatched_m)), {}, 1.0);
+  return {std::move(model), 0.5e-3, 0.05};
 }
 
 /// A pulse from the middle on a rig whose axes answer so strongly.
@@ -64,9 +62,9 @@ TEST_CASE("an axis that goes dead, or is turned round, is told within a few puls
   }
 }
 
-TEST_CASE("a place that holds the needle is one surprise, not many; a needle that nothing moves is",
+TEST_CASE("a place that holds the needle is one surprise, a needle that nothing moves is another rig",
           "[unit]") {
-  const Pose2 here = {0.0, 0.0, 0.2};
+  const geometry::Pose2 here = {0.0, 0.0, 0.2};
   control::ResidualWatch held = watch_of_known_rig();
   for (int i = 0; i < 100; ++i) held.check({here, {5.0, 0.0}, here}, {0.0, 0.05});
   CHECK_FALSE(held.changed());

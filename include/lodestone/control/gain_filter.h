@@ -9,9 +9,9 @@
 namespace lodestone::control {
 
 /// Estimates the one number by which most rigs of a kind differ: a factor on the drive, by Bayes' rule on a
-/// grid, from what every pulse did against what the learned simulator says it does at each factor. Friction
-/// stays with the place: of the pulses that moved nothing at one place only what the most telling of them
-/// says counts, at each factor, however often they are repeated.
+/// grid, from what every pulse did against what the learned simulator says it does at each factor. A part of
+/// it belongs to the place, where friction stays as it is: a stall that is repeated counts each time, and
+/// what is known grows less sure when the needle has moved.
 class GainFilter {
  public:
   /// The largest factor, and one over the smallest.
@@ -32,17 +32,16 @@ class GainFilter {
   void restore(const common::Json& state);
 
  private:
-  /// Whether the needle has not left its place.
-  bool still(const geometry::Pose2& pose) const;
-
   IdentificationConfig config_;
+  /// The needle lies elsewhere.
+  void move_on();
+
   MotionModel model_;
   std::vector<double> factor_;       // of the grid
   std::vector<double> weight_;       // of its points; they sum to 1
-  geometry::Pose2 place_;            // where the needle came to lie
-  std::vector<double> stalled_;      // of its points: the least that a pulse which moved nothing there said
   std::vector<SeenPulse> imagined_;  // at every factor
-  std::vector<double> says_;         // of the points, what the last pulse says; at most 1
+  std::vector<double> says_;         // of the points, what the last pulse says
+  std::vector<double> kernel_;       // by distance in points, what a new place makes of one
 };
 
 }  // namespace lodestone::control

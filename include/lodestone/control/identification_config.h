@@ -11,6 +11,7 @@ struct IdentificationConfig {
   double noise_m = 0.5e-3;
   double noise_rad = 0.05;
   double outlier_share = 0.1;
+  double place_sigma = 0.1;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -25,6 +26,11 @@ struct IdentificationConfig {
     v.field("noise_m", noise_m, "m", "what a motion may differ from the simulator by besides", {1e-6, 0.1});
     v.field("noise_rad", noise_rad, "rad", "and a turn", {1e-4, 1.0});
     v.field("outlier_share", outlier_share, "", "pulses that may do anything", {1e-6, 0.9});
+    v.field("place_sigma", place_sigma, "",
+            "how much friction makes the logarithm of the gain differ from one place to the next: what is "
+            "known of "
+            "it is unsure by so much more whenever the needle has moved",
+            {0.0, 1.0});
   }
 };
 

@@ -4,6 +4,7 @@
 
 #include "lodestone/common/random.h"
 #include "lodestone/control/motion_model.h"
+#include "lodestone/control/stall_memory.h"
 #include "lodestone/task/observation.h"
 
 namespace lodestone::control {
@@ -15,13 +16,12 @@ namespace lodestone::control {
 /// (Biometrika, 1954).
 class ResidualWatch {
  public:
-  /// `model` is as MotionModel takes it.
-  explicit ResidualWatch(MotionModel model);
+  /// A needle that came less far than `still_m` and `still_rad` has not moved.
+  ResidualWatch(MotionModel model, double still_m, double still_rad);
 
   /// Back to a rig as described.
   void reset();
-  /// One more pulse, on a rig of this gain. A pulse like one that moved nothing at the same place before is
-  /// no surprise: friction stays there.
+  /// One more pulse, on a rig of this gain. A stall that is repeated is no surprise.
   void check(const SeenPulse& pulse, const task::DriveGain& gain);
 
   /// Logarithm of how much more likely the surprises since some pulse are on a changed rig; 0 at least.
@@ -30,13 +30,10 @@ class ResidualWatch {
   bool changed() const;
 
  private:
-  bool known_stall(const SeenPulse& pulse);
-
   MotionModel model_;
+  StallMemory stalls_;
   common::RandomStream random_;
   double evidence_ = 0.0;
-  geometry::Pose2 place_;                     // where the needle came to lie
-  std::vector<geometry::Vector2> stalled_A_;  // drives that moved nothing there
   std::vector<SeenPulse> draws_;
   std::vector<double> ratio_;
 };

@@ -16,7 +16,8 @@ class RigIdentifier {
   /// As MotionModel.
   RigIdentifier(const std::shared_ptr<const LearnedSimulator>& model, const IdentificationConfig& config,
                 double drive_per_A)
-      : filter_({model, config, drive_per_A}, config), watch_({model, config, drive_per_A}) {}
+      : filter_({model, config, drive_per_A}, config),
+        watch_({model, config, drive_per_A}, config.noise_m, config.noise_rad) {}
 
   void reset();
   /// One more pulse.
