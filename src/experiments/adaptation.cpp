@@ -55,7 +55,9 @@ std::vector<double> differences(const std::vector<std::vector<double>>& after,
 
 task::DriveGain identify(const SimulatorSource& simulator, const control::IdentificationConfig& config,
                          const data::Dataset& recorded) {
-  control::GainFilter filter(motion_model(simulator, config), config);
+  control::IdentificationConfig everywhere = config;
+  everywhere.place_sigma = 0.0;  // one gain for the whole rig
+  control::GainFilter filter(motion_model(simulator, config), everywhere);
   for (const data::Episode& episode : recorded.episodes)
     for (const SeenPulse& pulse : pulses_of(episode, recorded.info.layout)) filter.learn(pulse);
   return filter.gain();

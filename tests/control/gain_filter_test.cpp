@@ -24,7 +24,7 @@ void drive(control::GainFilter& filter, double gain, int pulses, double per_A = 
   common::RandomStream random(3, "rig");
   Pose2 pose = {0.01, 0.0, 0.2};
   for (int i = 0; i < pulses; ++i) {
-    const Vector2 drive_A(random.uniform(-3.0, 3.0) / per_A, random.uniform(-3.0, 3.0) / per_A);
+    const Vector2 drive_A(random.uniform(-8.0, 8.0) / per_A, random.uniform(-8.0, 8.0) / per_A);
     Pose2 after = pose;
     after.x_m += gain * kStrength_m * per_A * drive_A.x() + env::tests::kLinearNoise_m * random.normal();
     after.y_m += gain * kStrength_m * per_A * drive_A.y() + env::tests::kLinearNoise_m * random.normal();
