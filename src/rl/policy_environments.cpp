@@ -100,7 +100,8 @@ std::unique_ptr<PolicyLearner> make_policy_learner(const TrainPolicyConfig& conf
   }
   std::optional<Hindsight> hindsight;
   if (learning.hindsight > 0.0)
-    hindsight.emplace(learning.hindsight, config.task, config.encoder, config.training.environments, seed);
+    hindsight.emplace(learning.hindsight, config.task, config.encoder, config.training.environments, seed,
+                      environments.region);
   return std::make_unique<Td3Learner>(learning, config.td3, config.noise, seed,
                                       common::thread_count(config.threads), *environments.training,
                                       std::move(hindsight));
