@@ -3,8 +3,10 @@
 #include <cstring>
 #include <exception>
 #include <iostream>
+#include <map>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
+#include <string>
 
 #include "lodestone/common/blas_kernels.h"
 #include "lodestone/common/build_facts.h"
@@ -55,7 +57,11 @@ int run(int argc, char** argv) {
   if (parsed.verb != nullptr) parsed.verb->run();
   check_output();
   if (parsed.verb == nullptr) return parsed.exit_code;
-  const std::string step = apps::next_step(parsed.path, parsed.given);
+  std::map<std::string, std::string> given = parsed.given;
+  if (parsed.verb->configuration)
+    for (const common::ConfigRow& row : parsed.verb->configuration())
+      given[row.key] = row.value.is_string() ? row.value.get<std::string>() : row.value.dump();
+  const std::string step = apps::next_step(parsed.path, given);
   // On standard error: results go to standard output.
   if (!step.empty()) std::fprintf(stderr, "next: %s\n", step.c_str());
   return 0;

@@ -10,7 +10,8 @@ using Given = std::map<std::string, std::string>;
 
 struct Follower {
   const char* verb;
-  const char* step;  ///< {--x} is the value of an option, {beside --x} the folder around it
+  const char* step;        ///< {--x} is the value of an option or key, {beside --x} the folder around it
+  const char* where = "";  ///< a key that must be true
 };
 
 /// The first of a verb's lines whose options were all given is the one that is said.
@@ -19,6 +20,10 @@ constexpr Follower kFollowers[] = {
     {"import", "lodestone train-dynamics --set data={--out} --out {beside --out}/dynamics"},
     {"train-dynamics",
      "lodestone train-policy --set dynamics={--out}/checkpoint --out {beside --out}/policy"},
+    {"train-policy",
+     "lodestone deploy --policy {--out}/checkpoint --set dynamics={dynamics} --task all --out {beside "
+     "--out}/deploy",
+     "encoder.drive_gain"},
     {"train-policy", "lodestone deploy --policy {--out}/checkpoint --task all --out {beside --out}/deploy"},
     {"train-segmenter", "lodestone evaluate segmenter --checkpoint {--out}/checkpoint"},
     {"deploy", "lodestone report --run {run of --out}"},
@@ -38,7 +43,7 @@ constexpr Follower kFollowers[] = {
 std::string value_of(std::string name, const Given& given) {
   const bool beside = name.rfind("beside ", 0) == 0;
   const bool run = name.rfind("run of ", 0) == 0;
-  const auto found = given.find(name.substr(name.find("--")));
+  const auto found = given.find(beside || run ? name.substr(name.find("--")) : name);
   if (found == given.end()) return "";
   const std::filesystem::path value = found->second;
   // A run's deployment lies in RUN/deploy; one of its own is a run.
@@ -64,6 +69,8 @@ std::string filled(std::string step, const Given& given) {
 std::string next_step(const std::string& verb, const std::map<std::string, std::string>& given) {
   for (const Follower& follower : kFollowers) {
     if (verb != follower.verb) continue;
+    const auto where = given.find(follower.where);
+    if (*follower.where != '\0' && (where == given.end() || where->second != "true")) continue;
     std::string step = filled(follower.step, given);
     if (!step.empty()) return step;
   }

@@ -42,6 +42,8 @@ EpisodeBatch::EpisodeBatch(const EpisodeSettings& settings, const SensorNoise& n
   result_.terminated.resize(slots_.size());
   result_.truncated.resize(slots_.size());
   result_.success.resize(slots_.size());
+  result_.penalty.resize(slots_.size());
+  result_.progress.resize(slots_.size(), 1.0);
 }
 
 EnvSpec EpisodeBatch::spec() const { return {settings_.count, encoder_.size(), 2}; }
@@ -64,6 +66,11 @@ geometry::Pose2 EpisodeBatch::sense(Slot& slot) const {
   return sensed;
 }
 
+double EpisodeBatch::progress(const Slot& slot) const {
+  if (settings_.shrink_steps <= 0) return 1.0;
+  return static_cast<double>(slot.age) / static_cast<double>(settings_.shrink_steps);
+}
+
 void EpisodeBatch::begin(std::size_t i,
                          const std::function<geometry::Pose2(common::RandomStream&)>& draw_start,
                          const std::optional<task::DriveGain>& gain) {
@@ -77,8 +84,7 @@ void EpisodeBatch::begin(std::size_t i,
     const task::Goal goal = task::draw_goal(task, slot.random, settings_.region.get());
     slot.seen.target_m = goal.position_m;
     slot.seen.target_heading_rad = goal.heading_rad;
-    const double distance_m = (slot.pose.position_m() - slot.seen.target_m).norm();
-    if (!task.end_on_success || distance_m >= task.success_radius_m) break;
+    if (!task.end_on_success || !task::reached(task, slot.pose, goal, progress(slot))) break;
   }
   slot.seen.pose = sense(slot);
   encoder_.encode(slot.seen, &result_.observation[i * columns_]);
@@ -100,8 +106,7 @@ bool EpisodeBatch::finish(std::size_t i, const geometry::Pose2& next, const Step
   step.goal = {slot.seen.target_m, slot.seen.target_heading_rad};
   step.action = slot.seen.last_action;
   step.index = slot.step;
-  if (settings_.shrink_steps > 0)
-    step.progress = static_cast<double>(slot.age) / static_cast<double>(settings_.shrink_steps);
+  step.progress = progress(slot);
   task::StepOutcome outcome = task::evaluate_step(settings_.task, step);
   outcome.reward -= extra.penalty;
   outcome.terminated = outcome.terminated || extra.terminated;
@@ -115,6 +120,8 @@ bool EpisodeBatch::finish(std::size_t i, const geometry::Pose2& next, const Step
   result_.terminated[i] = outcome.terminated ? 1 : 0;
   result_.truncated[i] = outcome.truncated ? 1 : 0;
   result_.success[i] = outcome.success ? 1 : 0;
+  result_.penalty[i] = extra.penalty;
+  result_.progress[i] = step.progress;
   float* final_row = &result_.final_observation[i * columns_];
   encoder_.encode(slot.seen, final_row);
   if (outcome.terminated || outcome.truncated) return true;

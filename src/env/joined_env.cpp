@@ -51,6 +51,8 @@ const StepResult& JoinedEnv::step(const std::vector<float>& actions) {
     append(result_.success, result.success);
     append(result_.final_observation, result.final_observation);
     append(result_.action, result.action.empty() ? asked : result.action);
+    append(result_.penalty, result.penalty);
+    append(result_.progress, result.progress);
   }
   return result_;
 }

@@ -225,7 +225,7 @@ std::string recorded_section(const RunData& run, const RunData& recorded) {
       "Its state is a position without a heading, so errors are comparable in kind, not in size.</p>\n";
   const auto row = [](const char* name, const RunData& r) -> std::vector<std::string> {
     const Curve success = curve(r.policy.metrics, runs::curves::kSuccess);
-    const Curve error = curve(r.policy.metrics, runs::curves::kFinalError);
+    const Curve error = curve(r.policy.metrics, runs::curves::kEpisodeEndError);
     std::vector<std::string> cells = {name, "–", "–", "–", "–"};
     if (r.evaluation) {
       if (r.evaluation->n) cells[1] = grouped(static_cast<double>(*r.evaluation->n));
@@ -235,13 +235,19 @@ std::string recorded_section(const RunData& run, const RunData& recorded) {
         cells[4] = fixed(r.evaluation->baselines->no_motion.position_rms_mm, 3);
       }
     }
-    cells.push_back(success.empty() ? "–" : percent(success.back().second));
-    cells.push_back(error.empty() ? "–" : fixed(error.back().second, 2));
+    if (r.trained && r.trained->fresh_evaluation) {
+      cells.push_back(percent(r.trained->fresh_evaluation->success_rate));
+      cells.push_back(fixed(r.trained->fresh_evaluation->episode_end_error_mm, 2));
+    } else {
+      cells.push_back(success.empty() ? "–" : percent(success.back().second));
+      cells.push_back(error.empty() ? "–" : fixed(error.back().second, 2));
+    }
     return cells;
   };
-  html += table({"trained on", "test pulses", "simulator (mm RMS)", "ten neighbours (mm RMS)",
-                 "no motion (mm RMS)", "policy success in its simulator", "final error there (mm)"},
-                {row("virtual rig, needle", run), row("real recordings, sphere", recorded)}, 1);
+  html += table(
+      {"trained on", "test pulses", "simulator (mm RMS)", "ten neighbours (mm RMS)", "no motion (mm RMS)",
+       "policy success in its simulator", "distance there at the end of an episode (mm)"},
+      {row("virtual rig, needle", run), row("real recordings, sphere", recorded)}, 1);
   html +=
       "<h3>Simulator learned from the recordings</h3>\n" + dynamics_section(recorded, "recorded-dynamics");
   html += "<h3>Policy trained in it</h3>\n" + policy_section(recorded, "recorded-policy");

@@ -32,6 +32,20 @@ std::string result_sentence(const RunData& run) {
   return text + ".</p>\n";
 }
 
+std::string score_sentence(const RunData& run, const Curve& evaluated) {
+  if (run.trained && run.trained->fresh_evaluation) {
+    const runs::PolicyScore& score = *run.trained->fresh_evaluation;
+    return "<p>The policy that was kept is the best of all evaluations, reached after " +
+           grouped(static_cast<double>(run.trained->best_env_steps)) + " environment steps. In " +
+           grouped(static_cast<double>(score.episodes)) +
+           " fresh episodes of the simulator, which nothing was chosen by, <b>" +
+           percent(score.success_rate) + "</b> reached their target.</p>\n";
+  }
+  if (evaluated.empty()) return "";
+  return "<p>At the last evaluation, on a fixed set of starts and targets in the learned simulator, <b>" +
+         percent(evaluated.back().second) + "</b> of the episodes reached their target.</p>\n";
+}
+
 }  // namespace
 
 std::string policy_section(const RunData& run, const std::string& prefix) {
@@ -54,8 +68,8 @@ std::string policy_section(const RunData& run, const std::string& prefix) {
       {"error",
        "Distance at the end of an episode",
        "distance (mm)",
-       {{"mean", of(runs::curves::kFinalError), kPolicyColour},
-        {"median", of(runs::curves::kFinalErrorMedian), kUnseenColour}}},
+       {{"mean", of(runs::curves::kEpisodeEndError), kPolicyColour},
+        {"median", of(runs::curves::kEpisodeEndErrorMedian), kUnseenColour}}},
       {"q", "Mean Q value", "return expected", {{"Q", of(runs::curves::kQ), kSecondColour}}},
       {"losses",
        "Losses",
@@ -72,11 +86,11 @@ std::string policy_section(const RunData& run, const std::string& prefix) {
   for (const Panel& panel : panels) charts += panel_html(panel, prefix);
   std::string html = result_sentence(run);
   if (charts.empty()) return html + missing("The log of the policy's training (metrics.jsonl)", command);
-  if (!evaluated.empty())
-    html += "<p>At the last evaluation, on a fixed set of starts and targets in the learned simulator, <b>" +
-            percent(evaluated.back().second) + "</b> of the episodes reached their target.</p>\n";
+  html += score_sentence(run, evaluated);
   return html + "<div class=\"three\">" + charts +
-         "</div>\n<p class=\"subtitle\">Evaluation runs without exploration noise." +
+         "</div>\n<p class=\"subtitle\">Evaluation runs without exploration noise, in the same episodes each "
+         "time. An episode ends at the first arrival at its target, or when its steps are used up; a "
+         "deployment goes on, and its errors are those after a fixed time." +
          (of(runs::curves::kQ).empty()
               ? " The actor's loss is the distance in mm that it expects after a pulse."
               : " Q values should level off near the returns seen; losses alone say little about the "

@@ -79,6 +79,7 @@ PolicyEnvironments make_policy_environments(TrainPolicyConfig& config) {
   else if (!parts.empty())
     made.training = std::make_unique<env::JoinedEnv>(std::move(parts));
   made.evaluation = simulate(settings_for(training.evaluation_episodes, "evaluation"), config.threads);
+  made.fresh = simulate(settings_for(training.evaluation_episodes, "fresh evaluation"), config.threads);
   return made;
 }
 
@@ -100,7 +101,8 @@ std::unique_ptr<PolicyLearner> make_policy_learner(const TrainPolicyConfig& conf
   }
   std::optional<Hindsight> hindsight;
   if (learning.hindsight > 0.0)
-    hindsight.emplace(learning.hindsight, config.task, config.encoder, config.training.environments, seed);
+    hindsight.emplace(learning.hindsight, config.task, config.encoder, config.training.environments, seed,
+                      environments.region);
   return std::make_unique<Td3Learner>(learning, config.td3, config.noise, seed,
                                       common::thread_count(config.threads), *environments.training,
                                       std::move(hindsight));
@@ -109,7 +111,8 @@ std::unique_ptr<PolicyLearner> make_policy_learner(const TrainPolicyConfig& conf
 runs::PolicyResult train_policy(const TrainPolicyConfig& config, const PolicyEnvironments& environments,
                                 runs::RunFolder& run) {
   const std::unique_ptr<PolicyLearner> learner = make_policy_learner(config, environments);
-  return train_policy(config, *learner, *environments.evaluation, run, environments.region.get());
+  return train_policy(config, *learner, {*environments.evaluation, *environments.fresh}, run,
+                      environments.region.get());
 }
 
 }  // namespace lodestone::rl

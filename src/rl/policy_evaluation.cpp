@@ -12,8 +12,8 @@ namespace lodestone::rl {
 common::Scalars scalars_of(const PolicyScore& score) {
   return {{runs::curves::kReturn, score.episode_return},
           {runs::curves::kSuccess, score.success_rate},
-          {runs::curves::kFinalError, score.final_error_mm},
-          {runs::curves::kFinalErrorMedian, score.final_error_median_mm},
+          {runs::curves::kEpisodeEndError, score.episode_end_error_mm},
+          {runs::curves::kEpisodeEndErrorMedian, score.episode_end_error_median_mm},
           {runs::curves::kEpisodeLength, score.episode_length},
           {runs::curves::kSaturation, score.action_saturation}};
 }
@@ -61,8 +61,8 @@ PolicyScore PolicyEvaluation::run(const inference::Actor& policy) {
   score.episode_length = steps / episodes;
   score.action_saturation = saturated / (steps * static_cast<double>(environments_.spec().action_size));
   score.success_rate = static_cast<double>(std::count(reached.begin(), reached.end(), 1)) / episodes;
-  for (const double value : error_mm) score.final_error_mm += value / episodes;
-  score.final_error_median_mm = common::median(error_mm);
+  for (const double value : error_mm) score.episode_end_error_mm += value / episodes;
+  score.episode_end_error_median_mm = common::median(error_mm);
   return score;
 }
 

@@ -25,19 +25,30 @@ constexpr const char* kKind = "policy_training";
 
 std::string note(const PolicyScore& score) {
   char text[128];
-  std::snprintf(text, sizeof text, "return %.2f, success %.0f %%, error %.2f mm", score.episode_return,
-                100.0 * score.success_rate, score.final_error_mm);
+  std::snprintf(text, sizeof text, "return %.2f, success %.0f %%, episodes end %.2f mm off",
+                score.episode_return, 100.0 * score.success_rate, score.episode_end_error_mm);
   return text;
+}
+
+/// Throws CheckpointError where another version wrote it.
+PolicyScore score_from(const common::Json& json, const std::string& training) {
+  try {
+    return common::artefact_from_json<PolicyScore>(json, "best");
+  } catch (const common::DataError& error) {
+    throw common::CheckpointError(training + " is of another version and cannot be gone on with (" +
+                                  error.what() + "): train anew");
+  }
 }
 
 /// One run: the learner, its best policy so far, and the files.
 class Training : public runs::ResumableWork {
  public:
-  Training(const TrainPolicyConfig& config, PolicyLearner& learner, env::VecEnv& evaluation,
+  Training(const TrainPolicyConfig& config, PolicyLearner& learner, const ScoringEnvironments& scoring,
            const std::string& folder, const task::Region* region)
       : config_(config),
         folder_(folder),
-        evaluation_(evaluation, config.encoder),
+        evaluation_(scoring.choice, config.encoder),
+        fresh_(scoring.fresh, config.encoder),
         learner_(learner),
         next_evaluation_(config.training.evaluate_every) {
     if (region != nullptr) region_ = *region;
@@ -46,7 +57,6 @@ class Training : public runs::ResumableWork {
   void load(const std::string& folder) override {
     const nets::Checkpoint checkpoint = nets::load_checkpoint(folder + "/training", kKind);
     try {
-      learner_.load(checkpoint);
       const common::Json& run = checkpoint.facts.at("run");
       next_evaluation_ = run.at("next_evaluation").get<std::int64_t>();
       result_.train_seconds = run.at("train_seconds").get<double>();
@@ -54,7 +64,8 @@ class Training : public runs::ResumableWork {
       returns_ = run.at("returns").get<std::vector<std::pair<double, double>>>();
       if (returns_.empty()) throw common::CheckpointError(folder + "/training: no evaluation is in it");
       if (result_.best_env_steps > 0)
-        result_.evaluation = common::artefact_from_json<PolicyScore>(run.at("best"), folder + "/training");
+        result_.best_evaluation = score_from(run.at("best"), folder + "/training");
+      learner_.load(checkpoint);
     } catch (const nlohmann::json::exception& error) {
       throw common::CheckpointError(folder + "/training: malformed facts: " + error.what());
     }
@@ -86,9 +97,17 @@ class Training : public runs::ResumableWork {
     checkpoint.facts["run"] = {{"next_evaluation", next_evaluation_},
                                {"train_seconds", result_.train_seconds},
                                {"best_env_steps", result_.best_env_steps},
-                               {"returns", returns_},
-                               {"best", common::artefact_to_json(result_.evaluation)}};
+                               {"returns", returns_}};
+    if (result_.best_evaluation)
+      checkpoint.facts["run"]["best"] = common::artefact_to_json(*result_.best_evaluation);
     nets::save_checkpoint(folder + "/training", checkpoint);
+  }
+
+  /// Scores what was kept, by episodes that nothing was chosen by.
+  void score_afresh() {
+    const inference::Policy kept = inference::load_policy(folder_ + "/checkpoint");
+    result_.fresh_evaluation = fresh_.run(kept.actor());
+    keep(kept);
   }
 
   runs::PolicyResult result() {
@@ -122,10 +141,10 @@ class Training : public runs::ResumableWork {
     returns_.emplace_back(result_.train_seconds, score.episode_return);
     text_ = note(score);
     if (learner_.env_steps() == 0) return;
-    if (result_.best_env_steps == 0 || score.episode_return > result_.evaluation.episode_return) {
-      result_.evaluation = score;
+    if (!result_.best_evaluation || score.episode_return > result_.best_evaluation->episode_return) {
+      result_.best_evaluation = score;
       result_.best_env_steps = learner_.env_steps();
-      save_best();
+      keep(present_policy());
     }
   }
 
@@ -138,7 +157,7 @@ class Training : public runs::ResumableWork {
     return reached->first;
   }
 
-  void save_best() {
+  inference::Policy present_policy() const {
     inference::Policy policy;
     policy.weights = learner_.actor_weights();
     policy.hidden = config_.hidden();
@@ -148,14 +167,21 @@ class Training : public runs::ResumableWork {
     policy.rig = config_.learned_rig;
     policy.goal = common::name_of(config_.task.goal);
     policy.region = region_;
-    common::Json metrics = common::artefact_to_json(result_.evaluation);
-    metrics["env_steps"] = result_.best_env_steps;
+    return policy;
+  }
+
+  void keep(const inference::Policy& policy) const {
+    common::Json metrics = {{"env_steps", result_.best_env_steps},
+                            {"best_evaluation", common::artefact_to_json(*result_.best_evaluation)}};
+    if (result_.fresh_evaluation)
+      metrics["fresh_evaluation"] = common::artefact_to_json(*result_.fresh_evaluation);
     inference::save_policy(folder_ + "/checkpoint", policy, common::config_to_json(config_), metrics);
   }
 
   TrainPolicyConfig config_;
   std::string folder_;
   PolicyEvaluation evaluation_;
+  PolicyEvaluation fresh_;
   PolicyLearner& learner_;
   common::SteadyClock clock_;
   std::int64_t next_evaluation_;
@@ -239,10 +265,12 @@ runs::RunRequest run_request(const TrainPolicyConfig& config, const std::string&
 }
 
 runs::PolicyResult train_policy(const TrainPolicyConfig& config, PolicyLearner& learner,
-                                env::VecEnv& evaluation, runs::RunFolder& run, const task::Region* region) {
-  Training work(config, learner, evaluation, run.path(), region);
+                                const ScoringEnvironments& scoring, runs::RunFolder& run,
+                                const task::Region* region) {
+  Training work(config, learner, scoring, run.path(), region);
   runs::run_resumably(run, work,
                       {"training the policy", "environment steps", config.training.checkpoint_every_s});
+  work.score_afresh();
   return work.result();
 }
 

@@ -39,7 +39,6 @@ void ReplayBuffer::add(const std::vector<float>& observation, const std::vector<
   check(action.size(), action_size_, "action");
   check(result.final_observation.size(), observation_size_, "final observation");
   check(result.terminated.size(), 1, "terminated");
-  check(result.truncated.size(), 1, "truncated");
   const float* before = observation.data();
   const float* act = action.data();
   const float* after = result.final_observation.data();
@@ -53,7 +52,6 @@ void ReplayBuffer::add(const std::vector<float>& observation, const std::vector<
     after += observation_size_;
     row[0] = result.reward[i];
     row[1] = result.terminated[i] != 0 ? 1.0F : 0.0F;
-    row[2] = result.truncated[i] != 0 ? 1.0F : 0.0F;
     next_ = (next_ + 1) % capacity_;
     size_ = std::min(size_ + 1, capacity_);
   }
@@ -101,7 +99,7 @@ void ReplayBuffer::load(const nets::NamedTensors& tensors) {
     throw common::CheckpointError("replay buffer: checkpoint rows are " + c10::str(stored.sizes()) +
                                   ", expected at most " + std::to_string(capacity_) + " rows of " +
                                   std::to_string(row_size()) +
-                                  " float32: resume with the configuration it was made with");
+                                  " float32: resume with the configuration and the version it was made with");
   }
   const std::int64_t position = next->second.item<std::int64_t>();
   if (position < 0 || position >= capacity_) {

@@ -11,6 +11,16 @@ TEST_CASE("the steps of a run lie side by side in its folder") {
         "lodestone train-policy --set dynamics=dynamics/checkpoint --out ./policy");
 }
 
+TEST_CASE("a policy that wants to know its rig's gain is deployed with the simulator that identifies it") {
+  std::map<std::string, std::string> given = {
+      {"--out", "r/policy"}, {"dynamics", "d"}, {"encoder.drive_gain", "true"}};
+  CHECK(next_step("train-policy", given) ==
+        "lodestone deploy --policy r/policy/checkpoint --set dynamics=d --task all --out r/deploy");
+  given["encoder.drive_gain"] = "false";
+  CHECK(next_step("train-policy", given) ==
+        "lodestone deploy --policy r/policy/checkpoint --task all --out r/deploy");
+}
+
 TEST_CASE("a deployment is reported with its run, or as one of its own") {
   CHECK(next_step("deploy", {{"--out", "runs/a/deploy"}}) == "lodestone report --run runs/a");
   CHECK(next_step("deploy", {{"--out", "runs/square"}}) == "lodestone report --run runs/square");

@@ -123,8 +123,10 @@ with tempfile.TemporaryDirectory() as name:
     assert measured["control"]["median_ms"] >= measured["pose"]["median_ms"]
     for preset in ("policy_centre", "policy_target"):
         fast = root / preset
-        run("train-policy", "--config", source / "configs" / "fast" / f"{preset}.json", "--set",
-            f"dynamics={dynamics / 'checkpoint'}", "--set", "training.env_steps=12000", "--out", fast)
+        said = run("train-policy", "--config", source / "configs" / "fast" / f"{preset}.json", "--set",
+                   f"dynamics={dynamics / 'checkpoint'}", "--set", "training.env_steps=12000", "--set",
+                   "encoder.drive_gain=true", "--out", fast).stderr
+        assert f"--policy {fast}/checkpoint --set dynamics={dynamics / 'checkpoint'}" in said, said
         result = json.loads((fast / "result.json").read_text())
         assert 0.0 < result["seconds_to_95_percent"] <= result["train_seconds"], result
 

@@ -38,6 +38,53 @@ TEST_CASE("an environment may end or cut an episode, and its penalty is taken fr
   extra.penalty = 0.25;
   fined.finish(0, next, extra);
   CHECK(fined.result().reward[0] == Approx(episodes.result().reward[0] - 0.25));
+  CHECK(fined.result().penalty == std::vector<double>{0.25, 0.0, 0.0, 0.0});
+}
+
+TEST_CASE("a start is drawn again where it counts as reached now, not where it once would have", "[unit]") {
+  EpisodeSettings settings = tests::plain_settings(1);
+  settings.task.goal = task::GoalKind::kCentre;
+  settings.task.success_radius_m = 0.01;
+  settings.task.final_success_radius_m = 0.001;
+  settings.shrink_steps = 10;
+  EpisodeBatch episodes(settings, {}, "test");
+  int draws = 0;
+  const auto begin_near = [&] {
+    draws = 0;
+    episodes.begin(0, [&draws](common::RandomStream&) {
+      return geometry::Pose2{++draws == 1 ? 0.005 : 0.02, 0.0, 0.0};
+    });
+  };
+  begin_near();
+  CHECK(draws == 2);
+  CHECK(episodes.pose(0).x_m == 0.02);
+  for (int step = 0; step < 10; ++step) episodes.finish(0, {0.02, 0.0, 0.0});
+  CHECK(episodes.result().progress == std::vector<double>{1.0});
+  begin_near();
+  CHECK(draws == 1);
+  CHECK(episodes.pose(0).x_m == 0.005);
+  settings.shrink_steps = 0;  // it has shrunk
+  EpisodeBatch later(settings, {}, "test");
+  later.begin(0, [](common::RandomStream&) { return geometry::Pose2{0.005, 0.0, 0.0}; });
+  CHECK_FALSE(later.finish(0, {0.005, 0.0, 0.0}));
+}
+
+TEST_CASE("a needle that lies at its goal the wrong way round starts there", "[unit]") {
+  EpisodeSettings settings = tests::plain_settings(1);
+  settings.task.goal = task::GoalKind::kPose;
+  settings.task.goal_radius = 0.0;
+  settings.encoder.target_heading = true;
+  EpisodeBatch episodes(settings, {}, "test");
+  int draws = 0;
+  constexpr int kEpisodes = 100;
+  for (int episode = 0; episode < kEpisodes; ++episode) {
+    episodes.begin(0, [&draws](common::RandomStream&) {
+      ++draws;
+      return geometry::Pose2{};
+    });
+  }
+  CHECK(draws > kEpisodes);  // one heading of eighteen counts as reached
+  CHECK(draws < 1.3 * kEpisodes);
 }
 
 TEST_CASE("the final observation stays when a new episode has begun", "[unit]") {

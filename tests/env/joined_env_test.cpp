@@ -34,6 +34,8 @@ TEST_CASE("joined environments are their parts, one after the other, and resume 
     REQUIRE(tests::same(result, other.step(actions)));
     CHECK(std::equal(actions.begin(), actions.begin() + 6, result.action.begin()));
     CHECK_FALSE(std::equal(actions.begin() + 6, actions.end(), result.action.begin() + 6));
+    CHECK(result.penalty.size() == 5);
+    CHECK(result.progress.size() == 5);
   }
   CHECK_THROWS_AS(other.load({}), common::CheckpointError);
 }

@@ -298,6 +298,8 @@ TEST_CASE("disagreement of the members costs, and ends episodes where it is larg
   const StepResult paid = push(punished);
   for (const double difference : change(free.reward, paid.reward, 1, 0))
     CHECK(difference == Approx(3.0 * 0.002 / 0.0425).margin(1e-5));
+  for (const double penalty : paid.penalty) CHECK(penalty == Approx(3.0 * 0.002 / 0.0425).margin(1e-5));
+  CHECK(free.penalty == std::vector<double>(50, 0.0));
   CHECK(paid.terminated == std::vector<std::uint8_t>(50, 0));
   CHECK(push(stopped).terminated == std::vector<std::uint8_t>(50, 1));
   const inference::DynamicsModel alone = linear_model(data::StateLayout::kPosition, {kGain_m}, {0});
@@ -328,6 +330,7 @@ TEST_CASE("starts and goals keep to the region, and the radius shrinks with age"
   settings.shrink_steps = 20;
   MbsEnv shrinking(model, settings, {}, 1);
   CHECK(push(shrinking).success[0] != 0);
+  CHECK(push(shrinking).progress[0] == Approx(0.1));
   for (int i = 0; i < 20; ++i) push(shrinking);
   CHECK(push(shrinking).success[0] == 0);
 }

@@ -35,7 +35,7 @@ inline std::vector<float> random_actions(const EnvSpec& spec, std::uint64_t step
 inline bool same(const StepResult& a, const StepResult& b) {
   return a.observation == b.observation && a.reward == b.reward && a.terminated == b.terminated &&
          a.truncated == b.truncated && a.success == b.success && a.final_observation == b.final_observation &&
-         a.action == b.action;
+         a.action == b.action && a.penalty == b.penalty && a.progress == b.progress;
 }
 
 inline void check_sizes(VecEnv& environments) {
@@ -49,6 +49,7 @@ inline void check_sizes(VecEnv& environments) {
   CHECK(result.reward.size() == count);
   for (const auto* flags : {&result.terminated, &result.truncated, &result.success})
     CHECK(flags->size() == count);
+  for (const auto* each : {&result.penalty, &result.progress}) CHECK(each->size() == count);
   CHECK_THROWS_AS(environments.step(std::vector<float>(3 * count)), common::LogicFault);
   CHECK_THROWS_AS(environments.step(std::vector<float>(2 * (count + 1))), common::LogicFault);
 }

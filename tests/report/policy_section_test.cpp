@@ -18,3 +18,14 @@ TEST_CASE("training is told in a sentence and drawn, or missing") {
   CHECK(holds(html, "id=\"p-success\""));
   CHECK_FALSE(holds(html, "id=\"p-q\""));
 }
+
+TEST_CASE("of a policy that was chosen by its evaluations the fresh score is told") {
+  lodestone::report::RunData run;
+  run.policy.metrics = {{{"step", 5000}, {"evaluation/success_rate", 0.75}}};
+  run.trained.emplace().fresh_evaluation.emplace().success_rate = 0.625;
+  run.trained->fresh_evaluation->episodes = 256;
+  const std::string html = lodestone::report::policy_section(run, "p");
+  CHECK(holds(html, "256 fresh episodes"));
+  CHECK(holds(html, "<b>62 %</b>"));
+  CHECK_FALSE(holds(html, "<b>75 %</b>"));
+}

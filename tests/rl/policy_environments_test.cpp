@@ -1,6 +1,7 @@
 #include "lodestone/rl/policy_environments.h"
 
 #include <catch2/catch.hpp>
+#include <vector>
 
 #include "lodestone/common/error.h"
 
@@ -29,7 +30,10 @@ TEST_CASE("The plain simulator needs no dynamics and is of the rig", "[rl]") {
   CHECK(made.evaluation->spec().count == 5);
   CHECK(made.region == nullptr);
   CHECK(config.task.dish_radius_m == 0.03);
-  CHECK(made.training->reset() != made.evaluation->reset());
+  CHECK(made.fresh->spec().count == 5);
+  const std::vector<float> evaluated = made.evaluation->reset();
+  CHECK(made.training->reset() != evaluated);
+  CHECK(made.fresh->reset() != evaluated);
 }
 
 TEST_CASE("The learned simulator must be named, and its data say what they know", "[rl]") {

@@ -52,17 +52,17 @@ TEST_CASE("The score of standing still is that of the starts", "[rl]") {
   CHECK(score.episodes == 50);
   CHECK(score.episode_length == PointEnv::kLength);
   CHECK(score.episode_return == Approx(PointEnv::kLength * sum).epsilon(1e-5));
-  CHECK(score.final_error_mm == Approx(error_mm).epsilon(1e-5));
-  CHECK(score.final_error_median_mm > 0.0);
+  CHECK(score.episode_end_error_mm == Approx(error_mm).epsilon(1e-5));
+  CHECK(score.episode_end_error_median_mm > 0.0);
   CHECK(score.action_saturation == 0.0);
   CHECK(evaluate.run(constant_actor(9.0F, 0.0F)).action_saturation == 0.5);
 }
 
 TEST_CASE("The curves have every figure of a score", "[rl]") {
   rl::PolicyScore score;
-  score.final_error_median_mm = 3.5;
+  score.episode_end_error_median_mm = 3.5;
   const common::Scalars scalars = rl::scalars_of(score);
   CHECK(scalars.size() == 6);
   CHECK(std::count(scalars.begin(), scalars.end(),
-                   std::pair<std::string, double>("evaluation/final_error_median_mm", 3.5)) == 1);
+                   std::pair<std::string, double>("evaluation/episode_end_error_median_mm", 3.5)) == 1);
 }

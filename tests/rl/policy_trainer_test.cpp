@@ -5,14 +5,19 @@
 
 #include <ATen/ATen.h>
 
+#include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/inference/checkpoint.h"
 #include "lodestone/inference/policy.h"
 #include "lodestone/nets/checkpoint.h"
+#include "lodestone/rl/policy_evaluation.h"
 #include "lodestone/rl/td3_learner.h"
 #include "rl/toy_environments.h"
 #include "temporary_folder.h"
 
+using lodestone::common::artefact_to_json;
+using lodestone::common::Json;
 using lodestone::rl::train_policy;
 using lodestone::rl::TrainPolicyConfig;
 using lodestone::rl::testing::PointEnv;
@@ -48,15 +53,26 @@ TrainPolicyConfig point_config(std::int64_t env_steps) {
   return config;
 }
 
+constexpr std::uint64_t kChoiceSeed = 2;
+constexpr std::uint64_t kFreshSeed = 3;
+
 PolicyResult run(const TrainPolicyConfig& config, const std::string& folder, bool resume = false) {
   PointEnv training(config.training.environments, 1);
-  PointEnv evaluation(config.training.evaluation_episodes, 2);
+  PointEnv choice(config.training.evaluation_episodes, kChoiceSeed);
+  PointEnv fresh(config.training.evaluation_episodes, kFreshSeed);
   lodestone::runs::RunFolder run_folder(lodestone::rl::run_request(config, folder, resume));
   lodestone::rl::Td3Learner learner(config.training.learning, config.td3, config.noise,
                                     static_cast<std::uint64_t>(config.seed), 1, training);
-  const PolicyResult result = train_policy(config, learner, evaluation, run_folder);
+  const PolicyResult result = train_policy(config, learner, {choice, fresh}, run_folder);
   run_folder.finish();
   return result;
+}
+
+/// The policy that a run has kept, in the episodes of a seed.
+Json score_of_kept(const std::string& folder, const TrainPolicyConfig& config, std::uint64_t seed) {
+  PointEnv environments(config.training.evaluation_episodes, seed);
+  lodestone::rl::PolicyEvaluation evaluate(environments, config.encoder);
+  return artefact_to_json(evaluate.run(lodestone::inference::load_policy(folder + "/checkpoint").actor()));
 }
 
 int count_lines_with(const std::string& file, const std::string& text) {
@@ -74,13 +90,14 @@ TEST_CASE("A run leaves its best policy, its curves and its figures", "[rl]") {
   CHECK(result.env_steps == 2000);
   CHECK(result.updates == 360);
   CHECK(result.best_env_steps >= 400);
-  CHECK(result.evaluation.episodes == 20);
+  REQUIRE(result.fresh_evaluation);
+  CHECK(result.fresh_evaluation->episodes == 20);
   CHECK(result.seconds_to_95_percent > 0.0);
   CHECK(result.seconds_to_95_percent <= result.train_seconds);
   CHECK(result.peak_memory_mb > 10.0);
   CHECK(count_lines_with(folder + "/metrics.jsonl", "\"step\":0,") == 1);  // the untrained policy
   for (const char* key :
-       {"evaluation/success_rate", "evaluation/final_error_mm", "train/critic_loss", "train/q_mean",
+       {"evaluation/success_rate", "evaluation/episode_end_error_mm", "train/critic_loss", "train/q_mean",
         "train/action_saturation", "train/steps_per_s", "train/episode_return"}) {
     INFO(key);
     CHECK(count_lines_with(folder + "/metrics.jsonl", std::string("\"") + key + "\"") >= 4);
@@ -95,7 +112,23 @@ TEST_CASE("A run leaves its best policy, its curves and its figures", "[rl]") {
   for (const float component : action) CHECK(std::abs(component) <= 1.0F);
 }
 
-TEST_CASE("An interrupted run goes on to the same weights", "[rl]") {
+TEST_CASE("What is reported of the policy that is kept is from episodes that nothing was chosen by", "[rl]") {
+  const std::string folder = fresh_folder("reported");
+  const TrainPolicyConfig config = point_config(2000);
+  const PolicyResult result = run(config, folder);
+  REQUIRE(result.best_evaluation);
+  REQUIRE(result.fresh_evaluation);
+  CHECK(artefact_to_json(*result.best_evaluation) == score_of_kept(folder, config, kChoiceSeed));
+  CHECK(artefact_to_json(*result.fresh_evaluation) == score_of_kept(folder, config, kFreshSeed));
+  CHECK(result.fresh_evaluation->episode_return != result.best_evaluation->episode_return);
+  const Json metrics =
+      lodestone::inference::load_checkpoint(folder + "/checkpoint", "policy").facts["metrics"];
+  CHECK(metrics["env_steps"] == result.best_env_steps);
+  CHECK(metrics["best_evaluation"] == artefact_to_json(*result.best_evaluation));
+  CHECK(metrics["fresh_evaluation"] == artefact_to_json(*result.fresh_evaluation));
+}
+
+TEST_CASE("An interrupted run goes on to the same weights, and to the same score", "[rl]") {
   const std::string whole = fresh_folder("uninterrupted");
   const std::string part = fresh_folder("interrupted");
   const PolicyResult expected = run(point_config(1600), whole);
@@ -107,6 +140,8 @@ TEST_CASE("An interrupted run goes on to the same weights", "[rl]") {
   const PolicyResult resumed = run(config, part, true);
   CHECK(resumed.env_steps == expected.env_steps);
   CHECK(resumed.updates == expected.updates);
+  CHECK(artefact_to_json(*resumed.best_evaluation) == artefact_to_json(*expected.best_evaluation));
+  CHECK(artefact_to_json(*resumed.fresh_evaluation) == artefact_to_json(*expected.fresh_evaluation));
   CHECK(count_lines_with(part + "/metrics.jsonl", "\"step\":0,") == 1);
   const auto one = lodestone::nets::load_checkpoint(whole + "/training", "policy_training");
   const auto two = lodestone::nets::load_checkpoint(part + "/training", "policy_training");
@@ -135,6 +170,13 @@ TEST_CASE("Resuming with other settings, or from an altered checkpoint, is refus
   TrainPolicyConfig other = point_config(800);
   other.td3.discount = 0.9;
   CHECK_THROWS_AS(run(other, folder, true), lodestone::common::ConfigError);
+  const std::string older = fresh_folder("older");
+  run(point_config(800), older);
+  auto training = lodestone::nets::load_checkpoint(older + "/training", "policy_training");
+  training.facts["run"]["best"].erase("episode_end_error_mm");
+  lodestone::nets::save_checkpoint(older + "/training", training);
+  CHECK_THROWS_WITH(run(point_config(1600), older, true),
+                    Catch::Contains("of another version") && Catch::Contains("episode_end_error_mm"));
   std::string content = lodestone::common::read_file(folder + "/training/networks.safetensors");
   content[content.size() / 2] ^= 1;
   lodestone::common::write_file_atomically(folder + "/training/networks.safetensors", content);

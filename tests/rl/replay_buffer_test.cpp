@@ -80,6 +80,10 @@ TEST_CASE("A loaded buffer goes on bitwise", "[rl]") {
 
   ReplayBuffer smaller(7, 3, 2);
   CHECK_THROWS_AS(smaller.load(buffer.save()), lodestone::common::CheckpointError);
+  lodestone::nets::NamedTensors older = buffer.save();  // rows of 0.1.0 also said where episodes were cut
+  CHECK(older.at("rows").size(1) == 3 + 2 + 3 + 2);
+  older["rows"] = at::zeros({8, 11});
+  CHECK_THROWS_WITH(loaded.load(older), Catch::Contains("the version it was made with"));
   CHECK_THROWS_AS(loaded.load({}), lodestone::common::CheckpointError);
 }
 

@@ -44,7 +44,6 @@ inline ReplayBuffer random_buffer(std::int64_t count, std::int64_t observation_s
   result.final_observation = draw(observation_size);
   result.reward = draw(1);
   for (const float number : draw(1)) result.terminated.push_back(number > 0.8F ? 1 : 0);
-  result.truncated.assign(static_cast<std::size_t>(count), 0);
   buffer.add(observation, action, result);
   return buffer;
 }

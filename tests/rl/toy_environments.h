@@ -48,6 +48,8 @@ class PointEnv final : public env::VecEnv {
     result_.truncated.assign(count_, 0);
     result_.success.assign(count_, 0);
     result_.reward.assign(count_, 0.0F);
+    result_.penalty.assign(count_, 0.0);
+    result_.progress.assign(count_, 1.0);
     for (std::size_t i = 0; i < count_; ++i) {
       const float x = std::abs(position_[2 * i]);
       const float y = std::abs(position_[2 * i + 1]);
@@ -104,6 +106,8 @@ class BanditEnv final : public env::VecEnv {
     result_.observation.assign(count_, 1.0F);
     result_.final_observation.assign(count_, 1.0F);
     result_.success.assign(count_, 0);
+    result_.penalty.assign(count_, 0.0);
+    result_.progress.assign(count_, 1.0);
     result_.reward.resize(count_);
   }
 

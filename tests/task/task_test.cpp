@@ -89,6 +89,12 @@ TEST_CASE("a pose is reached when place and heading are") {
   CHECK(turned.reward == Approx(-5.0 * ((2 * pi - 6.2) - (2 * pi - 4.1)) / pi + 10.0 - 0.04));
   step.after.heading_rad = 2.5;
   CHECK_FALSE(evaluate_step(config, step).success);
+  CHECK(reached(config, {0.001, 0.0, 3.1}, step.goal, 1.0));
+  CHECK_FALSE(reached(config, {0.001, 0.0, 2.5}, step.goal, 1.0));
+  CHECK_FALSE(reached(config, {0.004, 0.0, 3.1}, step.goal, 1.0));
+  config.final_success_radius_m = 0.0005;
+  CHECK(reached(config, {0.001, 0.0, 3.1}, step.goal, 0.0));
+  CHECK_FALSE(reached(config, {0.001, 0.0, 3.1}, step.goal, 1.0));
 }
 
 TEST_CASE("current costs what the configuration says") {

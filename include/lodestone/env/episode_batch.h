@@ -87,6 +87,8 @@ class EpisodeBatch {
   };
 
   geometry::Pose2 sense(Slot& slot) const;
+  /// Of the training: how far the success radius has shrunk for this environment.
+  double progress(const Slot& slot) const;
 
   EpisodeSettings settings_;
   SensorNoise noise_;

@@ -22,7 +22,10 @@ struct StepResult {
   std::vector<std::uint8_t> truncated;   ///< [N] 1: cut by the step limit (bootstrap from final_observation)
   std::vector<std::uint8_t> success;     ///< [N] 1: within the success radius
   std::vector<float> final_observation;  ///< [N, D]: the true next observation of every environment
-  std::vector<float> action;  ///< [N, A]: what was done, where that is not what was asked; else empty
+  std::vector<float> action;    ///< [N, A]: what was done, where that is not what was asked; else empty
+  std::vector<double> penalty;  ///< [N] what the reward is short of the task's own
+  std::vector<double>
+      progress;  ///< [N] of the training, which the task's rules went by: task::Step::progress
 };
 
 /// State of an environment for bitwise resumption.

@@ -13,7 +13,8 @@ namespace lodestone::rl {
 struct PolicyEnvironments {
   /// training.environments copies, some of which may play back; null where the learner steps its own needles.
   std::unique_ptr<env::VecEnv> training;
-  std::unique_ptr<env::VecEnv> evaluation;  ///< training.evaluation_episodes copies
+  std::unique_ptr<env::VecEnv> evaluation;  ///< training.evaluation_episodes copies, to choose by
+  std::unique_ptr<env::VecEnv> fresh;       ///< as many, which nothing is chosen by
   std::optional<inference::DynamicsModel> dynamics;
   std::shared_ptr<const task::Region> region;  ///< that starts and goals lie in; null: the whole discs
 };

@@ -48,8 +48,11 @@ struct PolicyTrainingConfig {
     v.field("environments", environments, "", "environments stepped together (the paper has 3)",
             {1, 1 << 20});
     v.field("evaluate_every", evaluate_every, "steps", "environment steps between evaluations", {1, 1e12});
-    v.field("evaluation_episodes", evaluation_episodes, "", "fixed starts and goals of every evaluation",
-            {1, 1 << 20});
+    v.field(
+        "evaluation_episodes", evaluation_episodes, "",
+        "fixed starts and goals of every evaluation, by which the best policy is kept; as many fresh ones "
+        "score it in the end",
+        {1, 1 << 20});
     v.field("checkpoint_every_s", checkpoint_every_s, "s", "time between training checkpoints", {0.0, 1e6});
     v.field("max_seconds", max_seconds, "s",
             "stop after this training time (then results depend on the machine); 0: no limit", {0.0, 1e7});
@@ -123,14 +126,20 @@ TrainPolicyConfig adopt_data(TrainPolicyConfig config, const data::DatasetInfo& 
 /// The run of a configuration, and which of its keys may change when it is gone on with.
 runs::RunRequest run_request(const TrainPolicyConfig& config, const std::string& folder, bool resume);
 
+/// Where a policy is scored. Both must outlive the training and have seeds of their own.
+struct ScoringEnvironments {
+  env::VecEnv& choice;  ///< while it learns, the same episodes each time: the best policy in them is kept
+  env::VecEnv& fresh;   ///< once, at the end, the policy that was kept: nothing is chosen by them
+};
+
 /// Trains until env_steps, writing into the run's folder: metrics (the first line is of the untrained
 /// policy), `checkpoint` (the policy with the best evaluation return so far) and, every checkpoint_every_s,
-/// `training`, from which a resumption goes on bitwise. `evaluation` must have another seed than what the
-/// learner learns from.
+/// `training`, from which a resumption goes on bitwise. At the end what was kept is scored in fresh episodes,
+/// which its checkpoint then names, too: one that was cut off knows only the score that it was chosen by.
 /// Throws Interrupted after saving when the user asked to stop, and CheckpointError. `region`, when given, is
 /// kept with the policy.
 runs::PolicyResult train_policy(const TrainPolicyConfig& config, PolicyLearner& learner,
-                                env::VecEnv& evaluation, runs::RunFolder& run,
+                                const ScoringEnvironments& scoring, runs::RunFolder& run,
                                 const task::Region* region = nullptr);
 
 }  // namespace lodestone::rl

@@ -23,8 +23,8 @@ struct Batch {
   at::Tensor not_done;  ///< [B] 0 where the episode terminated, 1 otherwise (truncated ones bootstrap)
 };
 
-/// Ring of the last `capacity` transitions, stored as one row each. Truncation is stored beside termination
-/// but does not stop the bootstrap: its next observation is the true final one.
+/// Ring of the last `capacity` transitions, stored as one row each. That an episode was cut is not stored, as
+/// it does not stop the bootstrap: the next observation is the true final one.
 class ReplayBuffer {
  public:
   ReplayBuffer(std::int64_t capacity, std::int64_t observation_size, std::int64_t action_size);
@@ -46,15 +46,14 @@ class ReplayBuffer {
   void load(const nets::NamedTensors& tensors);
 
  private:
-  std::int64_t row_size() const { return 2 * observation_size_ + action_size_ + 3; }
+  std::int64_t row_size() const { return 2 * observation_size_ + action_size_ + 2; }
 
   std::int64_t capacity_;
   std::int64_t observation_size_;
   std::int64_t action_size_;
   std::int64_t size_ = 0;
   std::int64_t next_ = 0;
-  at::Tensor
-      rows_;  // [capacity, row_size]: observation, action, next observation, reward, terminated, truncated
+  at::Tensor rows_;  // [capacity, row_size]: observation, action, next observation, reward, terminated
 };
 
 }  // namespace lodestone::rl

@@ -8,8 +8,8 @@ namespace curves {
 // train-policy, by environment steps
 constexpr const char* kReturn = "evaluation/episode_return";
 constexpr const char* kSuccess = "evaluation/success_rate";
-constexpr const char* kFinalError = "evaluation/final_error_mm";
-constexpr const char* kFinalErrorMedian = "evaluation/final_error_median_mm";
+constexpr const char* kEpisodeEndError = "evaluation/episode_end_error_mm";
+constexpr const char* kEpisodeEndErrorMedian = "evaluation/episode_end_error_median_mm";
 constexpr const char* kEpisodeLength = "evaluation/episode_length";
 constexpr const char* kSaturation = "evaluation/action_saturation";
 constexpr const char* kTrainReturn = "train/episode_return";

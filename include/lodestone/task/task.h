@@ -109,6 +109,9 @@ struct Step {
 /// The radius that counts as reached at this progress of the training.
 double success_radius_m(const TaskConfig& config, double progress);
 
+/// Whether this pose counts as the goal's at this progress: within the radius, and lying as the goal wants.
+bool reached(const TaskConfig& config, const geometry::Pose2& pose, const Goal& goal, double progress);
+
 /// Reward and end of one step. Eq. 3 with the distance in dish radii:
 /// alpha * (d_after - d_before) / R + beta * [d_after < r] + tau; beyond the paper, the same for the heading
 /// error in half turns (where the goal has one: both must be within their bounds), less current_cost *
