@@ -12,6 +12,7 @@
 #include "lodestone/data/dataset_file.h"
 #include "lodestone/experiments/collection_run.h"
 #include "lodestone/nets/blas.h"
+#include "lodestone/runs/training_results.h"
 #include "models.h"
 #include "teleoperation_window.h"
 #include "terminal.h"
@@ -80,7 +81,7 @@ experiments::Teleoperator policy_teleoperator(const CollectConfig& config, std::
                            static_cast<std::uint64_t>(session)));
   experiments::Teleoperator teleoperator;
   teleoperator.controller = seeker.get();
-  teleoperator.episode_over = [seeker] { return false; };
+  teleoperator.episode_over = [seeker] { return seeker->stuck(); };
   teleoperator.save = [seeker] { return seeker->save(); };
   teleoperator.restore = [seeker](const std::string& state) { seeker->restore(state); };
   return teleoperator;
@@ -91,12 +92,12 @@ std::unique_ptr<experiments::Collection> make_live_session(const CollectConfig& 
                                                            const std::string& out,
                                                            std::unique_ptr<TeleoperationWindow>& window) {
   const experiments::CollectionConfig& collection = config.collection;
-  if (collection.rig.real() && !has_operator())
+  if (collection.rig.real() && !collection.explorer.self_reset && !has_operator())
     throw common::HardwareError(
         "collect: every episode begins where somebody has placed the needle, and nobody can be asked here: "
-        "run "
-        "it in a terminal at the bench, try it with rig.backend=virtual, or record in your own way and use "
-        "`lodestone import`");
+        "run it in a terminal at the bench, set explorer.self_reset=true, try it with rig.backend=virtual, "
+        "or "
+        "record in your own way and use `lodestone import`");
   if (config.by_hand())
     window = std::make_unique<TeleoperationWindow>(config.by, collection.rig.coils.max_current_A,
                                                    collection.rig.dish.radius_m);
@@ -127,10 +128,25 @@ Sessions make_sessions(const CollectConfig& collect, const std::string& out,
   return sessions;
 }
 
-void print_recording(const runs::RunFolder& run, const data::Dataset& dataset,
+runs::CollectionFacts facts_of(const data::Dataset& dataset, const data::Coverage& coverage) {
+  runs::CollectionFacts facts;
+  facts.transitions = dataset.transitions();
+  facts.transitions_with_current = coverage.transitions;
+  facts.coverage = coverage.fraction;
+  facts.evenness = coverage.evenness;
+  facts.episodes = static_cast<std::int64_t>(dataset.episodes.size());
+  facts.placements = dataset.placements();
+  facts.placements_per_1000 =
+      1000.0 * static_cast<double>(*facts.placements) / static_cast<double>(facts.transitions);
+  return facts;
+}
+
+void print_recording(const runs::RunFolder& run, const runs::CollectionFacts& facts,
                      const data::Coverage& coverage) {
-  std::printf("%lld transitions in %lld episodes: %s\n", static_cast<long long>(dataset.transitions()),
-              static_cast<long long>(dataset.episodes.size()), run.file(experiments::kRecording).c_str());
+  std::printf("%lld transitions in %lld episodes: %s\n", static_cast<long long>(facts.transitions),
+              static_cast<long long>(*facts.episodes), run.file(experiments::kRecording).c_str());
+  std::printf("placements by the operator: %lld, %.1f per 1,000 transitions\n",
+              static_cast<long long>(*facts.placements), *facts.placements_per_1000);
   std::printf(
       "coverage: %lld of %lld cells of position, heading and drive visited (%.1f %%), evenness %.3f\n",
       static_cast<long long>(coverage.visited), static_cast<long long>(coverage.cells),
@@ -160,8 +176,10 @@ void collect(const CommonOptions& options) {
   const data::Dataset dataset = data::read_dataset(run.file(experiments::kRecording));
   const data::Coverage coverage = data::measure_coverage(dataset);
   common::write_artefact(run.file(data::Coverage::kFile), coverage);
+  const runs::CollectionFacts facts = facts_of(dataset, coverage);
+  common::write_artefact(run.file(runs::CollectionFacts::kFile), facts);
   if (!run.finished()) run.finish();
-  print_recording(run, dataset, coverage);
+  print_recording(run, facts, coverage);
 }
 
 }  // namespace

@@ -10,10 +10,12 @@
 
 namespace lodestone::control {
 
-namespace {}
-
-Explorer::Explorer(const ExplorerConfig& config, double dish_radius_m, common::RandomStream random)
-    : config_(config), dish_radius_m_(dish_radius_m), random_(std::move(random)) {
+Explorer::Explorer(const ExplorerConfig& config, const physics::RigDescription& rig,
+                   common::RandomStream random)
+    : config_(config),
+      dish_radius_m_(rig.dish.radius_m),
+      random_(std::move(random)),
+      freeing_(config.freeing, rig) {
   side_ = static_cast<std::int64_t>(std::ceil(2.0 * dish_radius_m_ / config_.cell_m));
   levels_ = 2 * config_.level_bins + 1;
   const auto cells = static_cast<std::size_t>(side_ * side_);
@@ -27,8 +29,6 @@ Explorer::Explorer(const ExplorerConfig& config, double dish_radius_m, common::R
 }
 
 void Explorer::reset() {
-  still_steps_ = 0;
-  crowded_ = false;
   acted_ = false;
   last_index_ = -1;
 }
@@ -53,10 +53,15 @@ std::int64_t Explorer::heading_of(double heading_rad) const {
 }
 
 std::int64_t Explorer::level_of(const geometry::Vector2& action) const {
+  // The fraction of candidates whose stronger axis is weaker: each level then holds about as many.
+  const auto weaker = [&](double size) {
+    const double of_weak = std::max(0.0, 1.0 - std::log(size) / std::log(config_.weakest_drive));
+    return (1.0 - config_.weak_fraction) * size + config_.weak_fraction * of_weak;
+  };
   const auto bin = [&](double drive) {
     if (drive == 0.0) return config_.level_bins;
     const auto level =
-        std::min(static_cast<std::int64_t>(std::abs(drive) * static_cast<double>(config_.level_bins)),
+        std::min(static_cast<std::int64_t>(weaker(std::abs(drive)) * static_cast<double>(config_.level_bins)),
                  config_.level_bins - 1);
     return drive > 0.0 ? config_.level_bins + 1 + level : config_.level_bins - 1 - level;
   };
@@ -70,6 +75,8 @@ geometry::Vector2 Explorer::draw_action() {
   };
   geometry::Vector2 action(drive(), drive());
   if (random_.uniform() < config_.single_axis_fraction) action[static_cast<int>(random_.below(2))] = 0.0;
+  if (config_.weak_fraction > 0.0 && random_.uniform() < config_.weak_fraction)
+    action *= std::pow(config_.weakest_drive, random_.uniform()) / action.cwiseAbs().maxCoeff();
   return action;
 }
 
@@ -90,39 +97,63 @@ double Explorer::cost(const geometry::Pose2& pose, const geometry::Vector2& acti
   return cost;
 }
 
-geometry::Vector2 Explorer::act(const task::Observation& observation) {
-  const geometry::Vector2 position_m = observation.pose.position_m();
-  if (acted_) {
+/// What the last action did.
+void Explorer::see(const geometry::Vector2& position_m) {
+  if (acted_ && telling_) {
     const bool moved = (position_m - last_position_m_).norm() >= config_.stuck_threshold_m;
     still_steps_ = moved ? 0 : still_steps_ + 1;
   }
-  const auto cell = cell_of(position_m);
-  const auto heading = heading_of(observation.pose.heading_rad);
-  if (last_index_ >= 0) led_to_[static_cast<std::size_t>(last_index_)] = cell;
-  crowded_ =
-      static_cast<double>(at_position_[static_cast<std::size_t>(cell)]) > config_.crowding * mean_visits();
+  const auto cell = static_cast<std::size_t>(cell_of(position_m));
+  if (last_index_ >= 0) led_to_[static_cast<std::size_t>(last_index_)] = static_cast<std::int64_t>(cell);
+  crowded_ = static_cast<double>(at_position_[cell]) > config_.crowding * mean_visits();
   acted_ = true;
   last_position_m_ = position_m;
+}
+
+geometry::Vector2 Explorer::decide(const geometry::Pose2& pose) {
+  if (config_.self_reset) {
+    if (stuck()) return freeing_.next(pose);
+    freeing_.reset();
+  }
   geometry::Vector2 action = geometry::Vector2::Zero();
-  if (random_.uniform() >= config_.zero_fraction) {
-    double lowest = std::numeric_limits<double>::infinity();
-    for (std::int64_t i = 0; i < config_.candidates; ++i) {
-      const geometry::Vector2 candidate = draw_action();
-      const double candidate_cost = cost(observation.pose, candidate);
-      if (candidate_cost < lowest) {
-        lowest = candidate_cost;
-        action = candidate;
-      }
+  if (random_.uniform() < config_.zero_fraction) return action;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (std::int64_t i = 0; i < config_.candidates; ++i) {
+    const geometry::Vector2 candidate = draw_action();
+    const double candidate_cost = cost(pose, candidate);
+    if (candidate_cost < lowest) {
+      lowest = candidate_cost;
+      action = candidate;
     }
   }
+  return action;
+}
+
+void Explorer::keep_count(const geometry::Pose2& pose, const geometry::Vector2& action) {
+  const auto cell = cell_of(pose.position_m());
+  const auto heading = heading_of(pose.heading_rad);
   const auto level = level_of(action);
   last_index_ = cell * levels_ * levels_ + level;
   ++visits_;
   ++at_position_[static_cast<std::size_t>(cell)];
   ++at_pose_[static_cast<std::size_t>(cell * config_.heading_bins + heading)];
-  ++level_at_position_[static_cast<std::size_t>(cell * levels_ * levels_ + level)];
+  ++level_at_position_[static_cast<std::size_t>(last_index_)];
   ++level_at_heading_[static_cast<std::size_t>(heading * levels_ * levels_ + level)];
+}
+
+geometry::Vector2 Explorer::act(const task::Observation& observation) {
+  see(observation.pose.position_m());
+  const geometry::Vector2 action = decide(observation.pose);
+  // A needle that a weak pulse did not move is not stuck. An operator does not look so closely.
+  telling_ = !config_.self_reset || action.cwiseAbs().maxCoeff() >= config_.min_drive;
+  keep_count(observation.pose, action);
   return action;
+}
+
+void Explorer::placed() {
+  still_steps_ = 0;
+  crowded_ = false;
+  freeing_.reset();
 }
 
 geometry::Pose2 Explorer::next_start(const std::function<bool(const geometry::Pose2&)>& fits) {
@@ -151,7 +182,9 @@ common::Json Explorer::save() const {
           {"level_at_position", level_at_position_},
           {"level_at_heading", level_at_heading_},
           {"led_to", led_to_},
-          {"visits", visits_}};
+          {"visits", visits_},
+          {"still_steps", still_steps_},
+          {"freeing", freeing_.save()}};
 }
 
 void Explorer::restore(const common::Json& state) {
@@ -169,6 +202,8 @@ void Explorer::restore(const common::Json& state) {
   take("level_at_heading", level_at_heading_);
   take("led_to", led_to_);
   visits_ = state.at("visits").get<std::int64_t>();
+  still_steps_ = state.at("still_steps").get<std::int64_t>();
+  freeing_.restore(state.at("freeing"));
   random_.restore(state.at("random").get<std::string>());
   reset();
 }

@@ -1,5 +1,7 @@
 #include "lodestone/control/goal_seeker.h"
 
+#include "lodestone/common/error.h"
+#include "lodestone/common/json.h"
 #include "lodestone/geometry/saturation.h"
 #include "lodestone/task/task.h"
 
@@ -16,10 +18,15 @@ void GoalSeeker::draw_target() {
 
 void GoalSeeker::reset() {
   inner_->reset();
+  if (stuck()) still_pulses_ = 0;  // it has been placed elsewhere
   draw_target();
 }
 
 geometry::Vector2 GoalSeeker::act(const task::Observation& observation) {
+  if (!observation.last_action.isZero(0.0)) {
+    const bool moved = observation.last_displacement_m.norm() >= config_.stuck_threshold_m;
+    still_pulses_ = moved ? 0 : still_pulses_ + 1;
+  }
   const double distance_m = (observation.pose.position_m() - target_m_).norm();
   if (distance_m < config_.reached_m || steps_ >= config_.max_pulses_per_target) draw_target();
   ++steps_;
@@ -27,6 +34,20 @@ geometry::Vector2 GoalSeeker::act(const task::Observation& observation) {
   seen.target_m = target_m_;
   const geometry::Vector2 noise(random_.normal(), random_.normal());
   return geometry::saturated(inner_->act(seen) + config_.noise * noise);
+}
+
+std::string GoalSeeker::save() const {
+  return common::Json{{"random", random_.save()}, {"still_pulses", still_pulses_}}.dump();
+}
+
+void GoalSeeker::restore(const std::string& state) {
+  const common::Json json = common::parse_json(state, "state of the exploring policy");
+  try {
+    random_.restore(json.at("random").get<std::string>());
+    still_pulses_ = json.at("still_pulses").get<std::int64_t>();
+  } catch (const common::Json::exception& error) {
+    throw common::DataError(std::string("state of the exploring policy is malformed: ") + error.what());
+  }
 }
 
 }  // namespace lodestone::control

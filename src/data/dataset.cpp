@@ -24,6 +24,7 @@ constexpr double kLargestHeading_rad = 100.0;  // some turns, where headings are
 constexpr double kLargestDrive = 10.0;         // action scales: a measured current overshoots the one set
 constexpr double kLargestScale = 1e3;          // A or percent
 constexpr double kLongestPeriod_s = 60.0;
+constexpr std::int64_t kMostPlacements = 1000000;  // before one episode
 
 [[noreturn]] void fail(const std::string& source, std::size_t episode, const std::string& what) {
   throw DataError(source + ": episode " + std::to_string(episode) + ": " + what);
@@ -68,6 +69,9 @@ void check_episode(const Episode& episode, const DatasetInfo& info, double farth
   check_flags(episode.zero_current, steps, "zero_current", index, source);
   check_numbers<3>(episode.observations, s, "observations", kStateColumns,
                    {farthest_m, farthest_m, kLargestHeading_rad}, index, source);
+  if (episode.placements < 0 || episode.placements > kMostPlacements)
+    fail(source, index,
+         fmt::format("placements is {}; it must be within 0 and {}", episode.placements, kMostPlacements));
   const double drive = kLargestDrive * info.action_scale;
   check_numbers<2>(episode.actions, kActionSize, "actions", kActionColumns, {drive, drive}, index, source);
 }
@@ -77,6 +81,11 @@ void check_episode(const Episode& episode, const DatasetInfo& info, double farth
 std::int64_t Dataset::transitions() const {
   return std::accumulate(episodes.begin(), episodes.end(), std::int64_t{0},
                          [](std::int64_t sum, const Episode& e) { return sum + e.length(); });
+}
+
+std::int64_t Dataset::placements() const {
+  return std::accumulate(episodes.begin(), episodes.end(), std::int64_t{0},
+                         [](std::int64_t sum, const Episode& e) { return sum + e.placements; });
 }
 
 Episode first_steps(const Episode& episode, std::int64_t steps) {

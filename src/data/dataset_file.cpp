@@ -23,6 +23,7 @@ constexpr const char* kFormat = "lodestone-transitions";
 constexpr std::int64_t kFormatVersion = 2;
 constexpr const char* kImpossible = "impossible";
 constexpr const char* kChecksum = "checksum";
+constexpr const char* kPlacements = "placements";
 constexpr std::size_t kImageStep = 1 << 20;  // bytes by which the image of a file grows
 
 std::string because(const std::string& detail) { return detail.empty() ? "" : " (" + detail + ")"; }
@@ -160,6 +161,7 @@ Episode read_episode(hid_t root, const std::string& name, StateLayout layout, Re
     throw DataError(place + ": " + std::to_string(rows) + " observations do not fit " +
                     std::to_string(steps) +
                     " actions: T actions need T+1 observations and T flags of each kind");
+  read_attribute(group.get(), kPlacements, episode.placements);  // absent where nobody counted them
   compare_checksum(group.get(), episode, place);
   return episode;
 }
@@ -210,6 +212,7 @@ bool write_episode(hid_t parent, std::int64_t index, const Episode& episode, Sta
   };
   return group.valid() && infos.valid() && write_attribute(group.get(), "id", index) &&
          write_attribute(group.get(), "total_steps", episode.length()) &&
+         write_attribute(group.get(), kPlacements, episode.placements) &&
          write_attribute(group.get(), kChecksum, checksum(to_bytes(episode))) &&
          numbers("observations", episode.observations, {steps + 1, s}) &&
          numbers("actions", episode.actions, {steps, kActionSize}) && numbers("rewards", rewards, {steps}) &&

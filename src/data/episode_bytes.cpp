@@ -8,6 +8,7 @@ namespace lodestone::data {
 namespace {
 
 constexpr std::size_t kChecksumDigits = 32;
+constexpr std::int64_t kUsualPlacements = 1;  // which is not written: nobody counted them at first
 
 template <class Value>
 void append(std::string& bytes, const std::vector<Value>& values) {
@@ -31,6 +32,7 @@ std::string to_bytes(const Episode& episode) {
   append(bytes, episode.terminations);
   append(bytes, episode.truncations);
   append(bytes, episode.zero_current);
+  if (episode.placements != kUsualPlacements) append(bytes, std::vector<std::int64_t>{episode.placements});
   return bytes;
 }
 
@@ -38,14 +40,16 @@ std::optional<Episode> from_bytes(std::string_view bytes, StateLayout layout) {
   const auto s = static_cast<std::size_t>(state_size(layout));
   const std::size_t first_row = s * sizeof(double);
   const std::size_t step = (s + kActionSize) * sizeof(double) + 3;
-  if (bytes.size() < first_row || (bytes.size() - first_row) % step != 0) return std::nullopt;
-  const std::size_t steps = (bytes.size() - first_row) / step;
+  const std::size_t steps = bytes.size() < first_row ? 0 : (bytes.size() - first_row) / step;
+  const bool counted = bytes.size() == first_row + steps * step + sizeof(std::int64_t);
+  if (!counted && bytes.size() != first_row + steps * step) return std::nullopt;
   Episode episode;
   episode.observations = take<double>(bytes, s * (steps + 1));
   episode.actions = take<double>(bytes, kActionSize * steps);
   episode.terminations = take<std::uint8_t>(bytes, steps);
   episode.truncations = take<std::uint8_t>(bytes, steps);
   episode.zero_current = take<std::uint8_t>(bytes, steps);
+  episode.placements = counted ? take<std::int64_t>(bytes, 1)[0] : kUsualPlacements;
   return episode;
 }
 

@@ -19,6 +19,7 @@ Episode steps_of(const Episode& episode, std::size_t first, std::size_t last, st
   out.truncations = part(episode.truncations, first, last);
   out.zero_current = part(episode.zero_current, first, last);
   if (out.terminations.back() == 0) out.truncations.back() = 1;
+  out.placements = first == 0 ? episode.placements : 0;
   return out;
 }
 

@@ -1,6 +1,7 @@
 #include "lodestone/experiments/collection.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/interrupt.h"
@@ -9,18 +10,43 @@ namespace lodestone::experiments {
 
 namespace {
 
-/// No target, only an end: after some steps, or when something says so.
+/// What has become of the needle in one run of the loop.
+struct Sight {
+  bool lost = false;
+  bool found = false;  ///< after it was lost
+};
+
+/// No target, only an end: after some steps, or when something says so. A needle that is lost is looked for
+/// first, and the end is when it is found.
 class UntilOver final : public control::Reference {
  public:
-  UntilOver(std::function<bool()> over, double duration_s)
-      : over_(std::move(over)), duration_s_(duration_s) {}
+  UntilOver(std::function<bool()> over, double duration_s, const Sight& sight)
+      : over_(std::move(over)), duration_s_(duration_s), sight_(sight) {}
   void reset() override {}
   geometry::Vector2 target(double, const geometry::Vector2&) override { return geometry::Vector2::Zero(); }
-  bool finished(double time_s) const override { return over_() || time_s >= duration_s_; }
+  bool finished(double time_s) const override {
+    return sight_.lost ? sight_.found : over_() || time_s >= duration_s_;
+  }
 
  private:
   std::function<bool()> over_;
   double duration_s_;
+  const Sight& sight_;
+};
+
+/// A controller up to where the needle is lost.
+class WhileSeen final : public control::Controller {
+ public:
+  WhileSeen(control::Controller& inner, Sight& sight) : inner_(inner), sight_(sight) {}
+  void reset() override { inner_.reset(); }
+  geometry::Vector2 act(const task::Observation& observation) override {
+    sight_.found = sight_.lost;
+    return sight_.lost ? geometry::Vector2::Zero() : inner_.act(observation);
+  }
+
+ private:
+  control::Controller& inner_;
+  Sight& sight_;
 };
 
 task::ActionConfig action_config(const CollectionConfig& config) {
@@ -29,11 +55,29 @@ task::ActionConfig action_config(const CollectionConfig& config) {
   return action;
 }
 
-/// A missing pose ends an episode at once: a gap in a recording is no transition.
+/// Where an operator is at hand, nobody looks for a needle that is lost.
 control::ControlLoopConfig loop_config(const CollectionConfig& config) {
   control::ControlLoopConfig loop = config.loop;
-  loop.max_invalid_poses = 1;
+  if (!config.explorer.self_reset) loop.max_invalid_poses = 1;
   return loop;
+}
+
+/// The pulses up to the first pose that is missing: a gap in a recording is no transition.
+data::Episode episode_of(const std::vector<control::StepRecord>& steps, const task::ActionConfig& action) {
+  const auto gap = std::find_if(steps.begin(), steps.end(),
+                                [](const control::StepRecord& step) { return !step.estimate.valid; });
+  data::Episode episode;
+  for (auto step = steps.begin(); step != gap; ++step) {
+    const geometry::Pose2& pose = step->estimate.pose;
+    episode.observations.insert(episode.observations.end(), {pose.x_m, pose.y_m, pose.heading_rad});
+    if (step + 1 == gap) break;
+    const geometry::Vector2 drive_A = task::axis_drive(step->action, action);
+    episode.actions.insert(episode.actions.end(), {drive_A.x(), drive_A.y()});
+    episode.terminations.push_back(0);
+    episode.truncations.push_back(step + 2 == gap ? 1 : 0);
+    episode.zero_current.push_back(drive_A.isZero(0.0) ? 1 : 0);
+  }
+  return episode;
 }
 
 }  // namespace
@@ -72,46 +116,52 @@ Collection::Collection(const CollectionConfig& config, std::unique_ptr<session::
     : config_(config),
       bench_(std::move(bench)),
       teleoperator_(std::move(teleoperator)),
-      explorer_(config.explorer, config.rig.dish.radius_m,
+      explorer_(config.explorer, config.rig,
                 common::RandomStream(static_cast<std::uint64_t>(config.seed), "collect/explorer",
-                                     static_cast<std::uint64_t>(session))) {}
+                                     static_cast<std::uint64_t>(session))),
+      to_be_placed_(!config.explorer.self_reset) {}
+
+task::ActionConfig Collection::action() const {
+  return teleoperator_ && teleoperator_->action.scale > 0.0 ? teleoperator_->action : action_config(config_);
+}
+
+control::LoopOutcome Collection::run(std::int64_t max_steps) {
+  const std::function<bool()> over =
+      teleoperator_ ? teleoperator_->episode_over : [this] { return explorer_.needs_operator(); };
+  control::Controller& controller = teleoperator_ ? *teleoperator_->controller : explorer_;
+  Sight sight;
+  // Half a period less, as the loop counts time in sums of periods.
+  UntilOver reference(over, (static_cast<double>(max_steps) - 0.5) * config_.loop.period_s(), sight);
+  WhileSeen seeing(controller, sight);
+  control::ControlLoop loop(loop_config(config_), action(), bench_->coils(), bench_->sensor(),
+                            bench_->clock(), config_.explorer.self_reset ? &config_.rig : nullptr,
+                            teleoperator_ ? teleoperator_->identifier.get() : nullptr);
+  const control::LoopOutcome outcome = loop.run(seeing, reference, [&](const control::StepRecord& step) {
+    sight.lost = sight.lost || !step.estimate.valid;
+    if (teleoperator_ && teleoperator_->watch) teleoperator_->watch(step);
+  });
+  if (common::interrupted()) throw common::Interrupted("collection stopped by the user");
+  const bool gone = !outcome.completed && !bench_->coils().latched() && !outcome.steps.empty() &&
+                    !outcome.steps.back().estimate.valid;
+  if (!outcome.completed && !gone) throw common::HardwareError("collection stopped: " + outcome.stop_reason);
+  to_be_placed_ = !config_.explorer.self_reset || gone || over();
+  return outcome;
+}
 
 data::Episode Collection::next_episode(std::int64_t max_steps) {
   max_steps = std::min(max_steps, config_.episode_steps);
   LODESTONE_CHECK(max_steps >= 1, "at least one step in an episode");
+  bench_->sensor().forget();  // what it remembers would not be there after a restart
+  std::int64_t placements = 0;
   for (int attempts = 0; attempts < 1000; ++attempts) {
-    bench_->place(explorer_.next_start([this](const geometry::Pose2& pose) { return bench_->fits(pose); }));
-    // Half a period less, as the loop counts time in sums of periods.
-    UntilOver reference(
-        teleoperator_ ? teleoperator_->episode_over : [this] { return explorer_.stuck(); },
-        (static_cast<double>(max_steps) - 0.5) * config_.loop.period_s());
-    const task::ActionConfig action =
-        teleoperator_ && teleoperator_->action.scale > 0.0 ? teleoperator_->action : action_config(config_);
-    control::ControlLoop loop(loop_config(config_), action, bench_->coils(), bench_->sensor(),
-                              bench_->clock(), nullptr,
-                              teleoperator_ ? teleoperator_->identifier.get() : nullptr);
-    control::Controller& controller = teleoperator_ ? *teleoperator_->controller : explorer_;
-    const control::LoopOutcome outcome = loop.run(
-        controller, reference, teleoperator_ ? teleoperator_->watch : control::ControlLoop::Observer());
-    if (common::interrupted()) throw common::Interrupted("collection stopped by the user");
-    const bool latched = bench_->coils().latched();
-    const bool lost = !latched && !outcome.steps.empty() && !outcome.steps.back().estimate.valid;
-    if (!outcome.completed && !lost)
-      throw common::HardwareError("collection stopped: " + outcome.stop_reason);
-    const std::size_t observations = outcome.steps.size() - (lost ? 1 : 0);
-    if (observations < 2) continue;
-    data::Episode episode;
-    for (std::size_t i = 0; i < observations; ++i) {
-      const control::StepRecord& step = outcome.steps[i];
-      const geometry::Pose2& pose = step.estimate.pose;
-      episode.observations.insert(episode.observations.end(), {pose.x_m, pose.y_m, pose.heading_rad});
-      if (i + 1 == observations) break;
-      const geometry::Vector2 drive_A = task::axis_drive(step.action, action);
-      episode.actions.insert(episode.actions.end(), {drive_A.x(), drive_A.y()});
-      episode.terminations.push_back(0);
-      episode.truncations.push_back(i + 2 == observations ? 1 : 0);
-      episode.zero_current.push_back(drive_A.isZero(0.0) ? 1 : 0);
+    if (to_be_placed_) {
+      bench_->place(explorer_.next_start([this](const geometry::Pose2& pose) { return bench_->fits(pose); }));
+      explorer_.placed();
+      ++placements;
     }
+    data::Episode episode = episode_of(run(max_steps).steps, action());
+    if (episode.length() == 0) continue;
+    episode.placements = placements;
     return episode;
   }
   throw common::HardwareError("collection stopped: the sensor gave no two poses in a row in 1000 attempts");
@@ -120,7 +170,8 @@ data::Episode Collection::next_episode(std::int64_t max_steps) {
 common::Json Collection::save() const {
   const session::GroundTruth* truth = bench_->truth();
   common::Json state = {{"bench", truth != nullptr ? truth->save() : common::Json()},
-                        {"explorer", explorer_.save()}};
+                        {"explorer", explorer_.save()},
+                        {"to_be_placed", to_be_placed_}};
   if (teleoperator_ && teleoperator_->save) state["teleoperator"] = teleoperator_->save();
   return state;
 }
@@ -129,6 +180,10 @@ void Collection::restore(const common::Json& state) {
   try {
     if (bench_->truth() != nullptr) bench_->truth()->load(state.at("bench"));
     explorer_.restore(state.at("explorer"));
+    if (bench_->truth() != nullptr)
+      to_be_placed_ = state.at("to_be_placed").get<bool>();
+    else
+      explorer_.placed();  // whoever starts it again has seen to the needle
     if (teleoperator_ && teleoperator_->restore)
       teleoperator_->restore(state.at("teleoperator").get<std::string>());
   } catch (const common::Json::exception& error) {

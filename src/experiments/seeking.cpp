@@ -19,7 +19,7 @@ Teleoperator seeking_planner(const CollectionConfig& config, const SimulatorSour
   Teleoperator teleoperator;
   teleoperator.controller = seeker.get();
   teleoperator.action = simulator.action;
-  teleoperator.episode_over = [seeker] { return false; };
+  teleoperator.episode_over = [seeker] { return seeker->stuck(); };
   if (identification.enabled && simulator.simulator->sampled)
     teleoperator.identifier = std::make_shared<control::RigIdentifier>(simulator.simulator, identification,
                                                                        simulator.drive_per_A());

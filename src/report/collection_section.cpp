@@ -41,20 +41,27 @@ std::string histogram(const std::string& id, const std::string& title, const std
   return chart_html(chart);
 }
 
+/// How much of an operator's work it took.
+std::string placed(const RunData& run) {
+  if (!run.recorded || !run.recorded->placements || !run.recorded->placements_per_1000) return "";
+  return " An operator placed the needle " + grouped(static_cast<double>(*run.recorded->placements)) +
+         " times, <b>" + fixed(*run.recorded->placements_per_1000, 1) + "</b> per 1,000 pulses.";
+}
+
 }  // namespace
 
 std::string collection_section(const RunData& run) {
   if (!run.coverage) return missing("The exploration", "lodestone collect --out RUN/collect");
   const data::Coverage& c = *run.coverage;
-  std::string html = "<p>" + grouped(static_cast<double>(c.transitions)) +
-                     " pulses with current. Position, heading "
-                     "and strength of the drive make " +
-                     grouped(static_cast<double>(c.cells)) + " cells inside the dish; <b>" +
-                     percent(c.fraction) + "</b> of them were visited at least once (" +
-                     grouped(static_cast<double>(c.visited)) +
-                     "). Evenness, the entropy of the visits relative to an "
-                     "even spread, is <b>" +
-                     fixed(c.evenness, 3) + "</b> (1 would be even).</p>\n<div class=\"two\">";
+  std::string html =
+      "<p>" + grouped(static_cast<double>(c.transitions)) +
+      " pulses with current. Position, heading "
+      "and strength of the drive make " +
+      grouped(static_cast<double>(c.cells)) + " cells inside the dish; <b>" + percent(c.fraction) +
+      "</b> of them were visited at least once (" + grouped(static_cast<double>(c.visited)) +
+      "). Evenness, the entropy of the visits relative to an "
+      "even spread, is <b>" +
+      fixed(c.evenness, 3) + "</b> (1 would be even)." + placed(run) + "</p>\n<div class=\"two\">";
   html += figure(
       coverage_image(c),
       "<b>Where pulses were recorded.</b> Dark cells hold many, light cells few: a pale patch is a place "

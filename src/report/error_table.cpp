@@ -139,7 +139,9 @@ runs::DeploymentSummary merged_summary(const RunData& run) {
   summary.provenance = run.provenance;
   if (run.evaluation) summary.provenance.dynamics = *run.evaluation;
   if (run.trained) summary.provenance.policy = *run.trained;
-  if (run.coverage) {
+  if (run.recorded) {
+    summary.provenance.collect = run.recorded;
+  } else if (run.coverage) {
     runs::CollectionFacts& collect = summary.provenance.collect.emplace();
     collect.transitions_with_current = run.coverage->transitions;
     const common::Json& config = run.collect.config;

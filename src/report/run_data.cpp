@@ -88,6 +88,8 @@ RunData read_run(const std::string& folder) {
   run.folder = folder;
   run.collect = read_step(folder, "collect");
   run.coverage = read_coverage(folder);
+  run.recorded =
+      common::find_artefact<runs::CollectionFacts>(folder + "/collect/" + runs::CollectionFacts::kFile);
   run.dynamics = read_step(folder, "dynamics");
   run.evaluation = common::find_artefact<runs::DynamicsEvaluation>(folder + "/dynamics/" +
                                                                    runs::DynamicsEvaluation::kFile);

@@ -119,12 +119,16 @@ try:
     time.sleep(1)
     expect(run("rig", "check", "--rig", bench, "--no-camera", "--yes"), "currents are as asked")
 
-    # Exploring needs somebody who places the needle.
-    expect(run("collect", "--rig", bench, "--set", "transitions=6", "--out", folder / "alone", code=1),
+    # Exploring frees the needle by itself, or needs somebody who places it.
+    text = run("collect", "--rig", bench, "--set", "transitions=12", "--set", "episode_steps=4", *patient, "--out",
+               folder / "alone")
+    expect(text, "12 transitions", "placements by the operator: 0")
+    placed = ["--set", "explorer.self_reset=false"]
+    expect(run("collect", "--rig", bench, "--set", "transitions=6", *placed, "--out", folder / "nobody", code=1),
            "nobody can be asked", "lodestone import")
     keyboard, terminal = pty.openpty()
     running = subprocess.Popen([*as_user, lodestone, "collect", "--rig", bench, "--set", "transitions=12", "--set",
-                                "episode_steps=4", *patient, "--out", folder / "explored"], stdin=terminal,
+                                "episode_steps=4", *placed, *patient, "--out", folder / "explored"], stdin=terminal,
                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=False)
     seen = b""
     end = time.time() + 60

@@ -152,7 +152,7 @@ segmenter = ("train-segmenter", "--set", "training.samples=8", "--set", "trainin
 with tempfile.TemporaryDirectory() as recorded:
     data = pathlib.Path(recorded) / "collect"
     assert start(collect, data).returncode == 0
-    sweep("collect", collect, ["transitions.h5", "coverage.json"])
+    sweep("collect", collect, ["transitions.h5", "coverage.json", "summary.json"])
     sweep("train-dynamics", (*dynamics, "--set", f"data={data / 'transitions.h5'}"), ["checkpoint/manifest.json"])
 adapt = ("adapt", "--models", source / "models/dynamics_best", "--sensor", "simulated", "--pulses", "60", "--set",
          "planner.candidates=8", "--set", "planner.iterations=1", "--set", "learning.epochs=1", "--set", "rehearsal=0",
@@ -161,7 +161,7 @@ sweep("adapt", adapt, ["driving/transitions.h5", "learning/checkpoint/manifest.j
 sweep("train-policy", policy, ["checkpoint/manifest.json"])
 sweep("train-segmenter", segmenter, ["checkpoint/manifest.json"], exit_code=1)  # it sees no needle yet, and says so
 sweep("deploy", deploy, ["summary.json", "trials.json", "trajectories.csv"])
-sweep_sizes("collect", collect, ["transitions.h5", "coverage.json"])
+sweep_sizes("collect", collect, ["transitions.h5", "coverage.json", "summary.json"])
 sweep_sizes("deploy", deploy, ["summary.json", "trials.json", "trajectories.csv"])
 sweep_plan(["collect/transitions.h5", "dynamics/checkpoint/manifest.json"])
 sweep_report()

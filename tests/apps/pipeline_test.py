@@ -40,6 +40,9 @@ with tempfile.TemporaryDirectory() as name:
 
     run("collect", "--config", configs / "collect.json", "--set", "transitions=800", "--out", collect)
     assert (collect / "coverage.json").exists()
+    recorded = json.loads((collect / "summary.json").read_text())
+    assert recorded["transitions"] == 800 and recorded["episodes"] >= 32, recorded
+    assert abs(recorded["placements_per_1000"] - recorded["placements"] / 0.8) < 1e-9, recorded
     again = run("collect", "--config", configs / "collect.json", "--set", "transitions=800", "--out", collect, code=2)
     assert "--resume" in again.stderr, again.stderr
 

@@ -1,17 +1,17 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "control/controller_conformance.h"
 #include "control/fakes.h"
 #include "lodestone/control/explorer.h"
+#include "paper_rig.h"
 
 using namespace lodestone;
 using geometry::Vector2;
 
 namespace {
-
-constexpr double kDish_m = 0.0425;
 
 /// A dish in which the needle goes where it is pulled, farther the nearer the coil, and clings to the wall:
 /// enough to compare explorers.
@@ -37,12 +37,13 @@ double evenness(const std::map<int, int>& visits, int total) {
   return entropy / std::log(80.0);
 }
 
-template <class Act, class Stuck, class Start>
-double explore(int steps, Act act, Stuck stuck, Start start) {
+/// `placed`: where the needle is put before a step, if it is.
+template <class Act, class Placed>
+double explore(int steps, Act act, Placed placed) {
   std::map<int, int> visits;
-  geometry::Pose2 pose = start();
+  geometry::Pose2 pose;
   for (int step = 0; step < steps; ++step) {
-    if (step % 25 == 0 || stuck()) pose = start();
+    pose = placed(step).value_or(pose);
     ++visits[static_cast<int>((pose.x_m + 0.0425) / 0.0085) * 100 +
              static_cast<int>((pose.y_m + 0.0425) / 0.0085)];
     pose = toy_step(pose, act(pose));
@@ -50,37 +51,64 @@ double explore(int steps, Act act, Stuck stuck, Start start) {
   return evenness(visits, steps);
 }
 
+task::Observation observed_at(const geometry::Pose2& pose) {
+  task::Observation observation;
+  observation.pose = pose;
+  return observation;
+}
+
+/// An operator places the needle for every episode, as the paper has it.
+control::ExplorerConfig with_operator() {
+  control::ExplorerConfig config;
+  config.self_reset = false;
+  config.steering = 1.0;
+  config.weak_fraction = 0.0;
+  return config;
+}
+
+control::Explorer make_explorer(const control::ExplorerConfig& config, std::uint64_t seed = 1) {
+  return {config, tests::paper_rig(), common::RandomStream(seed, "explorer")};
+}
+
+/// Evenness of 4,000 steps in episodes of 25, and how often the needle was placed.
+std::pair<double, int> guided(const control::ExplorerConfig& config) {
+  control::Explorer explorer = make_explorer(config);
+  int placements = 0;
+  const double even = explore(
+      4000, [&](const geometry::Pose2& pose) { return explorer.act(observed_at(pose)); },
+      [&](int step) -> std::optional<geometry::Pose2> {
+        const bool due = explorer.needs_operator() || (!config.self_reset && step % 25 == 0);
+        if (step % 25 == 0 || due) explorer.reset();
+        if (!due) return std::nullopt;
+        ++placements;
+        explorer.placed();
+        return explorer.next_start(in_dish);
+      });
+  return {even, placements};
+}
+
 }  // namespace
 
 TEST_CASE("guided exploration covers the dish more evenly than random actions") {
-  control::Explorer explorer({}, kDish_m, common::RandomStream(1, "explorer"));
   common::RandomStream random(2, "random");
-  const auto start = [&] {
-    explorer.reset();
-    return explorer.next_start(in_dish);
-  };
-  const auto act = [&](const geometry::Pose2& pose) {
-    task::Observation observation;
-    observation.pose = pose;
-    return explorer.act(observation);
-  };
-  const double guided = explore(
-      4000, act, [&] { return explorer.stuck(); }, start);
-  const auto random_start = [&] {
-    geometry::Pose2 pose{1.0, 1.0, 0.0};
-    while (!in_dish(pose)) pose = {random.uniform(-0.037, 0.037), random.uniform(-0.037, 0.037), 0.0};
-    return pose;
-  };
   const double blind = explore(
       4000,
       [&](const geometry::Pose2&) { return Vector2(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)); },
-      [] { return false; }, random_start);
-  CAPTURE(guided, blind);
-  CHECK(guided > blind + 0.03);
+      [&](int step) -> std::optional<geometry::Pose2> {
+        if (step % 25 != 0) return std::nullopt;
+        geometry::Pose2 pose{1.0, 1.0, 0.0};
+        while (!in_dish(pose)) pose = {random.uniform(-0.037, 0.037), random.uniform(-0.037, 0.037), 0.0};
+        return pose;
+      });
+  const auto [placed, placements] = guided(with_operator());
+  CAPTURE(blind, placed, placements);
+  CHECK(placed > blind + 0.03);
+  CHECK(placements >= 160);
+  CHECK(guided({}).second == 0);
 }
 
 TEST_CASE("the explorer mixes levels, single axes and some zero rows") {
-  control::Explorer explorer({}, kDish_m, common::RandomStream(1, "explorer"));
+  control::Explorer explorer = make_explorer(with_operator());
   tests::check_controller(explorer);
   int zero = 0;
   int single = 0;
@@ -89,9 +117,8 @@ TEST_CASE("the explorer mixes levels, single axes and some zero rows") {
   constexpr int kSteps = 3000;
   common::RandomStream random(5, "poses");
   for (int i = 0; i < kSteps; ++i) {
-    task::Observation observation;
-    observation.pose = {random.uniform(-0.03, 0.03), random.uniform(-0.03, 0.03), random.uniform(-3.1, 3.1)};
-    const Vector2 action = explorer.act(observation);
+    const Vector2 action = explorer.act(
+        observed_at({random.uniform(-0.03, 0.03), random.uniform(-0.03, 0.03), random.uniform(-3.1, 3.1)}));
     const bool x = action.x() != 0.0;
     const bool y = action.y() != 0.0;
     zero += !x && !y;
@@ -105,24 +132,111 @@ TEST_CASE("the explorer mixes levels, single axes and some zero rows") {
   CHECK(low > kSteps / 10);
 }
 
-TEST_CASE("the explorer calls the operator when the needle is stuck, and its state can be saved") {
+TEST_CASE("weak pulses are as many as asked for, over decades, and none is weaker than the weakest") {
   control::ExplorerConfig config;
+  config.zero_fraction = 0.0;
+  common::RandomStream random(5, "poses");
+  const auto weaker_than = [&](double weak_fraction, double bound) {
+    config.weak_fraction = weak_fraction;
+    control::Explorer explorer = make_explorer(config);
+    int count = 0;
+    constexpr int kSteps = 2000;
+    for (int i = 0; i < kSteps; ++i) {
+      explorer.reset();  // nothing stalls
+      const double drive = explorer
+                               .act(observed_at({random.uniform(-0.03, 0.03), random.uniform(-0.03, 0.03),
+                                                 random.uniform(-3.1, 3.1)}))
+                               .cwiseAbs()
+                               .maxCoeff();
+      CHECK(drive >= (weak_fraction > 0.0 ? config.weakest_drive : config.min_drive) * (1.0 - 1e-12));
+      count += drive < bound;
+    }
+    return static_cast<double>(count) / kSteps;
+  };
+  CHECK(weaker_than(0.0, 0.1) == 0.0);
+  // Of log-uniform drives half lie below the geometric mean of their bounds. Levels are tried equally often,
+  // whatever the other axis does, which shifts that somewhat.
+  const double middle = std::sqrt(config.weakest_drive);
+  const double of_all = weaker_than(1.0, middle);
+  CHECK(of_all > 0.3);
+  CHECK(of_all < 0.6);
+  const double of_half = weaker_than(0.5, middle);
+  CHECK(of_half > 0.15);
+  CHECK(of_half < of_all);
+}
+
+TEST_CASE("the explorer calls the operator when the needle is stuck, and its state can be saved") {
+  control::ExplorerConfig config = with_operator();
   config.stuck_steps = 3;
   config.crowding = 1e6;
-  control::Explorer explorer(config, kDish_m, common::RandomStream(1, "explorer"));
-  task::Observation observation;
+  control::Explorer explorer = make_explorer(config);
+  const task::Observation observation;
   for (int i = 0; i < 3; ++i) {
     explorer.act(observation);
-    CHECK_FALSE(explorer.stuck());
+    CHECK_FALSE(explorer.needs_operator());
   }
   explorer.act(observation);
-  CHECK(explorer.stuck());
+  CHECK(explorer.needs_operator());
   explorer.reset();
-  CHECK_FALSE(explorer.stuck());
-  control::Explorer other(config, kDish_m, common::RandomStream(9, "explorer"));
+  CHECK(explorer.needs_operator());  // an episode that ends does not move the needle
+  explorer.placed();
+  CHECK_FALSE(explorer.needs_operator());
+  control::Explorer other = make_explorer(config, 9);
   other.restore(explorer.save());
   for (int i = 0; i < 20; ++i) CHECK(other.act(observation) == explorer.act(observation));
   config.heading_bins = 4;
-  control::Explorer different(config, kDish_m, common::RandomStream(9, "explorer"));
+  control::Explorer different = make_explorer(config, 9);
   CHECK_THROWS_AS(different.restore(explorer.save()), common::DataError);
+}
+
+TEST_CASE("a needle that does not move is freed over several episodes, as if never stopped, then placed") {
+  control::ExplorerConfig config;
+  config.crowding = 1e6;
+  config.freeing.max_pulses = 12;
+  control::Explorer explorer = make_explorer(config);
+  const task::Observation observation = observed_at({0.03, 0.0, 0.0});
+  const auto episode = [&observation](control::Explorer& one) {
+    one.reset();
+    std::vector<Vector2> actions;
+    for (int i = 0; i < 5 && !one.needs_operator(); ++i) actions.push_back(one.act(observation));
+    return actions;
+  };
+  int pulses = 0;
+  while (!explorer.needs_operator()) {
+    control::Explorer resumed = make_explorer(config, 9);
+    resumed.restore(common::Json::parse(explorer.save().dump()));
+    const std::vector<Vector2> actions = episode(explorer);
+    REQUIRE(actions == episode(resumed));
+    CHECK(explorer.needs_operator() == resumed.needs_operator());
+    pulses += static_cast<int>(actions.size());
+    REQUIRE(pulses < 200);
+  }
+  CHECK(pulses >= 12 + config.stuck_steps);
+  explorer.placed();
+  CHECK_FALSE(explorer.needs_operator());
+}
+
+TEST_CASE("a needle that a weak pulse does not move is not stuck") {
+  control::ExplorerConfig config;
+  config.weak_fraction = 1.0;
+  config.crowding = 1e6;
+  config.min_drive = 1.0;  // all are too weak to tell
+  config.freeing.max_pulses = 1;
+  control::Explorer explorer = make_explorer(config);
+  const task::Observation observation;
+  for (int i = 0; i < 100; ++i) explorer.act(observation);
+  CHECK_FALSE(explorer.needs_operator());
+}
+
+TEST_CASE("bounds of what the explorer is told are kept") {
+  const auto refused = [](const char* key, double value) {
+    common::Json json = {{key, value}};
+    CHECK_THROWS_WITH(common::config_from_json<control::ExplorerConfig>(json, "test"), Catch::Contains(key));
+  };
+  refused("weak_fraction", 1.1);
+  refused("weakest_drive", 0.0);
+  refused("steering", -1.0);
+  const common::Json none = {{"freeing", {{"max_pulses", 0}}}};
+  CHECK_THROWS_WITH(common::config_from_json<control::ExplorerConfig>(none, "test"),
+                    Catch::Contains("freeing.max_pulses"));
 }

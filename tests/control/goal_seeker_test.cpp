@@ -42,6 +42,38 @@ TEST_CASE("a target is kept until it is reached or its pulses are used up") {
   CHECK(targets[10] != targets[9]);
 }
 
+TEST_CASE("a policy that does not get the needle to move is stuck until the needle has been placed") {
+  control::GoalSeekerConfig config;
+  config.stuck_pulses = 3;
+  std::vector<Vector2> targets;
+  control::GoalSeeker seek = seeker(targets, config);
+  seek.reset();
+  task::Observation observation;
+  for (int i = 0; i < 5; ++i) seek.act(observation);  // no pulse, no motion
+  CHECK_FALSE(seek.stuck());
+  observation.last_action = {0.5, 0.0};
+  seek.act(observation);
+  seek.act(observation);
+  control::GoalSeeker resumed = seeker(targets, config);
+  resumed.restore(seek.save());
+  for (control::GoalSeeker* each : {&seek, &resumed}) {
+    each->reset();  // an episode that ends does not free the needle
+    CHECK_FALSE(each->stuck());
+    each->act(observation);
+    CHECK(each->stuck());
+    each->reset();
+    CHECK_FALSE(each->stuck());
+  }
+  seek.act(observation);
+  seek.act(observation);
+  observation.last_displacement_m = {0.0, 0.001};
+  seek.act(observation);
+  observation.last_displacement_m.setZero();
+  seek.act(observation);
+  CHECK_FALSE(seek.stuck());
+  CHECK_THROWS_AS(resumed.restore("{}"), common::DataError);
+}
+
 TEST_CASE("noise is added, clipped, and goes on after a restore") {
   control::GoalSeekerConfig config;
   config.noise = 0.7;

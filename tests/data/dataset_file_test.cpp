@@ -50,6 +50,9 @@ TEST_CASE("a dataset comes back from its file bit for bit") {
   dataset.info.seed = 42;
   dataset.info.source = "x.csv";
   dataset.info.rig = {{"dish", {{"radius_m", 0.0425}}}};
+  dataset.episodes[3].placements = 0;
+  dataset.episodes[5].placements = 2;
+  CHECK(dataset.placements() == 12);
   data::write_dataset(folder / "a.h5", dataset);
   const data::Dataset back = data::read_any_dataset(folder / "a.h5");
   CHECK(back.info.layout == data::StateLayout::kPose);
@@ -76,6 +79,24 @@ TEST_CASE("the same episodes give the same file") {
     return std::string(std::istreambuf_iterator<char>(stream), {});
   };
   CHECK(bytes(folder / "a.h5") == bytes(folder / "b.h5"));
+}
+
+TEST_CASE("a recording of which nobody counted the placements is read") {
+  const tests::TemporaryFolder folder;
+  data::Dataset dataset = tests::random_dataset(2, 3);
+  dataset.episodes[1].placements = 0;
+  data::write_dataset(folder / "a.h5", dataset);
+  const auto without = [&](const char* episode) {
+    const hid_t file = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    const hid_t group = H5Gopen2(file, episode, H5P_DEFAULT);
+    REQUIRE(H5Adelete(group, "placements") >= 0);
+    H5Gclose(group);
+    H5Fclose(file);
+  };
+  without("episode_0");
+  CHECK(data::read_dataset(folder / "a.h5").episodes[0].placements == 1);
+  without("episode_1");
+  CHECK_THROWS_WITH(data::read_dataset(folder / "a.h5"), Contains("checksum"));
 }
 
 TEST_CASE("a number that changed on the disk is noticed, and which episode it is in") {

@@ -114,6 +114,8 @@ TEST_CASE("numbers out of all proportion, flags that are none and impossible att
   CHECK_THAT(fault_of([](data::Dataset& d) { d.episodes[1].actions[1] = 1e6; }), Contains("drive_y"));
   CHECK_THAT(fault_of([](data::Dataset& d) { d.episodes[2].truncations[1] = 7; }),
              Contains("episode 2: truncations row 1 is 7; a flag is 0 or 1"));
+  CHECK_THAT(fault_of([](data::Dataset& d) { d.episodes[1].placements = -1; }),
+             Contains("episode 1: placements is -1"));
   CHECK_THAT(fault_of([](data::Dataset& d) { d.impossible[0].zero_current[0] = 2; }), Contains("impossible"));
   CHECK_THAT(fault_of([](data::Dataset& d) { d.impossible[0].observations[0] = 1e4; }),
              Contains("impossible"));

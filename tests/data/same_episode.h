@@ -12,6 +12,7 @@ inline void check_equal(const data::Episode& a, const data::Episode& b) {
   CHECK(a.terminations == b.terminations);
   CHECK(a.truncations == b.truncations);
   CHECK(a.zero_current == b.zero_current);
+  CHECK(a.placements == b.placements);
 }
 
 }  // namespace lodestone::tests

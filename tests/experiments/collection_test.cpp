@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "control/fakes.h"
 #include "lodestone/common/error.h"
 #include "lodestone/control/goal_seeker.h"
+#include "lodestone/data/coverage.h"
 #include "lodestone/experiments/collection.h"
 
 using namespace lodestone;
@@ -21,6 +23,23 @@ void check_same(const data::Episode& a, const data::Episode& b) {
   CHECK(a.actions == b.actions);
   CHECK(a.zero_current == b.zero_current);
   CHECK(a.truncations == b.truncations);
+  CHECK(a.placements == b.placements);
+}
+
+/// What is explored in about so many steps.
+data::Dataset explored(const experiments::CollectionConfig& config, std::int64_t transitions) {
+  experiments::Collection collection(config);
+  data::Dataset dataset;
+  dataset.info = experiments::dataset_info(config);
+  while (dataset.transitions() < transitions) dataset.episodes.push_back(collection.next_episode(25));
+  return dataset;
+}
+
+/// Cells of position in which there was a pulse.
+std::int64_t cells_of(const data::Dataset& dataset) {
+  const data::Coverage coverage = data::measure_coverage(dataset);
+  return std::count_if(coverage.position_counts.begin(), coverage.position_counts.end(),
+                       [](std::int64_t count) { return count > 0; });
 }
 
 }  // namespace
@@ -51,6 +70,7 @@ TEST_CASE("episodes are whole, within bounds, and marked where no current flowed
 
 TEST_CASE("collection goes on bitwise after a restart") {
   experiments::CollectionConfig config = simulated();
+  config.explorer.self_reset = GENERATE(true, false);
   experiments::Collection straight(config);
   for (int i = 0; i < 3; ++i) straight.next_episode(10);
   const common::Json state = common::Json::parse(straight.save().dump());
@@ -60,8 +80,70 @@ TEST_CASE("collection goes on bitwise after a restart") {
   CHECK_THROWS_AS(resumed.restore(common::Json::object()), common::DataError);
 }
 
+TEST_CASE("the operator places the needle for every episode, or hardly ever where the rig resets itself") {
+  experiments::CollectionConfig config = simulated();
+  config.rig.simulation.deviation = GENERATE(rig::DeviationWidth::kLab, rig::DeviationWidth::kWide);
+  const data::Dataset by_itself = explored(config, 1000);
+  CHECK(by_itself.placements() <= 5);
+  config.explorer.self_reset = false;
+  const data::Dataset placed = explored(config, 1000);
+  CHECK(placed.placements() == static_cast<std::int64_t>(placed.episodes.size()));
+  CHECK(placed.placements() >= 40);
+  CHECK(cells_of(by_itself) >= cells_of(placed) - 5);
+}
+
+TEST_CASE("an episode begins where the one before ended") {
+  experiments::Collection collection(simulated());
+  data::Episode before = collection.next_episode(5);
+  CHECK(before.placements == 0);
+  for (int i = 0; i < 10; ++i) {
+    const data::Episode next = collection.next_episode(5);
+    REQUIRE(next.placements == 0);
+    const double* end = &before.observations[before.observations.size() - 3];
+    CHECK(std::hypot(end[0] - next.observations[0], end[1] - next.observations[1]) < 0.001);
+    before = next;
+  }
+}
+
+TEST_CASE("a needle that cannot move is placed when freeing it has failed, also after a restart") {
+  experiments::CollectionConfig config = simulated();
+  config.rig.friction.static_coefficient = 1.0;
+  config.rig.needle.net_weight_N = 0.1;
+  config.explorer.freeing.max_pulses = 12;
+  experiments::Collection straight(config);
+  std::int64_t done = 0;
+  std::int64_t placements = 0;
+  while (placements < 3) {
+    experiments::Collection resumed(config);
+    resumed.restore(common::Json::parse(straight.save().dump()));
+    const data::Episode episode = straight.next_episode(7);
+    check_same(episode, resumed.next_episode(7));
+    done += episode.length();
+    placements += episode.placements;
+    REQUIRE(done < 300);
+  }
+  CHECK(done >= 3 * 12);
+}
+
+TEST_CASE("a needle that is not seen is looked for before the operator is asked") {
+  experiments::CollectionConfig config = simulated();
+  config.sensor.simulated.dropout = 0.6;  // all three looks of a step fail in one of five
+  experiments::Collection collection(config);
+  int cut_short = 0;
+  for (int i = 0; i < 20; ++i) {
+    const data::Episode episode = collection.next_episode(25);
+    CHECK(episode.placements == 0);
+    cut_short += episode.length() < 25;
+  }
+  CHECK(cut_short > 5);
+  config.sensor.simulated.dropout = 1.0;
+  experiments::Collection blind(config);
+  CHECK_THROWS_AS(blind.next_episode(25), common::HardwareError);
+}
+
 TEST_CASE("a missing pose ends an episode without a gap") {
   experiments::CollectionConfig config = simulated();
+  config.explorer.self_reset = GENERATE(true, false);
   config.sensor.simulated.dropout = 0.2;
   experiments::Collection collection(config);
   for (int i = 0; i < 5; ++i) {

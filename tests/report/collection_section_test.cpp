@@ -20,4 +20,8 @@ TEST_CASE("what was recorded is counted and mapped, or missing") {
   CHECK(holds(html, "75 %"));
   CHECK(holds(html, "heading-histogram"));
   CHECK_FALSE(holds(html, "drive-histogram"));
+  CHECK_FALSE(holds(html, "An operator"));
+  run.recorded.emplace().placements = 12;
+  run.recorded->placements_per_1000 = 3.25;
+  CHECK(holds(lodestone::report::collection_section(run), "12 times, <b>3.2"));
 }

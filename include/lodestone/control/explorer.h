@@ -7,6 +7,7 @@
 #include "lodestone/common/config.h"
 #include "lodestone/common/random.h"
 #include "lodestone/control/controller.h"
+#include "lodestone/control/freeing.h"
 
 namespace lodestone::control {
 
@@ -20,10 +21,14 @@ struct ExplorerConfig {
   double single_axis_fraction = 0.3;
   double zero_fraction = 0.02;
   double min_drive = 0.1;
-  double steering = 1.0;
+  double weak_fraction = 0.3;
+  double weakest_drive = 0.0133;
+  double steering = 2.0;
+  bool self_reset = true;
   std::int64_t stuck_steps = 4;
   double stuck_threshold_m = 0.0015;
   double crowding = 1.5;
+  FreeingConfig freeing;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -42,26 +47,35 @@ struct ExplorerConfig {
     v.field("zero_fraction", zero_fraction, "", "fraction of steps without current", {0.0, 1.0});
     v.field("min_drive", min_drive, "", "smallest axis drive, as a fraction of the largest current",
             {0.0, 1.0});
+    v.field("weak_fraction", weak_fraction, "",
+            "fraction of candidates that are weakened, as fine motion near a goal needs them", {0.0, 1.0});
+    v.field("weakest_drive", weakest_drive, "",
+            "their stronger axis is log-uniform from this fraction of the largest current to all of it",
+            {1e-4, 0.9});
     v.field("steering", steering, "", "weight of steering towards places seldom visited; 0 is off",
             {0.0, 100.0});
-    v.field("stuck_steps", stuck_steps, "", "steps without motion after which the operator moves the needle",
-            {1, 1000});
-    v.field("crowding", crowding, "",
-            "where visits exceed the mean by this factor, one step without motion calls the operator",
-            {0.0, 1e6});
+    v.field(
+        "self_reset", self_reset, "",
+        "an episode begins where the one before ended, a needle that is stuck is freed by pulses, and the "
+        "operator places it only where they fail; false: the operator places it for every episode");
+    v.field("stuck_steps", stuck_steps, "",
+            "steps without motion after which the needle is freed, or placed by the operator", {1, 1000});
+    v.field("crowding", crowding, "", "after one, where visits exceed the mean by this factor", {0.0, 1e6});
     v.field("stuck_threshold_m", stuck_threshold_m, "m", "a sensed step shorter than this is no motion",
             {0.0, 0.1});
+    v.group("freeing", freeing, "how a needle that is stuck is freed");
   }
 };
 
 /// Guided exploration as a careful operator would do it: counts visits per position, heading and current,
 /// remembers where currents took the needle from each place, and of some random actions takes the one tried
-/// least here that leads to places seldom visited. Uses sensed poses only. The target of an observation is
-/// ignored.
+/// least here that leads to places seldom visited. Frees a needle that is stuck. Uses sensed poses only.
+/// The target of an observation is ignored.
 class Explorer final : public Controller {
  public:
-  Explorer(const ExplorerConfig& config, double dish_radius_m, common::RandomStream random);
+  Explorer(const ExplorerConfig& config, const physics::RigDescription& rig, common::RandomStream random);
 
+  /// A new episode of a needle that lies where it lay.
   void reset() override;
   geometry::Vector2 act(const task::Observation& observation) override;
 
@@ -69,15 +83,22 @@ class Explorer final : public Controller {
   /// heading.
   /// `fits` says whether the needle would lie inside the dish wall, which an operator sees.
   geometry::Pose2 next_start(const std::function<bool(const geometry::Pose2&)>& fits);
-  /// True when the needle has not moved for `stuck_steps` steps, or not at all in a crowded place such as the
-  /// wall before a coil: time for the operator.
-  bool stuck() const { return still_steps_ >= (crowded_ ? 1 : config_.stuck_steps); }
+  /// The operator has placed it.
+  void placed();
+  /// Time for the operator: the needle is stuck, and freeing it has failed, where that is tried.
+  bool needs_operator() const { return config_.self_reset ? freeing_.failed() : stuck(); }
 
-  /// Counts and random state, for bitwise resumption.
+  /// Counts, freeing and random state, for bitwise resumption between two episodes.
   common::Json save() const;
   void restore(const common::Json& state);
 
  private:
+  /// True when the needle has not moved for `stuck_steps` steps, or not at all in a crowded place such as the
+  /// wall before a coil.
+  bool stuck() const { return still_steps_ >= (crowded_ ? 1 : config_.stuck_steps); }
+  void see(const geometry::Vector2& position_m);
+  geometry::Vector2 decide(const geometry::Pose2& pose);
+  void keep_count(const geometry::Pose2& pose, const geometry::Vector2& action);
   geometry::Vector2 draw_action();
   std::int64_t cell_of(const geometry::Vector2& position_m) const;
   std::int64_t heading_of(double heading_rad) const;
@@ -88,6 +109,7 @@ class Explorer final : public Controller {
   ExplorerConfig config_;
   double dish_radius_m_;
   common::RandomStream random_;
+  Freeing freeing_;
   std::int64_t side_ = 0;                        // cells along a side of the grid
   std::int64_t levels_ = 0;                      // bins of one axis drive, signs and zero included
   std::vector<std::int64_t> at_position_;        // [cell]
@@ -100,6 +122,7 @@ class Explorer final : public Controller {
   std::int64_t still_steps_ = 0;
   bool crowded_ = false;
   bool acted_ = false;
+  bool telling_ = false;  // the last action was one that should have moved the needle
   geometry::Vector2 last_position_m_ = geometry::Vector2::Zero();
 };
 

@@ -15,6 +15,8 @@ struct GoalSeekerConfig {
   double reached_m = 0.0015;
   std::int64_t max_pulses_per_target = 12;
   double noise = 0.1;
+  std::int64_t stuck_pulses = 20;
+  double stuck_threshold_m = 0.0005;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -27,6 +29,11 @@ struct GoalSeekerConfig {
     v.retired("patience", "max_pulses_per_target");
     v.field("noise", noise, "action units", "standard deviation of what is added to every action",
             {0.0, 2.0});
+    v.field("stuck_pulses", stuck_pulses, "pulses",
+            "so many in a row that do not move the needle, and the operator is asked to place it",
+            {1, 100000});
+    v.field("stuck_threshold_m", stuck_threshold_m, "m", "a sensed step shorter than this is no motion",
+            {0.0, 0.1});
   }
 };
 
@@ -41,9 +48,12 @@ class GoalSeeker final : public Controller {
   /// The observation's own target is replaced by the seeker's.
   geometry::Vector2 act(const task::Observation& observation) override;
 
-  /// The random stream between two episodes, and back. restore() throws DataError.
-  std::string save() const { return random_.save(); }
-  void restore(const std::string& state) { random_.restore(state); }
+  /// The controller does not get the needle to move, until the next reset().
+  bool stuck() const { return still_pulses_ >= config_.stuck_pulses; }
+
+  /// The state between two episodes, and back. restore() throws DataError.
+  std::string save() const;
+  void restore(const std::string& state);
 
  private:
   void draw_target();
@@ -54,6 +64,7 @@ class GoalSeeker final : public Controller {
   common::RandomStream random_;
   geometry::Vector2 target_m_ = geometry::Vector2::Zero();
   std::int64_t steps_ = 0;
+  std::int64_t still_pulses_ = 0;
 };
 
 }  // namespace lodestone::control

@@ -21,6 +21,8 @@ struct Episode {
   std::vector<std::uint8_t> terminations;  ///< [T] 1: the episode ended by itself here
   std::vector<std::uint8_t> truncations;   ///< [T] 1: it was cut here
   std::vector<std::uint8_t> zero_current;  ///< [T] 1: nothing was applied (kept, but not for training)
+  /// How often an operator has placed the robot since the episode before; 0: it begins where that one ended.
+  std::int64_t placements = 1;
 
   std::int64_t length() const { return static_cast<std::int64_t>(terminations.size()); }
 };
@@ -33,6 +35,7 @@ struct Dataset {
   std::vector<Episode> impossible;
 
   std::int64_t transitions() const;
+  std::int64_t placements() const;
 };
 
 /// The first so many transitions; the last episode is cut to fit. All of them when there are fewer.

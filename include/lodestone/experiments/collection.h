@@ -36,8 +36,11 @@ struct CollectionConfig {
             {0, 9e15});
     v.field("sensor_seed", sensor_seed, "", "seed of the camera's place and calibration", {0, 9e15});
     v.field("transitions", transitions, "", "transitions to record", {1, 1e9});
-    v.field("episode_steps", episode_steps, "steps", "longest stretch between two resets by the operator",
-            {1, 1e6});
+    v.field(
+        "episode_steps", episode_steps, "steps",
+        "longest episode; the next one begins where it ended, or where the operator has placed the needle "
+        "(explorer.self_reset)",
+        {1, 1e6});
     v.field("sessions", sessions, "",
             "explorations of the same rig that know nothing of each other and run side by side on threads; a "
             "real "
@@ -62,9 +65,9 @@ struct Teleoperator {
   control::Controller* controller = nullptr;
   task::ActionConfig action;  ///< what its actions mean in A; by default the rig's largest current
   std::shared_ptr<control::RigIdentifier> identifier;  ///< what tells it how strong the rig is; null: nothing
-  std::function<bool()> episode_over;                  ///< asked at every step
-  control::ControlLoop::Observer watch;                ///< sees every observation, before its pulse
-  std::function<std::string()> save;  ///< its state between two episodes; empty functions: it has none
+  std::function<bool()> episode_over;    ///< the operator shall place the needle; asked at every step
+  control::ControlLoop::Observer watch;  ///< sees every observation, before its pulse
+  std::function<std::string()> save;     ///< its state between two episodes; empty functions: it has none
   std::function<void(const std::string&)> restore;
 };
 
@@ -82,9 +85,11 @@ class Collection {
   Collection(const CollectionConfig& config, std::unique_ptr<session::RigSession> bench,
              std::optional<Teleoperator> teleoperator = {}, std::int64_t session = 0);
 
-  /// The next episode, of at most `max_steps` steps: from where the operator placed the needle until the step
-  /// limit, a stuck needle, a missing pose, or the teleoperator's word. Observations are sensed poses,
-  /// actions signed axis currents in A. Throws Interrupted (the episode is lost) and HardwareError.
+  /// The next episode, of at most `max_steps` steps, until the step limit, a needle that needs the operator,
+  /// a missing pose, or the teleoperator's word. It begins where the needle lies. Where it could not be
+  /// freed or found again, or the teleoperator has ended the episode before, or without `self_reset`, the
+  /// operator has placed it first. Observations are sensed poses, actions signed axis currents in A. Throws
+  /// Interrupted (the episode is lost) and HardwareError.
   data::Episode next_episode(std::int64_t max_steps);
 
   /// Everything that changes, between two episodes; going on after restore() is bitwise as if never stopped.
@@ -93,10 +98,15 @@ class Collection {
   void restore(const common::Json& state);
 
  private:
+  task::ActionConfig action() const;
+  /// Drives, and says whether the needle is to be placed before the next run.
+  control::LoopOutcome run(std::int64_t max_steps);
+
   CollectionConfig config_;
   std::unique_ptr<session::RigSession> bench_;
   std::optional<Teleoperator> teleoperator_;
   control::Explorer explorer_;
+  bool to_be_placed_;
 };
 
 }  // namespace lodestone::experiments

@@ -47,6 +47,7 @@ struct RunData {
   bool deployment_only = false;  ///< the folder is a deployment's own
   StepData collect;
   std::optional<data::Coverage> coverage;
+  std::optional<runs::CollectionFacts> recorded;  ///< of collect
   StepData dynamics;
   std::optional<runs::DynamicsEvaluation> evaluation;  ///< of dynamics
   StepData policy;

@@ -183,12 +183,16 @@ struct DynamicsEvaluation : DynamicsFacts {
   }
 };
 
-/// What was recorded.
+/// What was recorded: `summary.json` of collect.
 struct CollectionFacts {
+  static constexpr const char* kFile = "summary.json";
   std::int64_t transitions = 0;
   std::optional<std::int64_t> transitions_with_current;
   std::optional<double> coverage;
   std::optional<double> evenness;
+  std::optional<std::int64_t> episodes;
+  std::optional<std::int64_t> placements;  ///< of the needle, by the operator
+  std::optional<double> placements_per_1000;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -196,6 +200,9 @@ struct CollectionFacts {
     v.field("transitions_with_current", transitions_with_current);
     v.field("coverage", coverage);
     v.field("evenness", evenness);
+    v.field("episodes", episodes);
+    v.field("placements", placements);
+    v.field("placements_per_1000", placements_per_1000);
   }
 };
 
