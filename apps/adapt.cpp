@@ -19,8 +19,9 @@ struct AdaptOptions : CommonOptions {
 };
 
 void print_result(const runs::RunFolder& run, const runs::Adaptation& result) {
-  std::printf("%lld pulses, %.1f minutes of the rig\n", static_cast<long long>(result.pulses),
-              result.rig_minutes);
+  std::printf("%lld pulses, %.1f minutes of the rig, %lld placements by the operator\n",
+              static_cast<long long>(result.pulses), result.rig_minutes,
+              static_cast<long long>(result.placements));
   if (result.log_drive_gain)
     std::printf(
         "the rig answers %.2f times as strongly as the simulator thought (one standard deviation: %.0f %%)\n",

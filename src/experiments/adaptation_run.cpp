@@ -46,6 +46,7 @@ runs::Adaptation AdaptationRun::run() {
       compare(before ? &*before : nullptr, load(learned), config_.identification, parts.train, parts.test);
   result.from = config_.dynamics;
   result.pulses = recorded.transitions();
+  result.placements = recorded.placements();
   result.rig_minutes = static_cast<double>(result.pulses) * config_.collection.loop.period_s() / 60.0;
   result.seconds = clock.now_s() - start_s;
   if (before) put(config_.dynamics);

@@ -22,6 +22,7 @@ struct Adaptation {
   std::string from;                            ///< folder of the simulator that it began with; empty: nothing
   std::int64_t pulses = 0;                     ///< recorded
   double rig_minutes = 0.0;                    ///< that they take
+  std::int64_t placements = 0;                 ///< of the needle by the operator meanwhile
   std::int64_t held_back = 0;                  ///< pulses with current that no model learned from
   std::optional<double> log_drive_gain;        ///< of the rig, where that simulator's is 0
   std::optional<double> log_drive_gain_sigma;  ///< its standard deviation
@@ -39,6 +40,7 @@ struct Adaptation {
     v.field("from", from);
     v.field("pulses", pulses);
     v.field("rig_minutes", rig_minutes);
+    v.field("placements", placements);
     v.field("held_back", held_back);
     v.field("log_drive_gain", log_drive_gain);
     v.field("log_drive_gain_sigma", log_drive_gain_sigma);
