@@ -81,6 +81,8 @@ void MbsEnv::begin(std::size_t i) {
   if (config_.breakaway_scatter > 0.0) {
     const task::DriveGain known = told.value_or(task::DriveGain{0.0, config_.breakaway_scatter});
     drive_factor_[i] = std::exp(known.log_mean + known.log_sigma * random.normal());
+    // The simulator knows no drive beyond its limit: a stronger rig would be one that loses its top.
+    if (!told) drive_factor_[i] = std::min(1.0, drive_factor_[i]);
   }
 }
 
@@ -135,8 +137,8 @@ void MbsEnv::choose_drives(std::size_t first, std::size_t last, const float* act
   scratch.drive.resize(2 * (last - first));
   for (std::size_t i = first; i < last; ++i) {
     geometry::Vector2 drive = episodes_.drive(i, actions + 2 * i);
-    if (config_.breakaway_scatter > 0.0)
-      drive = geometry::saturated(drive * drive_factor_[i], limit);  // the data know no more than the limit
+    if (config_.breakaway_scatter > 0.0)  // the limit is what planner and gain filter take more for, too
+      drive = geometry::saturated(drive * drive_factor_[i], limit);
     common::RandomStream& random = episodes_.random(i);
     if (config_.stall_probability > 0.0 && random.uniform() < config_.stall_probability) drive.setZero();
     if (config_.ensemble == EnsembleUse::kPerStep)

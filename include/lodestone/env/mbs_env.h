@@ -52,8 +52,9 @@ struct MbsConfig {
             {0.0, 3.2});
     v.field(
         "breakaway_scatter", breakaway_scatter, "",
-        "sigma of a log-normal factor on the drive, drawn for each episode: friction that differs, or rigs; "
-        "with encoder.drive_gain an estimate of it is told",
+        "sigma of a log-normal factor on the drive, drawn for each episode: friction that differs, or rigs. "
+        "One above 1 counts as 1, as the simulator knows no stronger drive, unless encoder.drive_gain tells "
+        "an estimate of it",
         {0.0, 2.0});
     v.field("stall_probability", stall_probability, "", "chance that a pulse moves nothing", {0.0, 1.0});
   }
