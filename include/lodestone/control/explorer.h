@@ -21,7 +21,7 @@ struct ExplorerConfig {
   double single_axis_fraction = 0.3;
   double zero_fraction = 0.02;
   double min_drive = 0.1;
-  double weak_fraction = 0.3;
+  double weak_fraction = 0.8;
   double weakest_drive = 0.0133;
   double steering = 2.0;
   bool self_reset = true;
