@@ -58,7 +58,8 @@ void add_bench_rigs(Verb& bench) {
   verb.add_option("--decorated", Flag{[&options] {
                     options.overrides.push_back({"decorated=true", "--decorated"});
                   }},
-                  "put around every controller what the deploy.json beside the policy says");
+                  "put around every controller what the deploy.json of `target`, or beside the policy that "
+                  "is named, says");
 }
 
 }  // namespace lodestone::apps

@@ -120,8 +120,8 @@ DeployConfig RigsBenchConfig::deploy() const {
     if (config.policy.empty())
       throw common::ConfigError(
           "decorated = true: name a policy (--models DIR or --set policy=DIR); what is put around "
-          "controllers stands in the deploy.json beside it");
-    const std::string file = config.policy + "/deploy.json";
+          "controllers stands in the deploy.json beside it, or in that of models/target");
+    const std::string file = (policy.empty() ? models + "/target" : policy) + "/deploy.json";
     const common::Json json = common::read_json_file(file);
     if (!json.is_object() || !json.contains("decorators"))
       throw common::ConfigError(file + ": holds no \"decorators\"");

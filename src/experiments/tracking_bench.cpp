@@ -33,6 +33,10 @@ CollectionConfig exploration_of(const DeploymentConfig& deployment) {
   config.loop = deployment.loop;
   config.safety = deployment.safety;
   config.sensor.kind = "simulated";
+  // Strong pulses between placements move the needle farthest: the hardest to follow.
+  config.explorer.self_reset = false;
+  config.explorer.steering = 1.0;
+  config.explorer.weak_fraction = 0.0;
   return config;
 }
 

@@ -87,8 +87,8 @@ check(["collect", "--by", "keyboard", "--set", "sessions=2", "--out", "run"], 2,
 for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
     os.environ.pop(name, None)
 check(["collect", "--by", "keyboard", "--sensor", "simulated", "--out", "run"], 1, "no display", "--by explorer")
-check(["collect", "--set", "rig.backend=serial", "--set", "rig.serial.port=/dev/ttyNOTHING", "--out", "run"], 1,
-      "nobody can be asked", "lodestone import")
+check(["collect", "--set", "rig.backend=serial", "--set", "rig.serial.port=/dev/ttyNOTHING", "--set",
+       "explorer.self_reset=false", "--out", "run"], 1, "nobody can be asked", "lodestone import")
 check(["report", "--run", "nope"], 2, "nope", "no such folder")
 check(["report", "--run", "."], 2, "holds no run", "collect")
 check(["deploy", "--controller", "baseline", "--sensor", "simulated", "--task", "point", "--target-mm", "50,0", "--out", "run"], 2,

@@ -155,7 +155,7 @@ with tempfile.TemporaryDirectory() as recorded:
     sweep("collect", collect, ["transitions.h5", "coverage.json", "summary.json"])
     sweep("train-dynamics", (*dynamics, "--set", f"data={data / 'transitions.h5'}"), ["checkpoint/manifest.json"])
 adapt = ("adapt", "--models", source / "models/dynamics_best", "--sensor", "simulated", "--pulses", "60", "--set",
-         "planner.candidates=8", "--set", "planner.iterations=1", "--set", "learning.epochs=1", "--set", "rehearsal=0",
+         "episode_steps=6", "--set", "planner.candidates=8", "--set", "planner.iterations=1", "--set", "learning.epochs=1", "--set", "rehearsal=0",
          "--set", "checkpoint_every_s=0", "--set", "learning.checkpoint_interval_s=0")
 sweep("adapt", adapt, ["driving/transitions.h5", "learning/checkpoint/manifest.json", "model/manifest.json"])
 sweep("train-policy", policy, ["checkpoint/manifest.json"])

@@ -15,6 +15,7 @@ experiments::AdaptationConfig little() {
   experiments::AdaptationConfig config;
   config.collection.sensor.kind = "simulated";
   config.collection.transitions = 160;
+  config.collection.episode_steps = 6;
   config.planner.candidates = 16;
   config.planner.iterations = 1;
   config.model.hidden = {16};
