@@ -24,7 +24,7 @@ void print_result(const runs::RunFolder& run, const runs::Adaptation& result) {
               static_cast<long long>(result.placements));
   if (result.log_drive_gain)
     std::printf(
-        "the rig answers %.2f times as strongly as the simulator thought (one standard deviation: %.0f %%)\n",
+        "the rig answers %.2f times as strongly as the simulator thought (one standard deviation: %.1f %%)\n",
         std::exp(*result.log_drive_gain), 100.0 * result.log_drive_gain_sigma.value_or(0.0));
   std::printf("%lld pulses held back, mean log-likelihood: ", static_cast<long long>(result.held_back));
   if (result.before && result.with_gain)
