@@ -75,6 +75,13 @@ struct AdaptationConfig {
     if (collection.sessions != 1)
       throw common::InvalidConfig("sessions", collection.sessions,
                                   "be 1: it adapts to one rig, pulse by pulse");
+    constexpr std::int64_t kEpisodes = 8;  // of which some teach, some choose and some judge
+    const double known_from = (from_scratch ? explored : 1.0) * static_cast<double>(pulses());
+    if (known_from < static_cast<double>(kEpisodes * collection.episode_steps))
+      throw common::InvalidConfig(
+          "transitions", pulses(),
+          "be enough for " + std::to_string(kEpisodes) + " episodes of episode_steps = " +
+              std::to_string(collection.episode_steps) + (from_scratch ? " while it explores" : ""));
   }
 
   std::int64_t pulses() const {
