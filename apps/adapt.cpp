@@ -27,10 +27,10 @@ void print_result(const runs::RunFolder& run, const runs::Adaptation& result) {
         "the rig answers %.2f times as strongly as the simulator thought (one standard deviation: %.1f %%)\n",
         std::exp(*result.log_drive_gain), 100.0 * result.log_drive_gain_sigma.value_or(0.0));
   std::printf("%lld pulses held back, mean log-likelihood: ", static_cast<long long>(result.held_back));
-  if (result.before && result.with_gain)
-    std::printf("as it was %.3f, with that gain %.3f, ", result.before->log_likelihood,
-                result.with_gain->log_likelihood);
-  std::printf("learned %.3f\n", result.after.log_likelihood);
+  if (result.log_likelihood_before && result.log_likelihood_with_gain)
+    std::printf("as it was %.3f, with that gain %.3f, ", *result.log_likelihood_before,
+                *result.log_likelihood_with_gain);
+  std::printf("learned %.3f\n", result.log_likelihood);
   if (result.better_by)
     std::printf("learned less with gain: %.3f (95 %%: %.3f to %.3f): %s\n", *result.better_by,
                 result.better_by_low.value_or(0.0), result.better_by_high.value_or(0.0),

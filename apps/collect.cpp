@@ -3,16 +3,12 @@
 #include <string>
 
 #include "common_options.h"
-#include "lodestone/common/artefact.h"
 #include "lodestone/common/log.h"
 #include "lodestone/control/decorators.h"
-#include "lodestone/control/goal_seeker.h"
 #include "lodestone/control/policy_controller.h"
-#include "lodestone/data/coverage.h"
-#include "lodestone/data/dataset_file.h"
 #include "lodestone/experiments/collection_run.h"
+#include "lodestone/experiments/seeking.h"
 #include "lodestone/nets/blas.h"
-#include "lodestone/runs/training_results.h"
 #include "models.h"
 #include "teleoperation_window.h"
 #include "terminal.h"
@@ -74,17 +70,10 @@ experiments::Teleoperator policy_teleoperator(const CollectConfig& config, std::
     common::log_warning(
         config.policy +
         " wants to know how strongly its rig answers; nothing identifies it while collecting");
-  const auto seeker = std::make_shared<control::GoalSeeker>(
+  return experiments::goal_seeking(
+      config.collection,
       control::decorate(std::make_unique<control::PolicyController>(policy), config.decorators), config.seek,
-      config.collection.rig.dish.radius_m,
-      common::RandomStream(static_cast<std::uint64_t>(config.collection.seed), "collect/targets",
-                           static_cast<std::uint64_t>(session)));
-  experiments::Teleoperator teleoperator;
-  teleoperator.controller = seeker.get();
-  teleoperator.episode_over = [seeker] { return seeker->stuck(); };
-  teleoperator.save = [seeker] { return seeker->save(); };
-  teleoperator.restore = [seeker](const std::string& state) { seeker->restore(state); };
-  return teleoperator;
+      session);
 }
 
 /// A single session with somebody at the controls, or on a real bench.
@@ -128,19 +117,6 @@ Sessions make_sessions(const CollectConfig& collect, const std::string& out,
   return sessions;
 }
 
-runs::CollectionFacts facts_of(const data::Dataset& dataset, const data::Coverage& coverage) {
-  runs::CollectionFacts facts;
-  facts.transitions = dataset.transitions();
-  facts.transitions_with_current = coverage.transitions;
-  facts.coverage = coverage.fraction;
-  facts.evenness = coverage.evenness;
-  facts.episodes = static_cast<std::int64_t>(dataset.episodes.size());
-  facts.placements = dataset.placements();
-  facts.placements_per_1000 =
-      1000.0 * static_cast<double>(*facts.placements) / static_cast<double>(facts.transitions);
-  return facts;
-}
-
 void print_recording(const runs::RunFolder& run, const runs::CollectionFacts& facts,
                      const data::Coverage& coverage) {
   std::printf("%lld transitions in %lld episodes: %s\n", static_cast<long long>(facts.transitions),
@@ -172,12 +148,7 @@ void collect(const CommonOptions& options) {
         run, work,
         {"collect", "transitions", config.repeatable() ? config.collection.checkpoint_every_s : 0.0});
   }
-  data::fold_journal(run.file(experiments::kRecording));
-  const data::Dataset dataset = data::read_dataset(run.file(experiments::kRecording));
-  const data::Coverage coverage = data::measure_coverage(dataset);
-  common::write_artefact(run.file(data::Coverage::kFile), coverage);
-  const runs::CollectionFacts facts = facts_of(dataset, coverage);
-  common::write_artefact(run.file(runs::CollectionFacts::kFile), facts);
+  const auto [facts, coverage] = experiments::summarise_recording(run);
   if (!run.finished()) run.finish();
   print_recording(run, facts, coverage);
 }

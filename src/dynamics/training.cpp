@@ -85,8 +85,7 @@ class Training : public runs::ResumableWork {
     const auto seed = static_cast<std::uint64_t>(config.seed);
     model_.config = config.model;
     model_.info = dataset.info;
-    model_.split = {common::derive_seed(seed, "dynamics split"), training.validation_fraction,
-                    training.test_fraction};
+    model_.split = split_of(config);
     const data::Split split = data::split_by_episode(dataset, training.validation_fraction,
                                                      training.test_fraction, model_.split.seed);
     RowTensors train = row_tensors(split.train);
@@ -224,6 +223,11 @@ class Training : public runs::ResumableWork {
 TrainDynamicsConfig adopt_start(TrainDynamicsConfig config) {
   if (!config.warm_start.from.empty()) config.model = load_model(config.warm_start.from).config;
   return config;
+}
+
+DataSplit split_of(const TrainDynamicsConfig& config) {
+  return {common::derive_seed(static_cast<std::uint64_t>(config.seed), "dynamics split"),
+          config.training.validation_fraction, config.training.test_fraction};
 }
 
 runs::RunRequest run_request(const TrainDynamicsConfig& config, const std::string& folder, bool resume) {

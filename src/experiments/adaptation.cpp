@@ -51,6 +51,19 @@ std::vector<double> differences(const std::vector<std::vector<double>>& after,
   return means;
 }
 
+/// A copy of a checkpoint, with how it is deployed, swapped in whole.
+void put(const std::string& run, const std::string& name, const std::string& model) {
+  const std::string staged = run + name + ".tmp";
+  fs::remove_all(staged);
+  common::make_folders(staged);
+  common::write_json(staged + "/deploy.json", {{"task", "all"}, {"controller", "planner"}});
+  for (const fs::directory_entry& entry : fs::directory_iterator(model))
+    if (entry.is_regular_file())
+      common::write_file_atomically(staged + "/" + entry.path().filename().string(),
+                                    common::read_file(entry.path()));
+  common::replace_folder(staged, run + name);
+}
+
 }  // namespace
 
 task::DriveGain identify(const SimulatorSource& simulator, const control::IdentificationConfig& config,
@@ -84,14 +97,14 @@ runs::Adaptation compare(const SimulatorSource* before, const SimulatorSource& a
   runs::Adaptation result;
   const auto rows = explain(after, config, held_back, 0.0);
   for (const std::vector<double>& row : rows) result.held_back += static_cast<std::int64_t>(row.size());
-  result.after.log_likelihood = mean_of(rows);
+  result.log_likelihood = mean_of(rows);
   if (before == nullptr) return result;
   const task::DriveGain gain = identify(*before, config, learned_from);
   const auto corrected = explain(*before, config, held_back, gain.log_mean);
   result.log_drive_gain = gain.log_mean;
   result.log_drive_gain_sigma = gain.log_sigma;
-  result.before = {mean_of(explain(*before, config, held_back, 0.0))};
-  result.with_gain = {mean_of(corrected)};
+  result.log_likelihood_before = mean_of(explain(*before, config, held_back, 0.0));
+  result.log_likelihood_with_gain = mean_of(corrected);
   const std::vector<double> better = differences(rows, corrected);
   const common::Interval interval =
       common::bootstrap_interval({better}, common::mean, common::RandomStream(1, "adaptation"));
@@ -102,28 +115,22 @@ runs::Adaptation compare(const SimulatorSource* before, const SimulatorSource& a
   return result;
 }
 
-void put_model(const std::string& run, const std::string& model) {
-  const std::string next = run + "/model.tmp";
-  fs::remove_all(next);
-  fs::copy(model, next, fs::copy_options::recursive);
-  common::sync_path(next);
-  if (fs::exists(run + kModel)) {
-    fs::remove_all(run + kBefore);
-    fs::rename(run + kModel, run + kBefore);
-  }
-  fs::rename(next, run + kModel);
-}
+void put_model(const std::string& run, const std::string& model) { put(run, kModel, model); }
+
+void keep_before(const std::string& run, const std::string& model) { put(run, kBefore, model); }
 
 void roll_back(const std::string& run) {
+  const std::string file = run + "/" + runs::Adaptation::kFile;
+  if (!fs::exists(file))
+    throw common::ConfigError("--rollback: " + run + " holds no adaptation that has ended");
+  auto result = common::read_artefact<runs::Adaptation>(file);
   if (!fs::exists(run + kBefore))
     throw common::ConfigError(
-        "--rollback: " + run +
-        " holds no simulator to go back to: it began from nothing, or was taken back already");
-  fs::remove_all(run + kModel);
-  fs::rename(run + kBefore, run + kModel);
-  auto result = common::read_artefact<runs::Adaptation>(run + "/" + runs::Adaptation::kFile);
+        "--rollback: nothing to take back in " + run +
+        ": it began from nothing, kept the simulator as it was, or was taken back already");
+  common::replace_folder(run + kBefore, run + kModel);
   result.rolled_back = true;
-  common::write_artefact(run + "/" + runs::Adaptation::kFile, result);
+  common::write_artefact(file, result);
 }
 
 }  // namespace lodestone::experiments

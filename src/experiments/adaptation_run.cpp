@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <optional>
 #include <utility>
 
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/clock.h"
 #include "lodestone/common/error.h"
-#include "lodestone/data/coverage.h"
 #include "lodestone/data/dataset_file.h"
 #include "lodestone/experiments/collection_run.h"
 
@@ -25,23 +23,24 @@ runs::Adaptation AdaptationRun::run() {
     const auto explored = static_cast<std::int64_t>(std::ceil(config_.explored * static_cast<double>(left)));
     left -= explored;
     data = record("exploring", explored, nullptr);
-    if (left > 0) simulator = learn("first", data, "", 0.0);
+    if (left > 0) simulator = learn("first", learning_from(data, "", 0.0));
   }
   if (left > 0) {
     const SimulatorSource source = load(simulator);
     data += (data.empty() ? "" : ",") + record("driving", left, &source);
   }
   const data::Dataset recorded = data::read_recordings(data);
+  // What is held back tells nothing, not even the gain.
+  const dynamics::DataSplit split = dynamics::split_of(learning_from(data, config_.dynamics, 0.0));
+  const data::Split parts =
+      data::split_by_episode(recorded, split.validation_fraction, split.test_fraction, split.seed);
   std::optional<SimulatorSource> before;
   double log_gain = 0.0;
   if (!config_.from_scratch) {
     before = load(config_.dynamics);
-    log_gain = identify(*before, config_.identification, recorded).log_mean;
+    log_gain = identify(*before, config_.identification, parts.train).log_mean;
   }
-  const std::string learned = learn("learning", data, config_.dynamics, log_gain);
-  const dynamics::DataSplit split = dynamics::load_model(learned).split;
-  const data::Split parts =
-      data::split_by_episode(recorded, split.validation_fraction, split.test_fraction, split.seed);
+  const std::string learned = learn("learning", learning_from(data, config_.dynamics, log_gain));
   runs::Adaptation result =
       compare(before ? &*before : nullptr, load(learned), config_.identification, parts.train, parts.test);
   result.from = config_.dynamics;
@@ -49,8 +48,8 @@ runs::Adaptation AdaptationRun::run() {
   result.placements = recorded.placements();
   result.rig_minutes = static_cast<double>(result.pulses) * config_.collection.loop.period_s() / 60.0;
   result.seconds = clock.now_s() - start_s;
-  if (before) put(config_.dynamics);
-  if (result.kept) put(learned);
+  if (before && result.kept) keep_before(run_.path(), config_.dynamics);
+  put_model(run_.path(), result.kept ? learned : config_.dynamics);
   common::write_artefact(run_.file(runs::Adaptation::kFile), result);
   return result;
 }
@@ -73,7 +72,7 @@ std::string AdaptationRun::record(const std::string& stage, std::int64_t pulses,
   if (folder.finished()) return recording;
   std::optional<Teleoperator> driver;
   if (simulator != nullptr)
-    driver = seeking_planner(config, *simulator, config_.planner, config_.identification, config_.seek);
+    driver = goal_seeking(config, *simulator, config_.planner, config_.identification, config_.seek);
   Sessions sessions;
   sessions.push_back(std::make_unique<Collection>(config, bench_(), std::move(driver)));
   CollectionRun work(config, sessions, repeatable, 1, folder.path());
@@ -82,15 +81,13 @@ std::string AdaptationRun::record(const std::string& stage, std::int64_t pulses,
   } catch (const common::Interrupted&) {
     say_stopped();
   }
-  data::fold_journal(recording);
-  common::write_artefact(folder.file(data::Coverage::kFile),
-                         data::measure_coverage(data::read_dataset(recording)));
+  summarise_recording(folder);
   folder.finish();
   return recording;
 }
 
-std::string AdaptationRun::learn(const std::string& stage, const std::string& data, const std::string& from,
-                                 double log_gain) {
+dynamics::TrainDynamicsConfig AdaptationRun::learning_from(const std::string& data, const std::string& from,
+                                                           double log_gain) const {
   dynamics::TrainDynamicsConfig config;
   config.seed = config_.collection.seed;
   config.threads = config_.threads;
@@ -98,23 +95,19 @@ std::string AdaptationRun::learn(const std::string& stage, const std::string& da
   config.model = config_.model;
   config.training = from.empty() ? config_.first : config_.learning;
   config.warm_start = {from, std::exp(log_gain), config_.rehearsal};
-  config = dynamics::adopt_start(config);
+  return dynamics::adopt_start(config);
+}
+
+std::string AdaptationRun::learn(const std::string& stage, const dynamics::TrainDynamicsConfig& config) {
   runs::RunFolder folder(dynamics::run_request(config, run_.file(stage), true));
   if (!folder.finished()) {
     try {
-      dynamics::train_into(folder, data::read_recordings(data), config);
+      dynamics::train_into(folder, data::read_recordings(config.data), config);
     } catch (const common::Interrupted&) {
       say_stopped();
     }
   }
   return folder.file("checkpoint");
-}
-
-void AdaptationRun::put(const std::string& simulator) {
-  put_model(run_.path(), simulator);
-  const std::string deploy = run_.file("model") + "/deploy.json";
-  if (!std::filesystem::exists(deploy))
-    common::write_json(deploy, {{"task", "all"}, {"controller", "planner"}});
 }
 
 void AdaptationRun::say_stopped() const {

@@ -105,4 +105,24 @@ void CollectionRun::load(const std::string& folder) {
   transitions_ = state.transitions;
 }
 
+RecordingSummary summarise_recording(const runs::RunFolder& run) {
+  const std::string recording = run.file(kRecording);
+  data::fold_journal(recording);
+  const data::Dataset dataset = data::read_dataset(recording);
+  RecordingSummary summary;
+  summary.coverage = data::measure_coverage(dataset);
+  runs::CollectionFacts& facts = summary.facts;
+  facts.transitions = dataset.transitions();
+  facts.transitions_with_current = summary.coverage.transitions;
+  facts.coverage = summary.coverage.fraction;
+  facts.evenness = summary.coverage.evenness;
+  facts.episodes = static_cast<std::int64_t>(dataset.episodes.size());
+  facts.placements = dataset.placements();
+  facts.placements_per_1000 =
+      1000.0 * static_cast<double>(*facts.placements) / static_cast<double>(facts.transitions);
+  common::write_artefact(run.file(data::Coverage::kFile), summary.coverage);
+  common::write_artefact(run.file(runs::CollectionFacts::kFile), facts);
+  return summary;
+}
+
 }  // namespace lodestone::experiments

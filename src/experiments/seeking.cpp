@@ -1,38 +1,46 @@
 #include "lodestone/experiments/seeking.h"
 
-#include <memory>
+#include <utility>
 
 #include "lodestone/common/error.h"
 
 namespace lodestone::experiments {
 
-Teleoperator seeking_planner(const CollectionConfig& config, const SimulatorSource& simulator,
-                             const control::PlannerConfig& planner,
-                             const control::IdentificationConfig& identification,
-                             const control::GoalSeekerConfig& seek, std::int64_t session) {
-  const auto seed = static_cast<std::uint64_t>(config.seed);
-  const auto index = static_cast<std::uint64_t>(session);
+Teleoperator goal_seeking(const CollectionConfig& config, std::unique_ptr<control::Controller> controller,
+                          const control::GoalSeekerConfig& seek, std::int64_t session) {
   const auto seeker = std::make_shared<control::GoalSeeker>(
-      std::make_unique<control::Planner>(simulator.simulator, planner,
-                                         common::derive_seed(seed, "collect/planner", index)),
-      seek, config.rig.dish.radius_m, common::RandomStream(seed, "collect/targets", index));
+      std::move(controller), seek, config.rig.dish.radius_m,
+      common::RandomStream(static_cast<std::uint64_t>(config.seed), "collect/targets",
+                           static_cast<std::uint64_t>(session)));
   Teleoperator teleoperator;
   teleoperator.controller = seeker.get();
-  teleoperator.action = simulator.action;
   teleoperator.episode_over = [seeker] { return seeker->stuck(); };
-  if (identification.enabled && simulator.simulator->sampled)
-    teleoperator.identifier = std::make_shared<control::RigIdentifier>(simulator.simulator, identification,
-                                                                       simulator.drive_per_A());
-  teleoperator.save = [seeker, identifier = teleoperator.identifier] {
-    const common::Json state = {{"seeker", seeker->save()},
-                                {"identifier", identifier ? identifier->save() : common::Json()}};
-    return state.dump();
+  teleoperator.save = [seeker] { return seeker->save(); };
+  teleoperator.restore = [seeker](const std::string& state) { seeker->restore(state); };
+  return teleoperator;
+}
+
+Teleoperator goal_seeking(const CollectionConfig& config, const SimulatorSource& simulator,
+                          const control::PlannerConfig& planner,
+                          const control::IdentificationConfig& identification,
+                          const control::GoalSeekerConfig& seek, std::int64_t session) {
+  const std::uint64_t seed = common::derive_seed(static_cast<std::uint64_t>(config.seed), "collect/planner",
+                                                 static_cast<std::uint64_t>(session));
+  Teleoperator teleoperator = goal_seeking(
+      config, std::make_unique<control::Planner>(simulator.simulator, planner, seed), seek, session);
+  teleoperator.action = simulator.action;
+  if (!identification.enabled || !simulator.simulator->sampled) return teleoperator;
+  const auto identifier =
+      std::make_shared<control::RigIdentifier>(simulator.simulator, identification, simulator.drive_per_A());
+  teleoperator.identifier = identifier;
+  teleoperator.save = [identifier, save = teleoperator.save] {
+    return common::Json{{"seeker", save()}, {"identifier", identifier->save()}}.dump();
   };
-  teleoperator.restore = [seeker, identifier = teleoperator.identifier](const std::string& text) {
+  teleoperator.restore = [identifier, restore = teleoperator.restore](const std::string& text) {
     const common::Json state = common::parse_json(text, "collection state");
     try {
-      seeker->restore(state.at("seeker").get<std::string>());
-      if (identifier) identifier->restore(state.at("identifier"));
+      restore(state.at("seeker").get<std::string>());
+      identifier->restore(state.at("identifier"));
     } catch (const common::Json::exception& error) {
       throw common::DataError(std::string("collection state is malformed: ") + error.what());
     }

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -111,6 +112,13 @@ const std::vector<Parameter>& parameters() {
   return kParameters;
 }
 
+/// Nothing to be drawn against.
+bool same_everywhere(const runs::RigsResult& result, const Parameter& parameter) {
+  return std::all_of(result.rigs.begin(), result.rigs.end(), [&](const RigFigures& rig) {
+    return parameter.of(rig) == parameter.of(result.rigs.front());
+  });
+}
+
 std::string scatter(const runs::RigsResult& result, const std::string& task, const Parameter& parameter) {
   LineChart chart{task + "-" + parameter.id, task, std::string(parameter.label) + " (factor)", "error (mm)"};
   chart.small = true;
@@ -145,6 +153,7 @@ std::string write_rigs_report(const std::string& folder, const std::string& out)
              "cross-track RMS. Intervals of 95 % by drawing rigs anew. Every controller has the same rigs, "
              "starts and targets; against the baseline: below zero is better than it."));
   for (const Parameter& parameter : parameters()) {
+    if (same_everywhere(result, parameter)) continue;
     std::string charts;
     for (const char* task : runs::kTasks) charts += scatter(result, task, parameter);
     page.add_section(parameter.id, "Against the " + std::string(parameter.label),

@@ -53,7 +53,7 @@ TEST_CASE("a rig is learned from nothing, then gone on with, and threads change 
   CHECK(std::filesystem::exists(folder / "scratch/model/deploy.json"));
   CHECK_THROWS_AS(experiments::roll_back(folder / "scratch"), common::ConfigError);
   // Every stage is there already.
-  CHECK(adapt(config, folder / "scratch").after.log_likelihood == scratch.after.log_likelihood);
+  CHECK(adapt(config, folder / "scratch").log_likelihood == scratch.log_likelihood);
 
   config = little();
   config.dynamics = folder / "scratch/model";
@@ -63,7 +63,7 @@ TEST_CASE("a rig is learned from nothing, then gone on with, and threads change 
   config.threads = 2;
   const runs::Adaptation two = adapt(config, folder / "two");
   CHECK(one.log_drive_gain.value() == two.log_drive_gain.value());
-  CHECK(one.after.log_likelihood == two.after.log_likelihood);
+  CHECK(one.log_likelihood == two.log_likelihood);
   CHECK(weights(folder / "one") == weights(folder / "two"));
   CHECK((weights(folder / "one") == weights(folder / "scratch")) == !one.kept);
   // It remembers what the simulator had learned from.

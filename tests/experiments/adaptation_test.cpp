@@ -84,8 +84,8 @@ TEST_CASE("what was learned is kept only where it explains more than the gain do
   const runs::Adaptation right = adapted(1.5, 1.5);
   CHECK(right.held_back == 72);
   CHECK(right.log_drive_gain.value() == Approx(std::log(1.5)).margin(0.03));
-  CHECK(right.with_gain->log_likelihood > right.before->log_likelihood + 1.0);
-  CHECK(right.after.log_likelihood == Approx(right.with_gain->log_likelihood).margin(0.2));
+  CHECK(right.log_likelihood_with_gain.value() > right.log_likelihood_before.value() + 1.0);
+  CHECK(right.log_likelihood == Approx(right.log_likelihood_with_gain.value()).margin(0.2));
   // Worse than that.
   const runs::Adaptation wrong = adapted(1.5, 1.0);
   CHECK_FALSE(wrong.kept);
@@ -105,11 +105,14 @@ TEST_CASE("a simulator takes the place of another, and gives it back once") {
   write_text(folder / "new", "new");
   const std::string run = folder / "run";
   common::make_folders(run);
+  CHECK_THROWS_WITH(experiments::roll_back(run), Catch::Contains("no adaptation"));
   common::write_artefact(run + "/adaptation.json", runs::Adaptation{});
   experiments::put_model(run, folder / "old");
   CHECK_THROWS_AS(experiments::roll_back(run), common::ConfigError);
+  experiments::keep_before(run, folder / "old");
   experiments::put_model(run, folder / "new");
   CHECK(common::read_file(run + "/model/is") == "new");
+  CHECK(std::filesystem::exists(run + "/model/deploy.json"));
   experiments::roll_back(run);
   CHECK(common::read_file(run + "/model/is") == "old");
   CHECK(common::read_artefact<runs::Adaptation>(run + "/adaptation.json").rolled_back);

@@ -19,7 +19,7 @@ experiments::Collection seeking(const experiments::CollectionConfig& config) {
   planner.candidates = 16;
   planner.iterations = 1;
   return experiments::Collection(config, experiments::make_exploration_session(config),
-                                 experiments::seeking_planner(config, source, planner, {}, {}));
+                                 experiments::goal_seeking(config, source, planner, {}, {}));
 }
 
 }  // namespace

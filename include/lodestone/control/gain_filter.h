@@ -11,7 +11,7 @@ namespace lodestone::control {
 /// Estimates the one number by which most rigs of a kind differ: a factor on the drive, by Bayes' rule on a
 /// grid, from what every pulse did against what the learned simulator says it does at each factor. A part of
 /// it belongs to the place, where friction stays as it is: a stall that is repeated counts each time, and
-/// what is known grows less sure when the needle has moved.
+/// what is known grows less sure when the needle has moved (process noise).
 class GainFilter {
  public:
   /// The largest factor, and one over the smallest.

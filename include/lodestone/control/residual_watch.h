@@ -12,8 +12,8 @@ namespace lodestone::control {
 /// Notices that a rig is no longer the one that a simulator and an identified gain describe: a coil that went
 /// dead or was turned, another needle. A pulse is surprising where its motion is less likely than every one
 /// of some that are drawn from the prediction, which happens to one pulse in twenty on a rig that is as
-/// predicted, whatever the pulse; surprises that come too often are summed up by Page's cumulative sum
-/// (Biometrika, 1954).
+/// predicted, whatever the pulse (a posterior predictive check); surprises that come too often are found by
+/// Page's CUSUM (Biometrika, 1954).
 class ResidualWatch {
  public:
   /// A needle that came less far than `still_m` and `still_rad` has not moved.

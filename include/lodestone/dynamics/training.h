@@ -112,6 +112,9 @@ struct TrainDynamicsConfig {
 /// CheckpointError.
 TrainDynamicsConfig adopt_start(TrainDynamicsConfig config);
 
+/// Which episodes of its data are set aside.
+DataSplit split_of(const TrainDynamicsConfig& config);
+
 struct TrainingResult {
   Model model;
   /// Losses are normalised: of training the mean of the members' last epoch; of validation squared error

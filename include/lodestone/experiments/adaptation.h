@@ -26,10 +26,11 @@ runs::Adaptation compare(const SimulatorSource* before, const SimulatorSource& a
                          const control::IdentificationConfig& config, const data::Dataset& learned_from,
                          const data::Dataset& held_back);
 
-/// The simulator of an adaptation lies in folder `model` of its run, beside the one that it took the place
-/// of, which roll_back() puts there again. Each is swapped in whole.
+/// The simulator to use lies in folder `model` of an adaptation's run, and the one that it took the place of
+/// beside it: copies of checkpoints, swapped in whole. Throws IoError.
 void put_model(const std::string& run, const std::string& model);
-/// Throws ConfigError where there is none.
+void keep_before(const std::string& run, const std::string& model);
+/// Puts the one from before in the place of the other. Throws ConfigError where there is none.
 void roll_back(const std::string& run);
 
 }  // namespace lodestone::experiments

@@ -108,10 +108,11 @@ class AdaptationRun {
   SimulatorSource load(const std::string& folder) const;
   /// Records pulses: explores, or goes from target to target by planning. Returns the recording.
   std::string record(const std::string& stage, std::int64_t pulses, const SimulatorSource* simulator);
-  /// Learns a simulator from recordings, going on from another where one is named. Returns its checkpoint.
-  std::string learn(const std::string& stage, const std::string& data, const std::string& from,
-                    double log_gain);
-  void put(const std::string& simulator);
+  /// How a simulator learns from recordings, going on from another where one is named.
+  dynamics::TrainDynamicsConfig learning_from(const std::string& data, const std::string& from,
+                                              double log_gain) const;
+  /// Learns one. Returns its checkpoint.
+  std::string learn(const std::string& stage, const dynamics::TrainDynamicsConfig& config);
   [[noreturn]] void say_stopped() const;
 
   const AdaptationConfig& config_;

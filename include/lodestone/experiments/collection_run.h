@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "lodestone/common/thread_pool.h"
+#include "lodestone/data/coverage.h"
 #include "lodestone/data/journal.h"
 #include "lodestone/experiments/collection.h"
 #include "lodestone/runs/resumable_run.h"
+#include "lodestone/runs/training_results.h"
 
 namespace lodestone::experiments {
 
@@ -47,5 +49,13 @@ class CollectionRun : public runs::ResumableWork {
 
 /// Name of the recording in the folder of a run.
 constexpr const char* kRecording = "transitions.h5";
+
+/// What a recording is, once all of it is there.
+struct RecordingSummary {
+  runs::CollectionFacts facts;
+  data::Coverage coverage;
+};
+/// Folds the journal of a run that has recorded all it should, and writes both beside the recording.
+RecordingSummary summarise_recording(const runs::RunFolder& run);
 
 }  // namespace lodestone::experiments

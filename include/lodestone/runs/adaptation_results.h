@@ -6,16 +6,6 @@
 
 namespace lodestone::runs {
 
-/// Held-back pulses by one simulator.
-struct HeldBack {
-  double log_likelihood = 0.0;  ///< mean over the pulses, natural, of the density beside an outlier's
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("log_likelihood", log_likelihood);
-  }
-};
-
 /// `adaptation.json` of adapt: what came of it.
 struct Adaptation {
   static constexpr const char* kFile = "adaptation.json";
@@ -26,10 +16,11 @@ struct Adaptation {
   std::int64_t held_back = 0;                  ///< pulses with current that no model learned from
   std::optional<double> log_drive_gain;        ///< of the rig, where that simulator's is 0
   std::optional<double> log_drive_gain_sigma;  ///< its standard deviation
-  std::optional<HeldBack> before;              ///< the simulator that it began with
-  std::optional<HeldBack> with_gain;           ///< the same at that gain
-  HeldBack after;                              ///< the one that learned
-  /// after less with_gain, and its 95 % interval by bootstrap over episodes.
+  /// Mean over the held-back pulses of the natural logarithm of their density beside an outlier's: by the
+  /// simulator that learned, by the one that it began with, and by that one at the rig's gain.
+  double log_likelihood = 0.0;
+  std::optional<double> log_likelihood_before, log_likelihood_with_gain;
+  /// The first less the last, and its 95 % interval by bootstrap over episodes.
   std::optional<double> better_by, better_by_low, better_by_high;
   bool kept = true;  ///< whether `model` is the one that learned: the interval lies above 0
   bool rolled_back = false;
@@ -44,9 +35,9 @@ struct Adaptation {
     v.field("held_back", held_back);
     v.field("log_drive_gain", log_drive_gain);
     v.field("log_drive_gain_sigma", log_drive_gain_sigma);
-    v.field("before", before);
-    v.field("with_gain", with_gain);
-    v.field("after", after);
+    v.field("log_likelihood", log_likelihood);
+    v.field("log_likelihood_before", log_likelihood_before);
+    v.field("log_likelihood_with_gain", log_likelihood_with_gain);
     v.field("better_by", better_by);
     v.field("better_by_low", better_by_low);
     v.field("better_by_high", better_by_high);
