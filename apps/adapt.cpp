@@ -62,7 +62,6 @@ void adapt(const AdaptOptions& options) {
     common::log_info("adapt: " + run.path() + " is finished already");
     return print_result(run, common::read_artefact<runs::Adaptation>(file));
   }
-  run.begin();
   const experiments::CollectionConfig& collection = config.collection;
   experiments::AdaptationRun work(config, run, [&] {
     if (!collection.rig.real()) return experiments::make_exploration_session(collection);

@@ -134,9 +134,9 @@ void add_deploy(Verb& program) {
     const auto preset = common::read_json_if_there(folder + "/deploy.json");
     if (!preset.is_object() || !preset.contains("dynamics") || !preset["dynamics"].is_string()) return;
     const std::filesystem::path dynamics(preset["dynamics"].get<std::string>());  // as seen from that folder
-    set("dynamics=" +
-            common::Json((std::filesystem::path(folder) / dynamics).lexically_normal().string()).dump(),
-        (folder + "/deploy.json: dynamics").c_str());
+    const std::string there = (std::filesystem::path(folder) / dynamics).lexically_normal().string();
+    options.overrides.insert(options.overrides.begin(), {"dynamics=" + common::Json(there).dump(),
+                                                         folder + "/deploy.json: dynamics"});  // others win
   };
   verb.add_option("--models", models,
                   "folder of a released model, with its deploy.json before any --config: a policy, or a "

@@ -57,7 +57,13 @@ runs::Adaptation AdaptationRun::run() {
 SimulatorSource AdaptationRun::load(const std::string& folder) const {
   DeploymentConfig deployment;
   deployment.rig = config_.collection.rig;
-  return load_simulator(deployment, folder);
+  deployment.identification.enabled = false;  // that it cannot be is an error here, no warning
+  SimulatorSource source = load_simulator(deployment, folder);
+  if (!source.simulator->sampled)
+    throw common::ConfigError("adapt: " + folder +
+                              " predicts single values; begin with a simulator that predicts distributions "
+                              "(model.components of 1 or more), or --from-scratch");
+  return source;
 }
 
 std::string AdaptationRun::record(const std::string& stage, std::int64_t pulses,
@@ -75,6 +81,7 @@ std::string AdaptationRun::record(const std::string& stage, std::int64_t pulses,
     driver = goal_seeking(config, *simulator, config_.planner, config_.identification, config_.seek);
   Sessions sessions;
   sessions.push_back(std::make_unique<Collection>(config, bench_(), std::move(driver)));
+  run_.begin();  // nothing is left behind where a simulator or a bench is missing
   CollectionRun work(config, sessions, repeatable, 1, folder.path());
   try {
     runs::run_resumably(folder, work, {stage, "pulses", repeatable ? config.checkpoint_every_s : 0.0});
@@ -100,6 +107,7 @@ dynamics::TrainDynamicsConfig AdaptationRun::learning_from(const std::string& da
 
 std::string AdaptationRun::learn(const std::string& stage, const dynamics::TrainDynamicsConfig& config) {
   runs::RunFolder folder(dynamics::run_request(config, run_.file(stage), true));
+  run_.begin();
   if (!folder.finished()) {
     try {
       dynamics::train_into(folder, data::read_recordings(config.data), config);

@@ -89,6 +89,13 @@ for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
 check(["collect", "--by", "keyboard", "--sensor", "simulated", "--out", "run"], 1, "no display", "--by explorer")
 check(["collect", "--set", "rig.backend=serial", "--set", "rig.serial.port=/dev/ttyNOTHING", "--set",
        "explorer.self_reset=false", "--out", "run"], 1, "nobody can be asked", "lodestone import")
+check(["adapt", "--sensor", "simulated", "--out", "run"], 2, "--models", "--from-scratch")
+check(["adapt", "--models", str(source / "models/dynamics_paper"), "--sensor", "simulated", "--out", "run"], 2, "predicts distributions")
+check(["adapt", "--models", str(source / "models/dynamics_best"), "--pulses", "30", "--sensor", "simulated", "--out", "run"], 2,
+      "8 episodes", "episode_steps")
+check(["adapt", "--rollback", "--out", "nowhere"], 2, "nowhere", "no adaptation")
+check(["deploy", "--models", str(source / "models/any_rig"), "--set", "dynamics=elsewhere", "--sensor", "simulated", "--out", "run"], 1,
+      "elsewhere")
 check(["report", "--run", "nope"], 2, "nope", "no such folder")
 check(["report", "--run", "."], 2, "holds no run", "collect")
 check(["deploy", "--controller", "baseline", "--sensor", "simulated", "--task", "point", "--target-mm", "50,0", "--out", "run"], 2,

@@ -28,7 +28,6 @@ experiments::AdaptationConfig little() {
 
 runs::Adaptation adapt(const experiments::AdaptationConfig& config, const std::string& folder) {
   runs::RunFolder run({folder, "adapt", common::config_to_json(config), 1, true});
-  run.begin();
   experiments::AdaptationRun work(config, run,
                                   [&] { return experiments::make_exploration_session(config.collection); });
   return work.run();

@@ -75,6 +75,9 @@ struct AdaptationConfig {
     if (collection.sessions != 1)
       throw common::InvalidConfig("sessions", collection.sessions,
                                   "be 1: it adapts to one rig, pulse by pulse");
+    if (from_scratch && model.components < 1)
+      throw common::InvalidConfig("model.components", model.components,
+                                  "be at least 1: rigs are identified by predicted distributions");
     constexpr std::int64_t kEpisodes = 8;  // of which some teach, some choose and some judge
     const double known_from = (from_scratch ? explored : 1.0) * static_cast<double>(pulses());
     if (known_from < static_cast<double>(kEpisodes * collection.episode_steps))
