@@ -22,7 +22,7 @@ void bench_rigs(const CommonOptions& options) {
   nets::use_one_blas_thread();
   choose_segmenter(config.deployment.sensor);
   const experiments::DeployConfig deployment = config.deploy();
-  const experiments::DeploymentJob job = experiments::plan_job(deployment, config.controller_names());
+  const experiments::DeploymentJob job = experiments::plan_rigs(config, deployment);
   runs::RunRequest request{options.out, "bench rigs", common::config_to_json(config), config.deployment.seed,
                            options.resume};
   request.free_keys = {"threads"};
@@ -55,6 +55,17 @@ void add_bench_rigs(Verb& bench) {
   add("--models", "models", Shorthand::kText,
       "folder that holds the policy `any_rig` and the simulator `dynamics_best`");
   add("--controllers", "controllers", Shorthand::kText, "with commas between: planner, policy, baseline");
+  const auto pulses = [&](const char* flag, const std::string& key, const char* meaning) {
+    verb.add_option(
+        flag,
+        [&options, key, flag](const std::string& value) {
+          options.overrides.push_back({key + "=[" + value + "]", flag});
+        },
+        meaning);
+  };
+  pulses("--adapt", "adapt",
+         "planners beside them that learned each rig from N pulses; with commas between: several");
+  pulses("--from-scratch", "from_scratch", "the same, that began with nothing");
   verb.add_option("--decorated", Flag{[&options] {
                     options.overrides.push_back({"decorated=true", "--decorated"});
                   }},

@@ -90,7 +90,6 @@ std::unique_ptr<control::Controller> decorated(std::unique_ptr<control::Controll
   return controller;
 }
 
-/// A rig nobody has seen: another room temperature changes coils and fluid.
 rig::RigConfig warmed(rig::RigConfig config, double temperature_C) {
   const double change = physics::water_glycerol_viscosity_Pa_s(temperature_C) /
                         physics::water_glycerol_viscosity_Pa_s(physics::kNominalFluid_C);
@@ -105,8 +104,11 @@ std::string to_string(RigKind kind) {
   return kind == RigKind::kExplored ? "explored" : kind == RigKind::kUnseen ? "unseen" : "real";
 }
 
-std::uint64_t unseen_rig_seed(const DeploymentConfig& config, const std::string& task, std::int64_t index) {
-  return common::derive_seed(unseen_seed(config, task, index), "unseen rig");
+UnseenRig unseen_rig(const DeploymentConfig& config, const std::string& task, std::int64_t index) {
+  const std::uint64_t around = unseen_seed(config, task, index);
+  common::RandomStream room(around, "unseen temperature");
+  return {warmed(config.rig, config.trials.temperature_C.draw(room)), common::derive_seed(around, "unseen rig"),
+          common::derive_seed(around, "unseen sensor")};
 }
 
 void check_in_dish(const physics::RigDescription& rig, const geometry::Vector2& point_m,
@@ -273,13 +275,10 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
                                 bool realtime, const std::string& video_folder) const {
   const std::uint64_t seed = trial_seed(config_, plan);
   const bool explored = kind == RigKind::kExplored;
-  const std::uint64_t rig_seed = explored ? static_cast<std::uint64_t>(config_.rig_seed)
-                                          : unseen_rig_seed(config_, plan.task, plan.index);
-  const std::uint64_t around = unseen_seed(config_, plan.task, plan.index);
-  common::RandomStream room(around, "unseen temperature");
+  const UnseenRig made = explored ? UnseenRig{config_.rig, static_cast<std::uint64_t>(config_.rig_seed), 0}
+                                  : unseen_rig(config_, plan.task, plan.index);
   common::SteadyClock wall;  // outlives the rig
-  rig::VirtualRig rig(explored ? config_.rig : warmed(config_.rig, config_.trials.temperature_C.draw(room)),
-                      rig_seed, sample_rig_->field_table());
+  rig::VirtualRig rig(made.config, made.seed, sample_rig_->field_table());
   // The scatter from pulse to pulse belongs to the trial, or trials on the explored rig would all see the
   // same.
   common::Json state = rig.save();
@@ -288,7 +287,7 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   rig.restore(state);
   rig.place(plan.start);
   const session::SeenBench bench =
-      explored ? explored_ : sensing_.new_bench(common::derive_seed(around, "unseen sensor"));
+      explored ? explored_ : sensing_.new_bench(made.scene);
   RigDrive drive{&rig.coils(), &rig.clock(), nullptr};
   if (drive_) drive = drive_(rig);
   const std::unique_ptr<session::RigSensor> sensor =

@@ -1,6 +1,7 @@
 #include "lodestone/experiments/rigs_bench.h"
 
 #include <algorithm>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -67,18 +68,25 @@ runs::RigsTaskSummary summarise(const Records& trials, std::int64_t per_rig) {
   return summary;
 }
 
-/// How much better or worse than the baseline, where both drove the same trials.
-void compare(const Records& trials, const Records& baseline, std::int64_t per_rig,
-             runs::RigsTaskSummary& summary) {
-  if (trials.size() != baseline.size()) return;
+/// How much better or worse than another, where both drove the same trials.
+void compare(const Records& trials, const Records& other, std::int64_t per_rig, const std::string& what,
+             std::optional<double>& mean_mm, std::optional<std::array<double, 2>>& interval_mm) {
+  if (trials.size() != other.size()) return;
   std::vector<double> differences_mm = by_rig(trials, per_rig, error_mm);
-  const std::vector<double> its_mm = by_rig(baseline, per_rig, error_mm);
+  const std::vector<double> its_mm = by_rig(other, per_rig, error_mm);
   for (std::size_t rig = 0; rig < its_mm.size(); ++rig) differences_mm[rig] -= its_mm[rig];
-  summary.minus_baseline_mm = common::mean(differences_mm);
-  summary.minus_baseline_interval_mm = interval_of(differences_mm, "minus baseline");
+  mean_mm = common::mean(differences_mm);
+  interval_mm = interval_of(differences_mm, "minus " + what);
 }
 
 }  // namespace
+
+std::vector<RigLearner> RigsBenchConfig::learners() const {
+  std::vector<RigLearner> learners;
+  for (const std::int64_t pulses : adapt) learners.push_back({pulses, false});
+  for (const std::int64_t pulses : from_scratch) learners.push_back({pulses, true});
+  return learners;
+}
 
 std::vector<std::string> RigsBenchConfig::controller_names() const {
   std::vector<std::string> names;
@@ -91,7 +99,8 @@ std::vector<std::string> RigsBenchConfig::controller_names() const {
                                 (known ? "\" comes twice" : "\" is none of planner, policy, baseline"));
     names.push_back(name);
   }
-  if (names.empty()) throw common::ConfigError("controllers = \"\": name some of planner, policy, baseline");
+  if (names.empty() && learners().empty())
+    throw common::ConfigError("controllers = \"\": name some of planner, policy, baseline");
   return names;
 }
 
@@ -104,6 +113,18 @@ void RigsBenchConfig::validate() const {
   if (deployment.trials.per_rig != 0)
     throw common::ConfigError("trials.per_rig = " + std::to_string(deployment.trials.per_rig) +
                               ": leave it out, trials.count is for each rig here");
+  std::set<std::string> names;
+  for (const RigLearner& learner : learners()) {
+    if (!names.insert(learner.name()).second)
+      throw common::ConfigError((learner.from_scratch ? "from_scratch: " : "adapt: ") +
+                                std::to_string(learner.pulses) + " pulses come twice");
+    DeployConfig config;
+    config.deployment = deployment;
+    adaptation_of(learner, config, 0).validate();
+  }
+  if (!adapt.empty() && dynamics.empty() && models.empty())
+    throw common::ConfigError(
+        "adapt: name the simulator to begin with (--models DIR or --set dynamics=DIR), or --from-scratch");
 }
 
 DeployConfig RigsBenchConfig::deploy() const {
@@ -131,11 +152,24 @@ DeployConfig RigsBenchConfig::deploy() const {
   return config;
 }
 
+DeploymentJob plan_rigs(const RigsBenchConfig& bench, const DeployConfig& config) {
+  DeploymentJob job = plan_job(config, bench.controller_names());
+  for (const RigLearner& learner : bench.learners()) {
+    ControllerSource source;  // what it drives with is another thing on every rig
+    source.name = learner.name();
+    job.sources.push_back(std::move(source));
+  }
+  return job;
+}
+
 RigsRun::RigsRun(const RigsBenchConfig& bench, const DeployConfig& config, const DeploymentJob& job,
                  const std::string& folder, TrialDriver driver)
-    : DeploymentRun(config.deployment, job, folder, std::move(driver)),
+    : DeploymentRun(config.deployment, job, folder,
+                    learning_driver(std::move(driver), bench.learners(), config, folder)),
       deployment_(config.deployment),
-      job_(job) {
+      job_(job),
+      learners_(bench.learners()),
+      folder_(folder) {
   empty_.rigs = bench.rigs;
   empty_.trials_per_rig = deployment_.trials.per_rig;
   empty_.decorated = bench.decorated;
@@ -150,14 +184,23 @@ void RigsRun::save(const std::string& folder) {
 
 runs::RigsSummary RigsRun::rigs_summary() const {
   runs::RigsSummary summary = empty_;
+  for (const RigLearner& learner : learners_)
+    summary.learned[learner.name()] = summarise_learned(learner, folder_, empty_.rigs);
   for (const Part& part : parts()) {
     if (part.ended.empty()) continue;
-    runs::RigsTaskSummary& task =
-        summary.by_controller[job_.sources[part.source].name][job_.tasks[part.task]];
+    const std::string& name = job_.sources[part.source].name;
+    runs::RigsTaskSummary& task = summary.by_controller[name][job_.tasks[part.task]];
     task = summarise(part.ended, empty_.trials_per_rig);
-    for (const Part& other : parts())
-      if (other.task == part.task && job_.sources[other.source].name == "baseline" && &other != &part)
-        compare(part.ended, other.ended, empty_.trials_per_rig, task);
+    for (const Part& other : parts()) {
+      if (other.task != part.task || &other == &part) continue;
+      const std::string& its = job_.sources[other.source].name;
+      if (its == "baseline")
+        compare(part.ended, other.ended, empty_.trials_per_rig, its, task.minus_baseline_mm,
+                task.minus_baseline_interval_mm);
+      if (its == "planner" && summary.learned.count(name) != 0)
+        compare(part.ended, other.ended, empty_.trials_per_rig, its, task.minus_planner_mm,
+                task.minus_planner_interval_mm);
+    }
   }
   return summary;
 }
@@ -167,7 +210,7 @@ runs::RigsResult RigsRun::rigs_result() const {
   for (std::int64_t rig = 0; rig < empty_.rigs; ++rig) {
     const auto hidden = rig::HiddenDeviation::draw(
         deployment_.rig.simulation.deviation,
-        unseen_rig_seed(deployment_, job_.tasks.front(), rig * empty_.trials_per_rig));
+        unseen_rig(deployment_, job_.tasks.front(), rig * empty_.trials_per_rig).seed);
     runs::RigFigures figures;
     figures.moment = hidden.moment;
     figures.friction = hidden.friction;

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,8 @@ using runs::RigsTaskSummary;
 
 const char* colour_of(const std::string& controller) {
   if (controller == "baseline") return kBaselineColour;
+  if (controller.rfind("adapted_", 0) == 0) return kSecondColour;
+  if (controller.rfind("from_scratch_", 0) == 0) return kPaperColour;
   return controller == "policy" ? kUnseenColour : kPolicyColour;
 }
 
@@ -45,6 +48,7 @@ const std::vector<std::string>& headings() {
                                                      "corners within 1.5 mm",
                                                      "worst rig (mm)",
                                                      "against the baseline (mm)",
+                                                     "against identified only (mm)",
                                                      "stopped",
                                                      "trials"};
   return kHeadings;
@@ -62,6 +66,7 @@ std::vector<std::string> row_of(const std::string& task, const std::string& cont
       with_interval(summary.corners_within_1_5_mm, summary.corners_within_1_5_mm_interval, 1, 100.0, " %"),
       fixed(summary.worst.mean_error_mm, 2) + ", rig " + std::to_string(summary.worst.rig),
       with_interval(summary.minus_baseline_mm, summary.minus_baseline_interval_mm, 2, 1.0, ""),
+      with_interval(summary.minus_planner_mm, summary.minus_planner_interval_mm, 3, 1.0, ""),
       std::to_string(summary.stopped),
       std::to_string(summary.n_trials)};
 }
@@ -69,7 +74,7 @@ std::vector<std::string> row_of(const std::string& task, const std::string& cont
 std::vector<std::vector<std::string>> rows_of(const runs::RigsSummary& summary) {
   std::vector<std::vector<std::string>> rows;
   for (const char* task : runs::kTasks)
-    for (const char* controller : runs::kControllers) {
+    for (const std::string& controller : summary.controllers()) {
       const auto of_controller = summary.by_controller.find(controller);
       if (of_controller == summary.by_controller.end()) continue;
       const auto of_task = of_controller->second.find(task);
@@ -79,14 +84,17 @@ std::vector<std::vector<std::string>> rows_of(const runs::RigsSummary& summary) 
 }
 
 std::string text_of(const std::vector<std::vector<std::string>>& rows) {
+  std::size_t widest = 9;
+  for (const auto& row : rows) widest = std::max(widest, row[1].size());
   std::string text;
   for (const auto& row : rows) {
-    text += fmt::format("{:<7} {:<9} error {} mm, success {}", row[0], row[1], row[2], row[3]);
+    text += fmt::format("{:<7} {:<{}} error {} mm, success {}", row[0], row[1], widest, row[2], row[3]);
     if (row[4] != "–") text += ", moving reference " + row[4] + " mm";
     if (row[5] != "–") text += ", corners within 1.5 mm " + row[5];
     text += "; worst rig " + row[6];
     if (row[7] != "–") text += "; against the baseline " + row[7] + " mm";
-    text += "; " + row[8] + " of " + row[9] + " trials stopped\n";
+    if (row[8] != "–") text += "; against identified only " + row[8] + " mm";
+    text += "; " + row[9] + " of " + row[10] + " trials stopped\n";
   }
   return text;
 }
@@ -119,11 +127,12 @@ bool same_everywhere(const runs::RigsResult& result, const Parameter& parameter)
   });
 }
 
-std::string scatter(const runs::RigsResult& result, const std::string& task, const Parameter& parameter) {
+std::string scatter(const runs::RigsSummary& summary, const runs::RigsResult& result, const std::string& task,
+                    const Parameter& parameter) {
   LineChart chart{task + "-" + parameter.id, task, std::string(parameter.label) + " (factor)", "error (mm)"};
   chart.small = true;
   chart.from_zero = true;
-  for (const char* controller : runs::kControllers) {
+  for (const std::string& controller : summary.controllers()) {
     LineSeries series{controller, {}, colour_of(controller)};
     series.dots = true;
     for (const RigFigures& rig : result.rigs) {
@@ -135,6 +144,46 @@ std::string scatter(const runs::RigsResult& result, const std::string& task, con
     if (!series.points.empty()) chart.series.push_back(std::move(series));
   }
   return chart.series.empty() ? "" : "<div class=\"panel\">" + chart_html(chart) + "</div>";
+}
+
+/// Mean errors of planners that learned their rigs, by the minutes that it took, and a line for each way of
+/// learning: an adaptation begins where rigs are only identified.
+std::string curve(const runs::RigsSummary& summary, const std::string& task) {
+  LineChart chart{task + "-minutes", task, "pulses on the rig before (minutes)", "error (mm)"};
+  chart.small = true;
+  chart.from_zero = true;
+  for (const char* kind : {"adapted", "from_scratch"}) {
+    LineSeries series{kind, {}, colour_of(kind + std::string("_"))}, low, high;
+    const auto add = [&](const std::string& controller, double minutes) {
+      const auto of_controller = summary.by_controller.find(controller);
+      if (of_controller == summary.by_controller.end()) return;
+      const auto of_task = of_controller->second.find(task);
+      if (of_task == of_controller->second.end()) return;
+      const RigsTaskSummary& figures = of_task->second;
+      series.points.emplace_back(minutes, (figures.truth ? *figures.truth : figures.sensed).mean_error_mm);
+      low.points.emplace_back(minutes, figures.mean_error_interval_mm[0]);
+      high.points.emplace_back(minutes, figures.mean_error_interval_mm[1]);
+    };
+    if (kind == std::string("adapted")) add("planner", 0.0);
+    for (const std::string& controller : summary.controllers())
+      if (controller.rfind(kind, 0) == 0) add(controller, summary.learned.at(controller).rig_minutes);
+    if (series.points.empty()) continue;
+    for (LineSeries* edge : {&low, &high}) {
+      edge->band = true;
+      edge->colour = series.colour;
+      chart.series.push_back(*edge);
+    }
+    chart.series.push_back(std::move(series));
+  }
+  return chart.series.empty() ? "" : "<div class=\"panel\">" + chart_html(chart) + "</div>";
+}
+
+std::string text_of(const std::map<std::string, runs::LearnedRigs>& learned) {
+  std::string text;
+  for (const auto& [name, rigs] : learned)
+    text += fmt::format("{}: {:.1f} minutes of each rig, kept on {} of {}, {} placements, {:.0f} s of computing\n",
+                        name, rigs.rig_minutes, rigs.kept, rigs.rigs, rigs.placements, rigs.median_seconds);
+  return text;
 }
 
 }  // namespace
@@ -152,17 +201,28 @@ std::string write_rigs_report(const std::string& folder, const std::string& out)
              "<b>Errors over rigs that nobody has seen</b>: of points the distance at the end, of paths the "
              "cross-track RMS. Intervals of 95 % by drawing rigs anew. Every controller has the same rigs, "
              "starts and targets; against the baseline: below zero is better than it."));
+  if (!summary.learned.empty()) {
+    std::string charts;
+    for (const char* task : runs::kTasks) charts += curve(summary, task);
+    page.add_section(
+        "learned", "Against the minutes that each rig was learned for",
+        figure("<div class=\"panels wide\">" + charts + "</div>",
+               "At 0 rigs are only identified while they are driven. <i>adapted</i>: the simulator went on "
+               "learning from pulses of the rig; <i>from_scratch</i>: it began with them. Shaded: 95 % by drawing "
+               "rigs anew.") +
+            "<pre>" + text_of(summary.learned) + "</pre>");
+  }
   for (const Parameter& parameter : parameters()) {
     if (same_everywhere(result, parameter)) continue;
     std::string charts;
-    for (const char* task : runs::kTasks) charts += scatter(result, task, parameter);
+    for (const char* task : runs::kTasks) charts += scatter(summary, result, task, parameter);
     page.add_section(parameter.id, "Against the " + std::string(parameter.label),
                      figure("<div class=\"panels wide\">" + charts + "</div>",
                             "A dot is the mean error on one rig; the factor is on what its description says, "
                             "and no controller was told."));
   }
   common::write_file_atomically(out, page.render());
-  return text_of(rows);
+  return text_of(rows) + text_of(summary.learned);
 }
 
 }  // namespace lodestone::report

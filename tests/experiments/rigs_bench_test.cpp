@@ -90,18 +90,18 @@ TEST_CASE("rigs are summed up by controller and task, and the baseline is what i
 TEST_CASE("all controllers and tasks have the same rigs, as many trials on each as asked for") {
   const experiments::DeploymentConfig config = four_rigs().deploy().deployment;
   const auto seed = [&](const char* task, std::int64_t trial) {
-    return experiments::unseen_rig_seed(config, task, trial);
+    return experiments::unseen_rig(config, task, trial).seed;
   };
   CHECK(seed("point", 0) == seed("square", 2));
   CHECK(seed("point", 2) != seed("point", 3));
   experiments::RigsBenchConfig once = four_rigs();
   once.deployment.trials.count = 1;
   const experiments::DeploymentConfig one_each = once.deploy().deployment;
-  CHECK(experiments::unseen_rig_seed(one_each, "point", 2) ==
-        experiments::unseen_rig_seed(one_each, "circle", 2));
+  CHECK(experiments::unseen_rig(one_each, "point", 2).seed ==
+        experiments::unseen_rig(one_each, "circle", 2).seed);
   experiments::DeploymentConfig alone = config;
   alone.trials.per_rig = 0;
-  CHECK(experiments::unseen_rig_seed(alone, "point", 0) != experiments::unseen_rig_seed(alone, "square", 0));
+  CHECK(experiments::unseen_rig(alone, "point", 0).seed != experiments::unseen_rig(alone, "square", 0).seed);
 }
 
 TEST_CASE("the bench finds its models in one folder, and what goes around controllers beside the policy") {
@@ -122,6 +122,54 @@ TEST_CASE("the bench finds its models in one folder, and what goes around contro
   CHECK_THROWS_WITH(bench.controller_names(), Catch::Contains("\"magic\" is none of"));
   bench.controllers = "";
   CHECK_THROWS_AS(bench.controller_names(), common::ConfigError);
+}
+
+TEST_CASE("planners that learned their rigs are compared with the one that only identifies them") {
+  experiments::RigsBenchConfig bench = four_rigs();
+  bench.threads = 1;
+  bench.rigs = 1;
+  bench.deployment.trials.count = 2;
+  bench.deployment.trials.point_seconds = 1.0;
+  bench.deployment.sensor.kind = "simulated";
+  bench.task = "point";
+  bench.controllers = "baseline";
+  bench.from_scratch = {1000};
+  const experiments::DeployConfig config = bench.deploy();
+  experiments::DeploymentJob job = experiments::plan_rigs(bench, config);
+  REQUIRE(job.sources.size() == 2);
+  job.sources[0].name = "planner";  // whoever drives, it is the name that counts
+  const tests::TemporaryFolder folder;
+  experiments::RigsRun run(bench, config, job, folder.path(),
+                           experiments::virtual_driver(config.deployment, 1, false, ""));
+  common::MetricsLog metrics(folder.path());
+  while (!run.progress().finished) run.step(metrics);
+
+  runs::RigsSummary summary = run.rigs_summary();
+  CHECK(summary.learned.at("from_scratch_1000").rigs == 1);
+  CHECK(summary.learned.at("from_scratch_1000").rig_minutes == Approx(5.0));
+  const runs::RigsTaskSummary& planner = summary.by_controller["planner"]["point"];
+  const runs::RigsTaskSummary& learned = summary.by_controller["from_scratch_1000"]["point"];
+  CHECK(learned.n_trials == 2);
+  CHECK_FALSE(planner.minus_planner_mm);
+  REQUIRE(learned.minus_planner_mm);
+  CHECK(*learned.minus_planner_mm == Approx(learned.truth->mean_error_mm - planner.truth->mean_error_mm));
+}
+
+TEST_CASE("what a bench of rigs cannot learn is refused before anything is driven") {
+  experiments::RigsBenchConfig bench = four_rigs();
+  bench.adapt = {1000};
+  CHECK_THROWS_WITH(bench.validate(), Catch::Contains("--models DIR"));
+  bench.models = "models";
+  CHECK_NOTHROW(bench.validate());
+  bench.adapt = {1000, 1000};
+  CHECK_THROWS_WITH(bench.validate(), Catch::Contains("adapt: 1000 pulses come twice"));
+  bench.adapt = {};
+  bench.from_scratch = {1000};
+  CHECK_NOTHROW(bench.validate());
+  bench.controllers = "";
+  CHECK(bench.controller_names().empty());
+  bench.from_scratch = {30};
+  CHECK_THROWS_WITH(bench.validate(), Catch::Contains("8 episodes"));
 }
 
 TEST_CASE("what a bench of rigs cannot do is refused") {

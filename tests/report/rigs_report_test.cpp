@@ -45,4 +45,34 @@ TEST_CASE("a bench of rigs comes with its table and a dot for each rig") {
   CHECK(tests::holds(page, "0.45 (0.41 to 0.52)"));
   CHECK(tests::holds(page, "id=\"square-moment\""));
   CHECK_FALSE(tests::holds(page, "id=\"point-moment\""));
+  CHECK_FALSE(tests::holds(page, "id=\"square-minutes\""));
+}
+
+TEST_CASE("what was learned of the rigs stands over the minutes that it took") {
+  const tests::TemporaryFolder folder;
+  runs::RigsSummary summary;
+  summary.rigs = 2;
+  summary.trials_per_rig = 5;
+  summary.learned["adapted_1000"] = {1000, 5.0, 2, 1, 0, 26.0};
+  summary.learned["from_scratch_300"] = {300, 1.5, 2, 2, 0, 5.0};
+  for (const char* name : {"planner", "adapted_1000", "from_scratch_300"}) {
+    runs::RigsTaskSummary& point = summary.by_controller[name]["point"];
+    point.n_trials = 10;
+    point.truth.emplace().mean_error_mm = 0.45;
+    point.mean_error_interval_mm = {0.41, 0.52};
+  }
+  summary.by_controller["adapted_1000"]["point"].minus_planner_mm = -0.021;
+  summary.by_controller["adapted_1000"]["point"].minus_planner_interval_mm = {-0.03, -0.012};
+  common::write_artefact(folder / runs::RigsSummary::kFile, summary);
+  const auto read = common::read_artefact<runs::RigsSummary>(folder / runs::RigsSummary::kFile);
+  CHECK(read.controllers() == std::vector<std::string>{"planner", "from_scratch_300", "adapted_1000", "policy",
+                                                       "baseline"});
+  CHECK(read.by_controller.at("adapted_1000").at("point").n_trials == 10);
+  common::write_artefact(folder / runs::RigsResult::kFile, runs::RigsResult());
+
+  const std::string text = report::write_rigs_report(folder.path(), folder / "report.html");
+  CHECK(tests::holds(text, "against identified only -0.021 (-0.030 to -0.012) mm"));
+  CHECK(tests::holds(text, "adapted_1000: 5.0 minutes of each rig, kept on 1 of 2, 0 placements, 26 s of computing"));
+  const std::string page = common::read_file(folder / "report.html");
+  CHECK(tests::holds(page, "id=\"point-minutes\""));
 }

@@ -115,8 +115,15 @@ struct DeploymentConfig {
 enum class RigKind { kExplored, kUnseen, kReal };
 std::string to_string(RigKind kind);
 
-/// Seed of the rig nobody has seen that a trial is driven on.
-std::uint64_t unseen_rig_seed(const DeploymentConfig& config, const std::string& task, std::int64_t index);
+/// A rig nobody has seen: what makes it.
+struct UnseenRig {
+  rig::RigConfig config;    ///< the description at its temperature, which changes coils and fluid
+  std::uint64_t seed = 1;   ///< of what is hidden in it
+  std::uint64_t scene = 1;  ///< of its camera, or its simulated calibration error
+};
+
+/// The one that a trial is driven on.
+UnseenRig unseen_rig(const DeploymentConfig& config, const std::string& task, std::int64_t index);
 
 /// Throws ConfigError, naming `key`, where the middle of a needle of this rig cannot be.
 void check_in_dish(const physics::RigDescription& rig, const geometry::Vector2& point_m,

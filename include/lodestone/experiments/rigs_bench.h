@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lodestone/experiments/deployment_run.h"
+#include "lodestone/experiments/learned_rigs.h"
 #include "lodestone/runs/rigs_result.h"
 
 namespace lodestone::experiments {
@@ -20,6 +21,8 @@ struct RigsBenchConfig {
   std::string policy;
   std::string dynamics;
   std::string task = "all";
+  std::vector<std::int64_t> adapt;
+  std::vector<std::int64_t> from_scratch;
   bool decorated = false;
 
   RigsBenchConfig() { deployment.trials.count = 5; }
@@ -39,6 +42,11 @@ struct RigsBenchConfig {
             "identified by");
     v.field("task", task, "", "centre, point, square, circle or all",
             {"centre", "point", "square", "circle", "all"});
+    v.field("adapt", adapt, "",
+            "planners beside the others that have learned each rig from so many pulses of its own, "
+            "from `dynamics` on",
+            {1, 1e7});
+    v.field("from_scratch", from_scratch, "", "the same, from nothing on", {1, 1e7});
     v.field("decorated", decorated, "",
             "put around every controller what the deploy.json beside the policy says; false: what "
             "`decorators` says, nothing by default");
@@ -48,14 +56,19 @@ struct RigsBenchConfig {
 
   /// The controllers by name. Throws ConfigError naming one that is none, or comes twice.
   std::vector<std::string> controller_names() const;
+  /// Those that learn their rigs first.
+  std::vector<RigLearner> learners() const;
   /// What is driven: every task on every rig. Throws ConfigError, and what reading the deploy.json throws.
   DeployConfig deploy() const;
 };
 
+/// What drives there: the controllers, and the learners. Throws as plan_job does.
+DeploymentJob plan_rigs(const RigsBenchConfig& bench, const DeployConfig& config);
+
 /// Trials on many rigs as resumable work: the same rigs, starts and targets for every controller.
 class RigsRun final : public DeploymentRun {
  public:
-  /// `config` is RigsBenchConfig::deploy(); it and `job` must outlive the run.
+  /// `config` is RigsBenchConfig::deploy(), `job` from plan_rigs(); both must outlive the run.
   RigsRun(const RigsBenchConfig& bench, const DeployConfig& config, const DeploymentJob& job,
           const std::string& folder, TrialDriver driver);
 
@@ -68,6 +81,8 @@ class RigsRun final : public DeploymentRun {
  private:
   const DeploymentConfig& deployment_;
   const DeploymentJob& job_;
+  std::vector<RigLearner> learners_;
+  std::string folder_;
   runs::RigsSummary empty_;
 };
 

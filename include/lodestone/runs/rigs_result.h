@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lodestone/runs/deployment_results.h"
@@ -37,6 +39,9 @@ struct RigsTaskSummary : TaskSummary {
   /// Its mean error minus the baseline's on the same trials; absent where the baseline did not drive.
   std::optional<double> minus_baseline_mm;
   std::optional<std::array<double, 2>> minus_baseline_interval_mm;
+  /// The same against the planner that only identifies its rigs, of planners that learned theirs.
+  std::optional<double> minus_planner_mm;
+  std::optional<std::array<double, 2>> minus_planner_interval_mm;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -49,6 +54,28 @@ struct RigsTaskSummary : TaskSummary {
     v.field("worst", worst);
     v.field("minus_baseline_mm", minus_baseline_mm);
     v.field("minus_baseline_interval_mm", minus_baseline_interval_mm);
+    v.field("minus_planner_mm", minus_planner_mm);
+    v.field("minus_planner_interval_mm", minus_planner_interval_mm);
+  }
+};
+
+/// What a planner learned from pulses on each rig before it drove there.
+struct LearnedRigs {
+  std::int64_t pulses = 0;      ///< on each
+  double rig_minutes = 0.0;     ///< that they take
+  std::int64_t rigs = 0;        ///< that were learned so far
+  std::int64_t kept = 0;        ///< rigs on which what was learned explains more than the rig's gain does
+  std::int64_t placements = 0;  ///< of the needle by the operator, on all of them
+  double median_seconds = 0.0;  ///< of computing for a rig, driving it included
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("pulses", pulses);
+    v.field("rig_minutes", rig_minutes);
+    v.field("rigs", rigs);
+    v.field("kept", kept);
+    v.field("placements", placements);
+    v.field("median_seconds", median_seconds);
   }
 };
 
@@ -59,11 +86,23 @@ struct RigsSummary {
   std::int64_t rigs = 0;
   std::int64_t trials_per_rig = 0;
   bool decorated = false;
-  Provenance provenance;  ///< of the policy
+  std::map<std::string, LearnedRigs> learned;  ///< by the name of the planner that learned
+  Provenance provenance;                       ///< of the policy
+
+  /// Who drove: planners first, those that learned more after those that learned less.
+  std::vector<std::string> controllers() const {
+    std::vector<std::string> names(kControllers.begin(), kControllers.end());
+    std::set<std::pair<std::int64_t, std::string>> learners;
+    for (const auto& [name, rigs_learned] : learned) learners.emplace(rigs_learned.pulses, name);
+    auto after = names.begin() + 1;
+    for (const auto& [pulses, name] : learners) after = names.insert(after, name) + 1;
+    return names;
+  }
 
   template <class Visitor>
   void visit(Visitor& v) {
-    for (const char* controller : kControllers) v.entry(controller, by_controller);
+    v.field("learned", learned);
+    for (const std::string& controller : controllers()) v.entry(controller.c_str(), by_controller);
     v.field("rigs", rigs);
     v.field("trials_per_rig", trials_per_rig);
     v.field("decorated", decorated);
