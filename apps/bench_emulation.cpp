@@ -99,7 +99,8 @@ void add_bench_emulation(Verb& bench) {
   add_common_options(verb, options);
   add_virtual_rig_options(verb, options);
   add_shorthand(verb, options, "--policy", "policy", Shorthand::kText,
-                "folder of the policy checkpoint; without it the proportional baseline drives");
+                "folder of the policy checkpoint; without it the planner drives in the simulator of --set "
+                "dynamics=DIR, or else the proportional baseline");
 }
 
 }  // namespace lodestone::apps

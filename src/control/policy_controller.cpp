@@ -1,19 +1,44 @@
 #include "lodestone/control/policy_controller.h"
 
+#include <algorithm>
+#include <array>
+
 #include "lodestone/common/error.h"
 
 namespace lodestone::control {
+namespace {
+
+constexpr double kStill_m = 3e-4;  // a camera errs by less
+constexpr double kStill_rad = 0.05;
+
+}  // namespace
 
 PolicyController::PolicyController(const inference::Policy& policy)
-    : actor_(policy.actor()), encoder_(policy.encoder), input_(static_cast<std::size_t>(encoder_.size())) {}
+    : actor_(policy.actor()),
+      encoder_(policy.encoder),
+      input_(static_cast<std::size_t>(encoder_.size())),
+      stalls_(kStill_m, kStill_rad) {}
+
+void PolicyController::reset() {
+  stalls_.reset();
+  before_.reset();
+}
 
 geometry::Vector2 PolicyController::act(const task::Observation& observation) {
+  if (before_) stalls_.repeats({*before_, observation.last_action, observation.pose});
+  before_ = observation.pose;
   encoder_.encode(observation, input_.data());
-  float output[2];
-  actor_.act(input_.data(), 1, output, workspace_);
-  const geometry::Vector2 action(output[0], output[1]);
-  LODESTONE_CHECK(action.allFinite(), "finite actions from the policy network");
-  return action;
+  const std::vector<std::array<float, 2>> ranked = actor_.ranked(input_.data(), workspace_);
+  const auto action = [](const std::array<float, 2>& numbers) {
+    return geometry::Vector2(numbers[0], numbers[1]);
+  };
+  LODESTONE_CHECK(action(ranked.front()).allFinite(), "finite actions from the policy network");
+  if (ranked.size() == 1 || action(ranked.front()).isZero(0.0)) return action(ranked.front());
+  for (const std::array<float, 2>& numbers : ranked)
+    if (!action(numbers).isZero(0.0) && !stalls_.stalls(observation.pose, action(numbers)))
+      return action(numbers);
+  stalls_.reset();
+  return action(ranked.front());
 }
 
 }  // namespace lodestone::control

@@ -19,12 +19,19 @@ bool StallMemory::repeats(const SeenPulse& pulse) {
     stalled_A_.clear();
   }
   if (!at_place(pulse.after)) return false;
-  const bool known = std::any_of(stalled_A_.begin(), stalled_A_.end(), [&](const auto& stalled_A) {
-    return (pulse.drive_A - stalled_A).norm() <
-           kAlikeDrive * std::max(pulse.drive_A.norm(), stalled_A.norm());
+  const bool again = known(pulse.drive_A);
+  if (!again) stalled_A_.push_back(pulse.drive_A);
+  return again;
+}
+
+bool StallMemory::stalls(const geometry::Pose2& from, const geometry::Vector2& drive_A) const {
+  return at_place(from) && known(drive_A);
+}
+
+bool StallMemory::known(const geometry::Vector2& drive_A) const {
+  return std::any_of(stalled_A_.begin(), stalled_A_.end(), [&](const geometry::Vector2& stalled_A) {
+    return (drive_A - stalled_A).norm() < kAlikeDrive * std::max(drive_A.norm(), stalled_A.norm());
   });
-  if (!known) stalled_A_.push_back(pulse.drive_A);
-  return known;
 }
 
 bool StallMemory::at_place(const geometry::Pose2& pose) const {

@@ -107,8 +107,8 @@ std::string to_string(RigKind kind) {
 UnseenRig unseen_rig(const DeploymentConfig& config, const std::string& task, std::int64_t index) {
   const std::uint64_t around = unseen_seed(config, task, index);
   common::RandomStream room(around, "unseen temperature");
-  return {warmed(config.rig, config.trials.temperature_C.draw(room)), common::derive_seed(around, "unseen rig"),
-          common::derive_seed(around, "unseen sensor")};
+  return {warmed(config.rig, config.trials.temperature_C.draw(room)),
+          common::derive_seed(around, "unseen rig"), common::derive_seed(around, "unseen sensor")};
 }
 
 void check_in_dish(const physics::RigDescription& rig, const geometry::Vector2& point_m,
@@ -286,8 +286,7 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   state["scatter"] = common::RandomStream(seed, "pulse scatter").save();
   rig.restore(state);
   rig.place(plan.start);
-  const session::SeenBench bench =
-      explored ? explored_ : sensing_.new_bench(made.scene);
+  const session::SeenBench bench = explored ? explored_ : sensing_.new_bench(made.scene);
   RigDrive drive{&rig.coils(), &rig.clock(), nullptr};
   if (drive_) drive = drive_(rig);
   const std::unique_ptr<session::RigSensor> sensor =

@@ -127,8 +127,12 @@ void EmulationBench::add(const std::string& figure, double value, const char* un
 }
 
 ControllerSource EmulationBench::source() const {
-  if (config_.policy.empty()) return baseline_source(config_.deployment);
-  return policy_source(config_.deployment, inference::load_policy(config_.policy), config_.policy);
+  std::optional<SimulatorSource> simulator;
+  if (!config_.dynamics.empty()) simulator = load_simulator(config_.deployment, config_.dynamics);
+  if (!config_.policy.empty())
+    return policy_source(config_.deployment, inference::load_policy(config_.policy), config_.policy,
+                         simulator ? &*simulator : nullptr);
+  return simulator ? planner_source(config_.deployment, *simulator) : baseline_source(config_.deployment);
 }
 
 void EmulationBench::time_round_trips() {

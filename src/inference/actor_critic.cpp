@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace lodestone::inference {
 namespace {
@@ -58,6 +59,27 @@ void Actor::act(const float* observation, std::int64_t rows, float* action, Work
     std::fill_n(action, action_size_, 0.0F);
     if (chosen < proposals_) propose(output, chosen, action);
   }
+}
+
+std::vector<std::array<float, 2>> Actor::ranked(const float* observation, Workspace& workspace) const {
+  if (proposals_ == 0) {
+    std::vector<std::array<float, 2>> only(1);
+    act(observation, 1, only.front().data(), workspace);
+    return only;
+  }
+  std::copy_n(observation, observation_size(), network_.input(1, workspace));
+  const float* output = network_.forward(1, workspace);
+  const float* score = output + 3 * proposals_;
+  std::vector<std::int64_t> order(static_cast<std::size_t>(proposals_) + 1);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [score](std::int64_t a, std::int64_t b) { return score[a] > score[b]; });
+  std::vector<std::array<float, 2>> actions;
+  for (const std::int64_t k : order) {
+    actions.push_back({0.0F, 0.0F});
+    if (k < proposals_) propose(output, k, actions.back().data());
+  }
+  return actions;
 }
 
 TwinCritic::TwinCritic(const Arrays& weights, std::int64_t observation_size,

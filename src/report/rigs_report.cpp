@@ -181,8 +181,9 @@ std::string curve(const runs::RigsSummary& summary, const std::string& task) {
 std::string text_of(const std::map<std::string, runs::LearnedRigs>& learned) {
   std::string text;
   for (const auto& [name, rigs] : learned)
-    text += fmt::format("{}: {:.1f} minutes of each rig, kept on {} of {}, {} placements, {:.0f} s of computing\n",
-                        name, rigs.rig_minutes, rigs.kept, rigs.rigs, rigs.placements, rigs.median_seconds);
+    text += fmt::format(
+        "{}: {:.1f} minutes of each rig, kept on {} of {}, {} placements, {:.0f} s of computing\n", name,
+        rigs.rig_minutes, rigs.kept, rigs.rigs, rigs.placements, rigs.median_seconds);
   return text;
 }
 
@@ -208,7 +209,8 @@ std::string write_rigs_report(const std::string& folder, const std::string& out)
         "learned", "Against the minutes that each rig was learned for",
         figure("<div class=\"panels wide\">" + charts + "</div>",
                "At 0 rigs are only identified while they are driven. <i>adapted</i>: the simulator went on "
-               "learning from pulses of the rig; <i>from_scratch</i>: it began with them. Shaded: 95 % by drawing "
+               "learning from pulses of the rig; <i>from_scratch</i>: it began with them. Shaded: 95 % by "
+               "drawing "
                "rigs anew.") +
             "<pre>" + text_of(summary.learned) + "</pre>");
   }

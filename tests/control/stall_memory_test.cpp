@@ -14,6 +14,9 @@ TEST_CASE("a pulse like one that moved nothing here is known until the needle li
   CHECK_FALSE(memory.repeats({here, {2.0, 0.0}, here}));
   CHECK(memory.repeats({here, {2.0, 0.0}, beside}));
   CHECK(memory.repeats({beside, {2.2, 0.2}, here}));
+  CHECK(memory.stalls(beside, {2.2, 0.2}));
+  CHECK_FALSE(memory.stalls(there, {2.2, 0.2}));
+  CHECK_FALSE(memory.stalls(here, {4.0, 0.0}));
   CHECK_FALSE(memory.repeats({here, {4.0, 0.0}, here}));
   CHECK_FALSE(memory.repeats({here, {0.0, 2.0}, here}));
   CHECK_FALSE(memory.repeats({here, {0.0, 0.0}, here}));

@@ -108,6 +108,11 @@ TEST_CASE("of an actor's proposals the one with the highest score is given, and 
     ++given[best];
     float action[2];
     actor.act(observation.data(), 1, action, workspace);
+    const auto ranked = actor.ranked(observation.data(), workspace);
+    CHECK(ranked.size() == kProposals + 1);
+    CHECK(ranked.front() == std::array<float, 2>{action[0], action[1]});
+    CHECK(std::count(ranked.begin(), ranked.end(), std::array<float, 2>{}) ==
+          1);  // rests somewhere among them
     if (best == kProposals) {
       CHECK(action[0] == 0.0F);
       CHECK(action[1] == 0.0F);

@@ -65,14 +65,15 @@ TEST_CASE("what was learned of the rigs stands over the minutes that it took") {
   summary.by_controller["adapted_1000"]["point"].minus_planner_interval_mm = {-0.03, -0.012};
   common::write_artefact(folder / runs::RigsSummary::kFile, summary);
   const auto read = common::read_artefact<runs::RigsSummary>(folder / runs::RigsSummary::kFile);
-  CHECK(read.controllers() == std::vector<std::string>{"planner", "from_scratch_300", "adapted_1000", "policy",
-                                                       "baseline"});
+  CHECK(read.controllers() ==
+        std::vector<std::string>{"planner", "from_scratch_300", "adapted_1000", "policy", "baseline"});
   CHECK(read.by_controller.at("adapted_1000").at("point").n_trials == 10);
   common::write_artefact(folder / runs::RigsResult::kFile, runs::RigsResult());
 
   const std::string text = report::write_rigs_report(folder.path(), folder / "report.html");
   CHECK(tests::holds(text, "against identified only -0.021 (-0.030 to -0.012) mm"));
-  CHECK(tests::holds(text, "adapted_1000: 5.0 minutes of each rig, kept on 1 of 2, 0 placements, 26 s of computing"));
+  CHECK(tests::holds(
+      text, "adapted_1000: 5.0 minutes of each rig, kept on 1 of 2, 0 placements, 26 s of computing"));
   const std::string page = common::read_file(folder / "report.html");
   CHECK(tests::holds(page, "id=\"point-minutes\""));
 }

@@ -1,18 +1,22 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "lodestone/control/controller.h"
+#include "lodestone/control/stall_memory.h"
 #include "lodestone/inference/policy.h"
 
 namespace lodestone::control {
 
-/// A trained policy behind the same encoder as in training.
+/// A trained policy behind the same encoder as in training. Of one that proposes several pulses the best is
+/// given that is not like one which has moved nothing from where the needle lies: friction stays with the
+/// place, and the network remembers one pulse only. When all of them have stalled they are tried anew.
 class PolicyController final : public Controller {
  public:
   /// Throws CheckpointError when the weights do not fit the policy's encoder.
   explicit PolicyController(const inference::Policy& policy);
-  void reset() override {}
+  void reset() override;
   /// Throws LogicFault when the network answers with something that is not a finite number.
   geometry::Vector2 act(const task::Observation& observation) override;
 
@@ -21,6 +25,8 @@ class PolicyController final : public Controller {
   task::ObservationEncoder encoder_;
   std::vector<float> input_;
   inference::Actor::Workspace workspace_;
+  StallMemory stalls_;  // drives in units of the largest
+  std::optional<geometry::Pose2> before_;
 };
 
 }  // namespace lodestone::control

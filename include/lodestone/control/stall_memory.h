@@ -16,8 +16,11 @@ class StallMemory {
   void reset() { stalled_A_.clear(); }
   /// Takes a pulse in; true where it moved nothing, and one like it had done so here before.
   bool repeats(const SeenPulse& pulse);
+  /// Whether one like this has moved nothing from here.
+  bool stalls(const geometry::Pose2& from, const geometry::Vector2& drive_A) const;
 
  private:
+  bool known(const geometry::Vector2& drive_A) const;
   bool at_place(const geometry::Pose2& pose) const;
 
   double still_m_, still_rad_;

@@ -17,6 +17,7 @@ struct EmulationBenchConfig {
   DeploymentConfig deployment;
   std::int64_t threads = 0;
   std::string policy;
+  std::string dynamics;
   std::int64_t pulses = 12000;
   std::int64_t round_trips = 500;
   std::int64_t timed_squares = 3;
@@ -33,7 +34,12 @@ struct EmulationBenchConfig {
   void visit(Visitor& v) {
     deployment.visit(v);
     v.field("threads", threads, "", "trials at the same time; 0 means one per processor", {0, 1024});
-    v.field("policy", policy, "", "folder of the policy checkpoint; empty: the proportional baseline drives");
+    v.field("policy", policy, "",
+            "folder of the policy checkpoint; empty: the planner drives, or without `dynamics` the "
+            "proportional baseline");
+    v.field(
+        "dynamics", dynamics, "",
+        "folder of the dynamics checkpoint that the planner plans in, and that the bench is identified by");
     v.field("pulses", pulses, "",
             "pulses of the run with a random fault a minute; 12000 take an hour of bench time", {0, 1e6});
     v.field("round_trips", round_trips, "", "answers of the firmware to time", {10, 100000});

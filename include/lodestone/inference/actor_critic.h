@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -25,6 +26,9 @@ class Actor {
   std::int64_t action_size() const { return action_size_; }
   /// `observation` [rows, D] -> `action` [rows, A] in [-1, 1].
   void act(const float* observation, std::int64_t rows, float* action, Workspace& workspace) const;
+  /// All that an actor with proposals would do at one observation, from the highest score down: its
+  /// proposals, and resting, (0, 0). Of another one its only action.
+  std::vector<std::array<float, 2>> ranked(const float* observation, Workspace& workspace) const;
 
   /// Numbers of the last layer.
   static std::int64_t outputs(std::int64_t action_size, std::int64_t proposals) {
