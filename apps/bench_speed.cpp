@@ -40,8 +40,9 @@ void print_threaded(const std::string& name, const char* unit, double scale,
 
 void print_latency(const char* name, const experiments::Latency& latency) {
   char note[48];
-  std::snprintf(note, sizeof note, "p99 %.1f ms", latency.p99_ms);
-  print_row(name, latency.median_ms, latency.least_ms, latency.most_ms, "ms", note);
+  std::snprintf(note, sizeof note, "p99 %.2f ms", latency.p99_ms);
+  std::printf("%-36s %10.2f  (%.2f .. %.2f) %-18s %s\n", name, latency.median_ms, latency.least_ms,
+              latency.most_ms, "ms", note);
 }
 
 void print_result(const SpeedResult& result, const SpeedConfig& config) {
@@ -65,6 +66,8 @@ void print_result(const SpeedResult& result, const SpeedConfig& config) {
   if (!slow.empty()) common::log_warning(slow);
   print_latency("image to pose, 1 thread", result.pose);
   print_latency("image to currents, 1 thread", result.control);
+  if (result.planner_decision) print_latency("identified and planned, 1 thread", *result.planner_decision);
+  if (result.policy_decision) print_latency("identified, by a policy, 1 thread", *result.policy_decision);
   std::printf("%-36s %10.1f  MB, most held while training with a full buffer of a million transitions\n",
               "memory", result.training_peak_mb);
 }

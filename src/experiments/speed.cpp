@@ -92,7 +92,8 @@ SpeedResult measure_speed(const SpeedConfig& config, const std::string& command)
   result.command = command;
   std::vector<Row> rows = rows_of(config, result.threads, result);
   ImageLatency latency(config);
-  common::Progress progress("bench speed", config.runs * static_cast<std::int64_t>(rows.size() + 1));
+  DecisionLatency decisions(config);
+  common::Progress progress("bench speed", config.runs * static_cast<std::int64_t>(rows.size() + 2));
   std::int64_t done = 0;
   for (std::int64_t round = 0; round < config.runs; ++round) {
     for (Row& row : rows) {
@@ -102,12 +103,16 @@ SpeedResult measure_speed(const SpeedConfig& config, const std::string& command)
     }
     latency.measure();
     progress.update(++done);
+    decisions.measure();
+    progress.update(++done);
   }
   progress.finish();
   for (const Row& row : rows) *row.place = rate_of(row.rounds, row.flop, rows[row.peak].rounds);
   for (auto& [environments, rate] : *result.mbs.scales) rate.ns_per_step = 1e9 / rate.median;
   result.pose = latency_of(latency.pose_ms, latency.missed);
   result.control = latency_of(latency.command_ms, latency.missed);
+  result.planner_decision = latency_of(decisions.planner_ms, 0);
+  result.policy_decision = latency_of(decisions.policy_ms, 0);
   return result;
 }
 

@@ -14,13 +14,17 @@
 #include "lodestone/common/clock.h"
 #include "lodestone/common/memory.h"
 #include "lodestone/common/thread_pool.h"
+#include "lodestone/control/planner.h"
 #include "lodestone/control/policy_controller.h"
+#include "lodestone/control/rig_identifier.h"
 #include "lodestone/dynamics/network.h"
 #include "lodestone/env/mbs_env.h"
 #include "lodestone/imaging/scene_renderer.h"
 #include "lodestone/nets/tensors.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/virtual_rig.h"
+#include "lodestone/rl/flat_network.h"
+#include "lodestone/rl/model_gradient_config.h"
 #include "lodestone/rl/td3.h"
 #include "lodestone/rl/td3_learner.h"
 #include "lodestone/task/action.h"
@@ -265,6 +269,88 @@ void ImageLatency::measure() {
     pose_ms.push_back(1e3 * (seen_s - start_s));
     command_ms.push_back(1e3 * (commanded_s - start_s));
   }
+}
+
+struct DecisionLatency::Deciders {
+  explicit Deciders(const SpeedConfig& config)
+      : seed(static_cast<std::uint64_t>(config.seed)),
+        random(seed, "bench decisions"),
+        simulator(std::make_shared<const control::LearnedSimulator>(best_model(config))),
+        identifier(simulator, control::IdentificationConfig{}, 1.0),
+        planner(simulator, control::PlannerConfig{}, seed),
+        policy(best_policy(config)) {}
+
+  /// As configs/best has them, with weights as drawn: the time does not depend on what was learned.
+  static inference::DynamicsModel best_model(const SpeedConfig& config) {
+    inference::DynamicsModel model;
+    model.config.form = inference::DynamicsForm::kDelta;
+    model.config.batch_norm = false;
+    model.config.members = 4;
+    model.config.components = 3;
+    model.info.workspace_radius_m = config.rig.dish.radius_m;
+    model.info.action_scale = config.rig.coils.max_current_A;
+    for (const auto& member :
+         dynamics::make_members(model.config, model.info.layout, static_cast<std::uint64_t>(config.seed)))
+      model.members.push_back(dynamics::fold(*member));
+    return model;
+  }
+  static inference::Policy best_policy(const SpeedConfig& config) {
+    inference::Policy policy;
+    policy.encoder.length_scale_m = config.rig.dish.radius_m;
+    policy.encoder.drive_gain = policy.encoder.target_ahead = policy.encoder.memory = true;
+    policy.action.scale = config.rig.coils.max_current_A;
+    policy.proposals = rl::ModelGradientConfig{}.proposals;
+    policy.hidden = rl::ModelGradientConfig{}.hidden;
+    std::vector<std::int64_t> widths{task::ObservationEncoder(policy.encoder).size()};
+    widths.insert(widths.end(), policy.hidden.begin(), policy.hidden.end());
+    widths.push_back(inference::Actor::outputs(kActionSize, policy.proposals));
+    rl::FlatNetwork<float> network(widths);
+    common::RandomStream random(static_cast<std::uint64_t>(config.seed), "bench policy");
+    network.initialise(random);
+    policy.weights = nets::to_arrays(network.named(network.parameters(), ""));
+    return policy;
+  }
+
+  std::uint64_t seed;
+  common::RandomStream random;
+  std::shared_ptr<const control::LearnedSimulator> simulator;
+  control::RigIdentifier identifier;
+  control::Planner planner;
+  control::PolicyController policy;
+};
+
+DecisionLatency::DecisionLatency(const SpeedConfig& config)
+    : config_(config), deciders_(std::make_unique<Deciders>(config)) {}
+DecisionLatency::~DecisionLatency() = default;
+
+void DecisionLatency::measure() {
+  constexpr double kWithin_m = 0.02;
+  const common::SteadyClock clock;
+  const auto decide = [&](control::Controller& controller, std::vector<double>& times_ms) {
+    controller.reset();
+    deciders_->identifier.reset();
+    common::RandomStream& random = deciders_->random;
+    const auto drawn = [&] {
+      return geometry::Pose2{random.uniform(-kWithin_m, kWithin_m), random.uniform(-kWithin_m, kWithin_m),
+                             random.uniform(-geometry::kPi, geometry::kPi)};
+    };
+    task::Observation observation;
+    geometry::Pose2 before = drawn();
+    geometry::Vector2 drive_A = {3.0, 4.0};
+    for (std::int64_t i = 0; i < config_.images; ++i) {
+      observation.pose = drawn();
+      observation.target_m = drawn().position_m();
+      const double start_s = clock.now_s();
+      deciders_->identifier.learn({before, drive_A, observation.pose});
+      observation.drive_gain = deciders_->identifier.gain();
+      observation.last_action = controller.act(observation);
+      times_ms.push_back(1e3 * (clock.now_s() - start_s));
+      before = observation.pose;
+      drive_A = config_.rig.coils.max_current_A * observation.last_action;
+    }
+  };
+  decide(deciders_->planner, planner_ms);
+  decide(deciders_->policy, policy_ms);
 }
 
 double training_memory_mb(const SpeedConfig& config, std::int64_t threads) {

@@ -46,6 +46,21 @@ class ImageLatency {
   std::unique_ptr<Bench> bench_;
 };
 
+/// From a pose to the next pulse, one thread, identification included.
+class DecisionLatency {
+ public:
+  explicit DecisionLatency(const SpeedConfig& config);
+  ~DecisionLatency();
+  /// Another config.images poses.
+  void measure();
+  std::vector<double> planner_ms, policy_ms;
+
+ private:
+  struct Deciders;
+  SpeedConfig config_;
+  std::unique_ptr<Deciders> deciders_;
+};
+
 /// Trains for a moment with the paper's networks and a replay buffer of a million transitions, filled;
 /// returns the most memory the program has held so far, in MB. Call before anything else that needs memory.
 double training_memory_mb(const SpeedConfig& config, std::int64_t threads);

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "lodestone/common/statistics.h"
+
 using namespace lodestone;
 using namespace lodestone::experiments;
 
@@ -38,4 +40,17 @@ TEST_CASE("every rate is one, on a thread and on two") {
     CHECK(mbs_rate(config, 64, threads)() > 100.0);
     CHECK(rig_rate(config, threads)() > 1.0);
   }
+}
+
+TEST_CASE("every decision is timed, the planner's and the policy's") {
+  SpeedConfig config = quick();
+  config.images = 10;
+  DecisionLatency latency(config);
+  latency.measure();
+  latency.measure();
+  for (const std::vector<double>* times_ms : {&latency.planner_ms, &latency.policy_ms}) {
+    CHECK(times_ms->size() == 20);
+    CHECK(common::percentile(*times_ms, 0.0) > 0.0);
+  }
+  CHECK(common::median(latency.planner_ms) > common::median(latency.policy_ms));
 }

@@ -75,7 +75,7 @@ struct ThreadedRate {
 /// Times from an image to what is known or done.
 struct Latency {
   double median_ms = 0.0, p99_ms = 0.0, least_ms = 0.0, most_ms = 0.0;
-  std::int64_t images = 0;
+  std::int64_t images = 0;  ///< or poses
   std::int64_t missed = 0;  ///< images without a pose; their time counts as well
 
   template <class Visitor>
@@ -97,13 +97,16 @@ struct SpeedResult {
   std::int64_t threads = 0;
   common::Json config;
   std::string command;
-  ThreadedRate sgemm;             ///< FLOP/s of 256 x 256 x 256 by the BLAS
-  ThreadedRate gemm;              ///< the same by our own kernels, with packing, bias and ReLU
-  ThreadedRate td3;               ///< updates/s
-  ThreadedRate mbs;               ///< steps/s of all environments together
-  ThreadedRate rig;               ///< control steps/s of virtual rigs
-  Latency pose;                   ///< image to pose, one thread
-  Latency control;                ///< image to currents
+  ThreadedRate sgemm;  ///< FLOP/s of 256 x 256 x 256 by the BLAS
+  ThreadedRate gemm;   ///< the same by our own kernels, with packing, bias and ReLU
+  ThreadedRate td3;    ///< updates/s
+  ThreadedRate mbs;    ///< steps/s of all environments together
+  ThreadedRate rig;    ///< control steps/s of virtual rigs
+  Latency pose;        ///< image to pose, one thread
+  Latency control;     ///< image to currents
+  /// A pose to the next pulse, one thread: what the pulse before says about the rig, and planning, or the
+  /// policy. Networks as in configs/best; absent in older results.
+  std::optional<Latency> planner_decision, policy_decision;
   double training_peak_mb = 0.0;  ///< most memory held while training with a full buffer of a million
 
   template <class Visitor>
@@ -121,6 +124,8 @@ struct SpeedResult {
     v.field("rig", rig);
     v.field("pose", pose);
     v.field("control", control);
+    v.field("planner_decision", planner_decision);
+    v.field("policy_decision", policy_decision);
     v.field("training_peak_mb", training_peak_mb);
   }
 };
