@@ -49,3 +49,28 @@ TEST_CASE("the baseline pulls to where its target will be after the pulse, and r
   observation.ahead.front().point_m = {0.4e-3, 0.0};
   CHECK(controller.act(observation).isZero(0.0));
 }
+
+TEST_CASE("a disturbance observer pulls harder at a needle that stays behind, and no harder than it must") {
+  control::DipolePullConfig config;
+  config.gain_N_m = 0.01;
+  config.observer_share = 0.5;
+  config.mobility_m_per_N = 20.0;
+  control::DipolePullController controller(tests::paper_rig(), config);
+  task::Observation observation;
+  observation.target_m = {0.01, 0.0};
+  const auto pull = [&](double moved_m) {
+    observation.last_displacement_m = {moved_m, 0.0};
+    return (observation.last_action = controller.act(observation)).x();
+  };
+  const double first = pull(0.0);
+  const double expected_m = config.mobility_m_per_N * config.gain_N_m * 0.01;
+  CHECK(pull(expected_m) == Approx(first));
+  const double after_a_stall = pull(0.0);
+  CHECK(after_a_stall > 1.1 * first);
+  CHECK(pull(0.0) > after_a_stall);
+  CHECK(pull(3.0 * expected_m) < after_a_stall);
+  controller.reset();
+  observation.last_action.setZero();
+  CHECK(pull(0.0) == first);
+  for (int step = 0; step < 50; ++step) CHECK(pull(0.0) <= 1.0);  // however long it stays
+}

@@ -14,6 +14,8 @@ struct DipolePullConfig {
   double max_force_N = 0.0006;
   double friction_share = 0.15;
   double rest_radius_m = 0.7e-3;
+  double observer_share = 0.0;
+  double mobility_m_per_N = 15.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -27,6 +29,13 @@ struct DipolePullConfig {
             "field slides before it would be dragged",
             {0.0, 2.0});
     v.field("rest_radius_m", rest_radius_m, "m", "closer to the target there is no pull", {0.0, 0.1});
+    v.field(
+        "observer_share", observer_share, "",
+        "disturbance observer: what a pulse says about the force that holds the needle back beyond what is "
+        "known counts for so much; 0: none",
+        {0.0, 1.0});
+    v.field("mobility_m_per_N", mobility_m_per_N, "m/N",
+            "its model: how far a pulse takes the needle per pull above friction", {1e-3, 1e6});
   }
 };
 
@@ -49,7 +58,10 @@ class DipolePull {
 };
 
 /// Baseline: pulls the needle towards where the target will be after the pulse, with a force that grows with
-/// the distance on top of what the floor takes, by the simulator's inverse field.
+/// the distance on top of what the floor takes, by the simulator's inverse field. Its disturbance observer
+/// holds every motion against the one that the pull should have made, and adds what is missing to the next
+/// pull (Ohishi et al. 1987: the inverse of a nominal model and a first-order filter; here along the pull, as
+/// friction is).
 class DipolePullController final : public Controller {
  public:
   /// Knows the rig as it is described; an action of 1 is its largest current.
@@ -58,14 +70,18 @@ class DipolePullController final : public Controller {
         pull_(rig),
         friction_N_(config.friction_share * rig.breakaway_N()),
         scale_A_(rig.coils.max_current_A) {}
-  void reset() override {}
+  void reset() override;
   geometry::Vector2 act(const task::Observation& observation) override;
 
  private:
+  void observe(const geometry::Vector2& displacement_m);
+
   DipolePullConfig config_;
   DipolePull pull_;
   double friction_N_;  // what is added to every pull
   double scale_A_;
+  double disturbance_N_ = 0.0;                             // along the pull, against it
+  geometry::Vector2 force_N_ = geometry::Vector2::Zero();  // of the last pulse
 };
 
 }  // namespace lodestone::control
