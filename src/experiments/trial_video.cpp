@@ -27,9 +27,15 @@ void TrialVideo::show(const imaging::Frame& frame, const imaging::CameraModel& c
   annotation_.target_m = step.target_m;
   annotation_.time_s = step.time_s;
   annotation_.coil_current_A = step.current_A;
-  if (step.estimate.valid) {
+  if (!step.estimate.valid) {
+    if (annotation_.travelled_m.empty() || !annotation_.travelled_m.back().empty())
+      annotation_.travelled_m.emplace_back();
+  } else {
     annotation_.pose = step.estimate.pose;
-    annotation_.travelled_m.push_back(step.estimate.pose.position_m());
+    annotation_.position_sigma_m = step.estimate.position_sigma_m;
+    annotation_.last_seen_m = step.estimate.pose.position_m();
+    if (annotation_.travelled_m.empty()) annotation_.travelled_m.emplace_back();
+    annotation_.travelled_m.back().push_back(step.estimate.pose.position_m());
     annotation_.error_m = (step.estimate.pose.position_m() - step.target_m).norm();
   }
   cv::Mat image = frame.image.clone();

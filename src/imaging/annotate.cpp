@@ -123,21 +123,42 @@ class Pen {
   double unit_;
 };
 
-void draw_dish(Pen& pen, const BenchGeometry& bench) {
-  constexpr int kCorners = 180;
-  std::vector<Vector2> rim;
-  for (int i = 0; i < kCorners; ++i) {
-    const double angle = 2.0 * geometry::kPi * i / kCorners;
-    rim.push_back(bench.dish_radius_m * Vector2(std::cos(angle), std::sin(angle)));
-  }
-  pen.path(rim, kWhite, 1.5, true, kBlack);
-}
-
 void draw_target(Pen& pen, const Vector2& target_m) {
   const cv::Point2d at = pen.pixel(target_m);
   const double arm = 14.0 * pen.unit();
   for (const cv::Point2d& way : {cv::Point2d(arm, arm), cv::Point2d(arm, -arm)})
     pen.stroke({at - way, at + way}, kPurple, 4.0, kBlack);
+}
+
+void draw_ring(Pen& pen, const Vector2& centre_m, double radius_m, const cv::Scalar& colour) {
+  constexpr int kCorners = 180;
+  std::vector<Vector2> ring;
+  for (int i = 0; i < kCorners; ++i) {
+    const double angle = 2.0 * geometry::kPi * i / kCorners;
+    ring.push_back(centre_m + radius_m * Vector2(std::cos(angle), std::sin(angle)));
+  }
+  pen.path(ring, colour, 1.5, true, kBlack);
+}
+
+void draw_dashes(Pen& pen, const Vector2& from_m, const Vector2& to_m) {
+  constexpr double kDash_m = 1e-3;
+  const double length_m = (to_m - from_m).norm();
+  if (!(length_m < 1.0)) return;
+  const Vector2 step_m = length_m > 0.0 ? Vector2((to_m - from_m) * (kDash_m / length_m)) : Vector2::Zero();
+  for (double at_m = kDash_m; at_m + kDash_m < length_m; at_m += 2.0 * kDash_m) {
+    const Vector2 start_m = from_m + (at_m / kDash_m) * step_m;
+    pen.path({start_m, start_m + step_m}, kOrange, 2.0);
+  }
+}
+
+void draw_travelled(Pen& pen, const std::vector<std::vector<Vector2>>& stretches_m) {
+  const std::vector<Vector2>* before = nullptr;
+  for (const std::vector<Vector2>& stretch_m : stretches_m) {
+    if (stretch_m.empty()) continue;
+    if (before != nullptr) draw_dashes(pen, before->back(), stretch_m.front());
+    pen.path(stretch_m, kOrange, 2.0);
+    before = &stretch_m;
+  }
 }
 
 void draw_pose(Pen& pen, const geometry::Pose2& pose, double length_m) {
@@ -215,11 +236,16 @@ void annotate(cv::Mat& image, const CameraModel& camera, const Annotation& annot
                       std::to_string(camera.height_px));
   LODESTONE_CHECK(annotation.max_current_A > 0.0, "max_current_A must be positive");
   Pen pen(image, camera);
-  draw_dish(pen, annotation.bench);
+  draw_ring(pen, Vector2::Zero(), annotation.bench.dish_radius_m, kWhite);
   pen.path(annotation.reference_m, kBlue, 2.0);
-  pen.path(annotation.travelled_m, kOrange, 2.0);
+  draw_travelled(pen, annotation.travelled_m);
   if (annotation.target_m) draw_target(pen, *annotation.target_m);
-  if (annotation.pose) draw_pose(pen, *annotation.pose, annotation.bench.needle_length_m);
+  if (annotation.pose) {
+    draw_pose(pen, *annotation.pose, annotation.bench.needle_length_m);
+    draw_ring(pen, annotation.pose->position_m(), 2.0 * annotation.position_sigma_m, kVermilion);
+  } else if (annotation.last_seen_m) {
+    draw_ring(pen, *annotation.last_seen_m, 0.5 * annotation.bench.needle_length_m, kYellow);
+  }
   if (annotation.coil_current_A) draw_currents(pen, annotation);
   draw_caption(pen, annotation);
 }

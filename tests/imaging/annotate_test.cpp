@@ -65,7 +65,7 @@ TEST_CASE("each thing of an annotation is drawn where it is on the floor") {
   drawing.annotation.pose = geometry::Pose2{0.010, 0.005, 0.5 * 3.14159265358979};
   drawing.annotation.target_m = geometry::Vector2(-0.02, 0.01);
   drawing.annotation.reference_m = {{-0.03, -0.02}, {0.03, -0.02}};
-  drawing.annotation.travelled_m = {{-0.03, -0.03}, {0.02, -0.03}};
+  drawing.annotation.travelled_m = {{{-0.03, -0.03}, {0.02, -0.03}}};
   drawing.draw();
   const double half_m = 0.5 * drawing.annotation.bench.needle_length_m;
   CHECK(yellow(drawing.at(0.010, 0.005 + half_m)));         // head
@@ -76,6 +76,32 @@ TEST_CASE("each thing of an annotation is drawn where it is on the floor") {
   CHECK(drawing.drawn(-0.02, 0.01, 3) > 0);
   CHECK(drawing.drawn(0.0, 0.0425, 3) > 0);  // rim
   CHECK(drawing.drawn(0.0, 0.035, 3) == 0);  // and nothing where nothing is
+}
+
+TEST_CASE("a frame shows how sure the pose is, and where the needle was while it is not seen") {
+  Drawing drawing;
+  const double far_m = 0.012;  // beside the needle, which lies along x
+  drawing.annotation.pose = geometry::Pose2{};
+  drawing.annotation.last_seen_m = geometry::Vector2(0.02, 0.02);
+  drawing.draw();
+  CHECK(drawing.drawn(0.0, far_m, 3) == 0);
+  drawing.annotation.position_sigma_m = 0.5 * far_m;
+  drawing.draw();
+  CHECK(reddish(drawing.at(0.0, far_m)));
+  const double half_m = 0.5 * drawing.annotation.bench.needle_length_m;
+  CHECK(drawing.drawn(0.02, 0.02 + half_m, 3) == 0);
+  drawing.annotation.pose.reset();
+  drawing.draw();
+  CHECK(yellow(drawing.at(0.02, 0.02 + half_m)));
+  CHECK(drawing.drawn(0.0, far_m, 3) == 0);
+}
+
+TEST_CASE("the way between two stretches that were seen is dashed") {
+  Drawing drawing;
+  drawing.annotation.travelled_m = {{{-0.03, 0.01}, {-0.01, 0.01}}, {{0.01, 0.01}, {0.03, 0.01}}, {}};
+  drawing.draw();
+  CHECK(drawing.drawn(-0.02, 0.01, 40) > 1.3 * drawing.drawn(0.0, 0.01, 40));
+  CHECK(drawing.drawn(0.0, 0.01, 40) > 0);
 }
 
 TEST_CASE("arrows of the currents point out for positive ones and grow with them") {
@@ -115,7 +141,7 @@ TEST_CASE("annotations at the edge, beyond it, not finite or too long are no fau
     const double nan = std::numeric_limits<double>::quiet_NaN();
     drawing.annotation.pose = geometry::Pose2{nan, 0.0, 0.0};
     drawing.annotation.target_m = geometry::Vector2(5.0, -5.0);
-    drawing.annotation.travelled_m = {{nan, nan}, {0.0, 0.0}, {0.2, 0.2}, {-0.2, 0.1}};
+    drawing.annotation.travelled_m = {{{nan, nan}, {0.0, 0.0}}, {}, {{0.2, 0.2}, {-0.2, 0.1}}};
     drawing.annotation.coil_current_A = {nan, 1e9, -1e9, 0.0};
     drawing.annotation.task = std::string(300, 'x');
     drawing.annotation.error_m = nan;

@@ -18,10 +18,13 @@ struct Annotation {
   BenchGeometry bench;  ///< sizes of dish, coils and needle
 
   std::optional<geometry::Pose2> pose;  ///< estimated, of the needle's middle
-  std::string no_pose_reason;           ///< shown when there is no pose
+  double position_sigma_m = 0.0;        ///< its RMS error as it is believed to be: drawn twice as wide
+  std::string no_pose_reason;           ///< shown when there is no pose,
+  std::optional<geometry::Vector2> last_seen_m;  ///< and where the needle was when there was one
   std::optional<geometry::Vector2> target_m;
   std::vector<geometry::Vector2> reference_m;  ///< path to follow
-  std::vector<geometry::Vector2> travelled_m;  ///< path so far
+  /// Path so far, in the stretches along which the needle was seen; the way between them is dashed.
+  std::vector<std::vector<geometry::Vector2>> travelled_m;
 
   /// Coil order +x, -x, +y, -y. A positive current pulls towards its coil: its arrow points outwards.
   std::optional<std::array<double, 4>> coil_current_A;
@@ -34,8 +37,8 @@ struct Annotation {
 
 /// Draws into `image` (8-bit BGR, of the camera's size), antialiased, in colours that the colour-blind can
 /// tell apart (Okabe and Ito 2008): dish rim white, reference blue, path so far orange, target purple cross,
-/// pose vermilion with a yellow head. Stroke widths follow the image's height. Throws LogicFault when the
-/// image is of another type or size.
+/// pose vermilion with a yellow head, where it was seen last a yellow ring. Stroke widths follow the image's
+/// height. Throws LogicFault when the image is of another type or size.
 void annotate(cv::Mat& image, const CameraModel& camera, const Annotation& annotation);
 
 }  // namespace lodestone::imaging
