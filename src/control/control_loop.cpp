@@ -186,7 +186,11 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     if (config_.decide_s > 0.0) rest_until(start_s + due_s + config_.decide_s);
     if (interruption_.raised()) throw_interrupted();
     pulse(record);
-    if (identifier_ != nullptr) identifier_->check();
+    if (identifier_ != nullptr) {  // while the pulse is on
+      identifier_->check();
+      if (memory.pose_before)
+        identifier_->expect(*memory.pose_before, task::axis_drive(record.action, action_));
+    }
     rest_until(start_s + static_cast<double>(step + 1) * config_.period_s());
   }
 }

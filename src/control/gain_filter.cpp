@@ -18,6 +18,10 @@ void normalise(std::vector<double>& weights) {
   for (double& weight : weights) weight /= total;
 }
 
+bool same(const geometry::Pose2& a, const geometry::Pose2& b) {
+  return a.x_m == b.x_m && a.y_m == b.y_m && a.heading_rad == b.heading_rad;
+}
+
 }  // namespace
 
 GainFilter::GainFilter(MotionModel model, const IdentificationConfig& config)
@@ -40,12 +44,21 @@ void GainFilter::reset() {
   normalise(weight_);
 }
 
+void GainFilter::expect(const geometry::Pose2& before, const geometry::Vector2& drive_A) {
+  expected_A_.reset();
+  if (drive_A.isZero(0.0)) return;
+  imagined_.clear();
+  for (const double factor : factor_) imagined_.push_back(factor * drive_A);
+  model_.predict(before, imagined_, predicted_);
+  expected_A_ = drive_A;
+}
+
 void GainFilter::learn(const SeenPulse& pulse) {
   if (pulse.drive_A.isZero(0.0)) return;
-  imagined_.clear();
-  for (const double factor : factor_)
-    imagined_.push_back({pulse.before, factor * pulse.drive_A, pulse.after});
-  model_.judge(imagined_, says_);
+  if (!expected_A_ || *expected_A_ != pulse.drive_A || !same(predicted_.before, pulse.before))
+    expect(pulse.before, pulse.drive_A);
+  expected_A_.reset();
+  model_.judge(predicted_, pulse.after, says_);
   const double most = *std::max_element(says_.begin(), says_.end());
   for (std::size_t k = 0; k < weight_.size(); ++k) weight_[k] *= std::pow(says_[k] / most, config_.temper);
   normalise(weight_);

@@ -28,6 +28,62 @@ geometry::Vector2 MotionModel::drive_of(const geometry::Vector2& drive_A) const 
   return (drive_per_A_ * drive_A).cwiseMax(-limit).cwiseMin(limit);
 }
 
+template <class Density>
+void MotionModel::judge_by(std::size_t count, const Density& density, std::vector<double>& out) {
+  const std::size_t size = model_->state_size;
+  log_density_.resize(count);
+  out.assign(count, 0.0);
+  for (std::size_t member = 0; member < model_->members.size(); ++member) {
+    density(member);
+    for (std::size_t k = 0; k < count; ++k)
+      out[k] += std::exp(log_density_[k]) / static_cast<double>(model_->members.size());
+  }
+  const double turns_rad = size == 3 ? 2.0 * geometry::kPi : 1.0;
+  const double outlier = 1.0 / (geometry::kPi * std::pow(model_->dish_radius_m, 2) * turns_rad);
+  for (double& ratio : out) ratio = (1.0 - config_.outlier_share) * ratio / outlier + config_.outlier_share;
+}
+
+void MotionModel::predict(const geometry::Pose2& before, const std::vector<geometry::Vector2>& drives_A,
+                          Prediction& out) {
+  const std::size_t size = model_->state_size;
+  out.before = before;
+  out.pulses = drives_A.size();
+  out.output.resize(model_->members.size());
+  state_.resize(out.pulses * size);
+  drive_.resize(2 * out.pulses);
+  for (std::size_t k = 0; k < out.pulses; ++k) {
+    write_state(before, size, &state_[k * size]);
+    const geometry::Vector2 drive = drive_of(drives_A[k]);
+    drive_[2 * k] = drive.x();
+    drive_[2 * k + 1] = drive.y();
+  }
+  for (std::size_t member = 0; member < model_->members.size(); ++member) {
+    const inference::FoldedDynamics& dynamics = model_->members[member];
+    out.output[member].resize(out.pulses * static_cast<std::size_t>(dynamics.mixture().outputs()));
+    dynamics.predict_distribution(state_.data(), drive_.data(), static_cast<std::int64_t>(out.pulses),
+                                  out.output[member].data(), workspace_);
+  }
+}
+
+void MotionModel::judge(const Prediction& predicted, const geometry::Pose2& after, std::vector<double>& out) {
+  const std::size_t size = model_->state_size;
+  const double noise[3] = {config_.noise_m, config_.noise_m, config_.noise_rad};
+  state_.resize(predicted.pulses * size);
+  seen_.resize(predicted.pulses * size);
+  for (std::size_t k = 0; k < predicted.pulses; ++k) {
+    write_state(predicted.before, size, &state_[k * size]);
+    write_state(after, size, &seen_[k * size]);
+  }
+  judge_by(
+      predicted.pulses,
+      [&](std::size_t member) {
+        model_->members[member].log_density(state_.data(), predicted.output[member].data(), seen_.data(),
+                                            noise, static_cast<std::int64_t>(predicted.pulses),
+                                            log_density_.data());
+      },
+      out);
+}
+
 void MotionModel::judge(const std::vector<SeenPulse>& pulses, std::vector<double>& out) {
   const std::size_t size = model_->state_size;
   const std::size_t count = pulses.size();
@@ -35,7 +91,6 @@ void MotionModel::judge(const std::vector<SeenPulse>& pulses, std::vector<double
   state_.resize(count * size);
   seen_.resize(count * size);
   drive_.resize(2 * count);
-  log_density_.resize(count);
   for (std::size_t k = 0; k < count; ++k) {
     write_state(pulses[k].before, size, &state_[k * size]);
     write_state(pulses[k].after, size, &seen_[k * size]);
@@ -43,16 +98,14 @@ void MotionModel::judge(const std::vector<SeenPulse>& pulses, std::vector<double
     drive_[2 * k] = drive.x();
     drive_[2 * k + 1] = drive.y();
   }
-  out.assign(count, 0.0);
-  for (const inference::FoldedDynamics& member : model_->members) {
-    member.log_density(state_.data(), drive_.data(), seen_.data(), noise, static_cast<std::int64_t>(count),
-                       log_density_.data(), workspace_);
-    for (std::size_t k = 0; k < count; ++k)
-      out[k] += std::exp(log_density_[k]) / static_cast<double>(model_->members.size());
-  }
-  const double turns_rad = size == 3 ? 2.0 * geometry::kPi : 1.0;
-  const double outlier = 1.0 / (geometry::kPi * std::pow(model_->dish_radius_m, 2) * turns_rad);
-  for (double& ratio : out) ratio = (1.0 - config_.outlier_share) * ratio / outlier + config_.outlier_share;
+  judge_by(
+      count,
+      [&](std::size_t member) {
+        model_->members[member].log_density(state_.data(), drive_.data(), seen_.data(), noise,
+                                            static_cast<std::int64_t>(count), log_density_.data(),
+                                            workspace_);
+      },
+      out);
 }
 
 geometry::Pose2 MotionModel::draw(const geometry::Pose2& before, const geometry::Vector2& drive_A,

@@ -340,6 +340,7 @@ void DecisionLatency::measure() {
     for (std::int64_t i = 0; i < config_.images; ++i) {
       observation.pose = drawn();
       observation.target_m = drawn().position_m();
+      deciders_->identifier.expect(before, drive_A);  // while the pulse before was on
       const double start_s = clock.now_s();
       deciders_->identifier.learn({before, drive_A, observation.pose});
       observation.drive_gain = deciders_->identifier.gain();

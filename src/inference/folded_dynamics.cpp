@@ -229,9 +229,18 @@ void FoldedDynamics::log_density(const double* state, const double* drive, const
                                  const double* noise, std::int64_t rows, double* out,
                                  Workspace& workspace) const {
   LODESTONE_CHECK(distribution(), "a simulator that predicts distributions");
-  if (rows == 0) return;
+  if (rows != 0) log_density(state, evaluate(state, drive, rows, workspace), seen, noise, rows, out);
+}
+
+void FoldedDynamics::predict_distribution(const double* state, const double* drive, std::int64_t rows,
+                                          float* output, Workspace& workspace) const {
+  LODESTONE_CHECK(distribution(), "a simulator that predicts distributions");
+  if (rows != 0) std::copy_n(evaluate(state, drive, rows, workspace), rows * mixture_.outputs(), output);
+}
+
+void FoldedDynamics::log_density(const double* state, const float* output, const double* seen,
+                                 const double* noise, std::int64_t rows, double* out) const {
   const auto size = static_cast<std::size_t>(state_size_);
-  const float* output = evaluate(state, drive, rows, workspace);
   double value[3], spread[3];
   for (std::int64_t row = 0; row < rows; ++row, state += size, seen += size, output += mixture_.outputs()) {
     double log_units = 0.0;

@@ -98,3 +98,28 @@ TEST_CASE("what a filter knows outlives it", "[unit]") {
   CHECK_THROWS_AS(again.restore(common::Json::array({1.0})), common::DataError);
   CHECK_THROWS_AS(again.restore({{"weight", 1.0}}), common::DataError);
 }
+
+TEST_CASE("a pulse that was expected says what it says unexpected, and one that was not given nothing",
+          "[unit]") {
+  control::GainFilter filter({known_rig(), {}, 1.0}, {}), expecting({known_rig(), {}, 1.0}, {});
+  const geometry::Pose2 here = {0.002, 0.001, 0.3};
+  const geometry::Pose2 there = {0.004, 0.001, 0.3};
+  const auto alike = [&] {
+    CHECK(filter.gain().log_mean == expecting.gain().log_mean);
+    CHECK(filter.gain().log_sigma == expecting.gain().log_sigma);
+  };
+  expecting.expect(here, {1.5, 0.5});
+  alike();
+  for (control::GainFilter* each : {&filter, &expecting}) each->learn({here, {1.5, 0.5}, there});
+  CHECK(filter.gain().log_mean != 0.0);
+  alike();
+  expecting.expect(here, {1.0, 0.5});  // another one came of it: placed elsewhere, other drive, none
+  for (control::GainFilter* each : {&filter, &expecting}) each->learn({there, {1.0, 0.5}, here});
+  alike();
+  expecting.expect(here, {1.0, 0.5});
+  for (control::GainFilter* each : {&filter, &expecting}) each->learn({here, {1.0, -0.5}, there});
+  alike();
+  expecting.expect(here, {0.0, 0.0});
+  for (control::GainFilter* each : {&filter, &expecting}) each->learn({here, {2.0, 0.0}, here});
+  alike();
+}

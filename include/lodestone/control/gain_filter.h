@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "lodestone/common/config.h"
@@ -21,7 +22,10 @@ class GainFilter {
 
   /// Back to what is known before any pulse.
   void reset();
-  /// One more pulse.
+  /// A pulse is being given: what is to be known of it before its motion is seen is worked out now, which is
+  /// most of what learn() has to do.
+  void expect(const geometry::Pose2& before, const geometry::Vector2& drive_A);
+  /// One more pulse, expected or not.
   void learn(const SeenPulse& pulse);
 
   /// Mean and spread of the logarithm.
@@ -37,11 +41,13 @@ class GainFilter {
   void move_on();
 
   MotionModel model_;
-  std::vector<double> factor_;       // of the grid
-  std::vector<double> weight_;       // of its points; they sum to 1
-  std::vector<SeenPulse> imagined_;  // at every factor
-  std::vector<double> says_;         // of the points, what the last pulse says
-  std::vector<double> kernel_;       // by distance in points, what a new place makes of one
+  std::vector<double> factor_;               // of the grid
+  std::vector<double> weight_;               // of its points; they sum to 1
+  std::vector<geometry::Vector2> imagined_;  // drives in A at every factor,
+  MotionModel::Prediction predicted_;        // and what they do
+  std::optional<geometry::Vector2> expected_A_;
+  std::vector<double> says_;    // of the points, what the last pulse says
+  std::vector<double> kernel_;  // by distance in points, what a new place makes of one
 };
 
 }  // namespace lodestone::control

@@ -26,6 +26,18 @@ class MotionModel {
   MotionModel(std::shared_ptr<const LearnedSimulator> model, const IdentificationConfig& config,
               double drive_per_A);
 
+  /// What is predicted of pulses that are given from one pose, before their motion is seen: most of the work
+  /// of judging them.
+  struct Prediction {
+    geometry::Pose2 before;
+    std::size_t pulses = 0;
+    std::vector<std::vector<float>> output;  ///< of each member of the ensemble
+  };
+  void predict(const geometry::Pose2& before, const std::vector<geometry::Vector2>& drives_A,
+               Prediction& out);
+  /// As below, of one motion by each of these pulses.
+  void judge(const Prediction& predicted, const geometry::Pose2& after, std::vector<double>& out);
+
   /// For each pulse [N] the density of its motion, mean over the ensemble, as a ratio to that of an outlier,
   /// which lies anywhere in the dish; outliers are mixed in by their share. Writes `out` [N], all above 0.
   void judge(const std::vector<SeenPulse>& pulses, std::vector<double>& out);
@@ -35,6 +47,8 @@ class MotionModel {
 
  private:
   geometry::Vector2 drive_of(const geometry::Vector2& drive_A) const;
+  template <class Density>
+  void judge_by(std::size_t count, const Density& density, std::vector<double>& out);
 
   std::shared_ptr<const LearnedSimulator> model_;
   IdentificationConfig config_;

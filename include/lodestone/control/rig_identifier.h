@@ -20,6 +20,10 @@ class RigIdentifier {
         watch_({model, config, drive_per_A}, config.noise_m, config.noise_rad) {}
 
   void reset();
+  /// A pulse is being given: as GainFilter. Decisions need not wait for it.
+  void expect(const geometry::Pose2& before, const geometry::Vector2& drive_A) {
+    filter_.expect(before, drive_A);
+  }
   /// One more pulse.
   void learn(const SeenPulse& pulse);
   task::DriveGain gain() const { return filter_.gain(); }

@@ -45,6 +45,12 @@ class FoldedDynamics {
   /// where distribution() holds.
   void log_density(const double* state, const double* drive, const double* seen, const double* noise,
                    std::int64_t rows, double* out, Workspace& workspace) const;
+  /// The same in two parts: what is predicted, rows of mixture().outputs() numbers, before anything is seen,
+  void predict_distribution(const double* state, const double* drive, std::int64_t rows, float* output,
+                            Workspace& workspace) const;
+  /// and how likely in it what was seen is.
+  void log_density(const double* state, const float* output, const double* seen, const double* noise,
+                   std::int64_t rows, double* out) const;
 
   int state_size() const { return state_size_; }
   /// A distribution over changes is predicted, not a single value.
