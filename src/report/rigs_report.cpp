@@ -127,12 +127,11 @@ bool same_everywhere(const runs::RigsResult& result, const Parameter& parameter)
   });
 }
 
-std::string scatter(const runs::RigsSummary& summary, const runs::RigsResult& result, const std::string& task,
-                    const Parameter& parameter) {
+std::string scatter(const runs::RigsResult& result, const std::string& task, const Parameter& parameter) {
   LineChart chart{task + "-" + parameter.id, task, std::string(parameter.label) + " (factor)", "error (mm)"};
   chart.small = true;
   chart.from_zero = true;
-  for (const std::string& controller : summary.controllers()) {
+  for (const char* controller : runs::kControllers) {  // what was learned has charts of its own
     LineSeries series{controller, {}, colour_of(controller)};
     series.dots = true;
     for (const RigFigures& rig : result.rigs) {
@@ -193,12 +192,21 @@ std::string write_rigs_report(const std::string& folder, const std::string& out)
   const auto summary = common::read_artefact<runs::RigsSummary>(folder + "/" + runs::RigsSummary::kFile);
   const auto result = common::read_artefact<runs::RigsResult>(folder + "/" + runs::RigsResult::kFile);
   const auto rows = rows_of(summary);
+  std::vector<std::string> shown_headings;
+  std::vector<std::vector<std::string>> shown_rows(rows.size());
+  for (std::size_t column = 0; column < headings().size(); ++column) {
+    const bool empty =
+        std::all_of(rows.begin(), rows.end(), [&](const auto& row) { return row[column] == "–"; });
+    if (empty && !rows.empty()) continue;
+    shown_headings.push_back(headings()[column]);
+    for (std::size_t row = 0; row < rows.size(); ++row) shown_rows[row].push_back(rows[row][column]);
+  }
   HtmlPage page("Controllers on " + std::to_string(summary.rigs) + " rigs",
                 std::to_string(summary.trials_per_rig) + " trials of a task on each, " +
                     (summary.decorated ? "with decorators" : "as configured"));
   page.add_section(
       "table", "In numbers",
-      figure(table(headings(), rows, 2),
+      figure(table(shown_headings, shown_rows, 2),
              "<b>Errors over rigs that nobody has seen</b>: of points the distance at the end, of paths the "
              "cross-track RMS. Intervals of 95 % by drawing rigs anew. Every controller has the same rigs, "
              "starts and targets; against the baseline: below zero is better than it."));
@@ -217,7 +225,7 @@ std::string write_rigs_report(const std::string& folder, const std::string& out)
   for (const Parameter& parameter : parameters()) {
     if (same_everywhere(result, parameter)) continue;
     std::string charts;
-    for (const char* task : runs::kTasks) charts += scatter(summary, result, task, parameter);
+    for (const char* task : runs::kTasks) charts += scatter(result, task, parameter);
     page.add_section(parameter.id, "Against the " + std::string(parameter.label),
                      figure("<div class=\"panels wide\">" + charts + "</div>",
                             "A dot is the mean error on one rig; the factor is on what its description says, "

@@ -46,6 +46,8 @@ TEST_CASE("a bench of rigs comes with its table and a dot for each rig") {
   CHECK(tests::holds(page, "id=\"square-moment\""));
   CHECK_FALSE(tests::holds(page, "id=\"point-moment\""));
   CHECK_FALSE(tests::holds(page, "id=\"square-minutes\""));
+  CHECK(tests::holds(page, "against the baseline (mm)"));
+  CHECK_FALSE(tests::holds(page, "against identified only (mm)"));  // nothing was learned
 }
 
 TEST_CASE("what was learned of the rigs stands over the minutes that it took") {
