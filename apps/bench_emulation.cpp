@@ -75,8 +75,8 @@ void bench_emulation(const CommonOptions& options) {
   choose_segmenter(config.deployment.sensor);
   runs::RunFolder run(
       {options.out, "bench emulation", common::config_to_json(config), config.deployment.seed});
-  run.begin();
   EmulationBench bench(config, options.out);
+  run.begin();
   const EmulationResult& result = bench.result();
   for (const Part& part : kParts) {
     const std::size_t before = result.figures.size();

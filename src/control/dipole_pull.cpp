@@ -29,32 +29,29 @@ geometry::Vector2 DipolePull::drive_A(const geometry::Vector2& force_N,
   return unit * (wanted_N / along_N);
 }
 
-void DipolePullController::reset() {
-  disturbance_N_ = 0.0;
-  force_N_.setZero();
-}
-
-void DipolePullController::observe(const geometry::Vector2& displacement_m) {
-  const double asked_N = force_N_.norm();
-  if (asked_N == 0.0) return;
-  const double moved_m = displacement_m.dot(force_N_) / asked_N;
-  const double seen_N = asked_N - friction_N_ - moved_m / config_.mobility_m_per_N;
+void DipolePullController::observe(const task::Observation& observation) {
+  if (observation.last_action.isZero(0.0)) return;
+  // What was given, whatever came between: largest currents, decorators.
+  const geometry::Vector2& moved_m = observation.last_displacement_m;
+  const geometry::Vector2 given_N =
+      pull_.pull_N(scale_A_ * observation.last_action, observation.pose.position_m() - moved_m);
+  const double pull_N = given_N.norm();
+  if (pull_N == 0.0) return;
+  const double along_m = moved_m.dot(given_N) / pull_N;
+  const double seen_N = pull_N - friction_N_ - along_m / config_.mobility_m_per_N;
   disturbance_N_ += config_.observer_share * (seen_N - disturbance_N_);
   disturbance_N_ = std::clamp(disturbance_N_, -friction_N_, config_.max_force_N);
 }
 
 geometry::Vector2 DipolePullController::act(const task::Observation& observation) {
-  if (observation.last_action.isZero(0.0)) force_N_.setZero();  // nothing was given
-  observe(observation.last_displacement_m);
-  force_N_.setZero();
+  observe(observation);
   const geometry::Vector2 position_m = observation.pose.position_m();
   const geometry::Vector2 error_m = observation.target_after_m(1) - position_m;
   const double distance_m = error_m.norm();
   if (distance_m == 0.0 || distance_m < config_.rest_radius_m) return geometry::Vector2::Zero();
   const double force_N =
       std::min(friction_N_ + disturbance_N_ + config_.gain_N_m * distance_m, config_.max_force_N);
-  force_N_ = error_m * (force_N / distance_m);
-  const geometry::Vector2 action = pull_.drive_A(force_N_, position_m) / scale_A_;
+  const geometry::Vector2 action = pull_.drive_A(error_m * (force_N / distance_m), position_m) / scale_A_;
   return geometry::saturated_in_direction(action);
 }
 

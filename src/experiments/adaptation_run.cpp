@@ -13,6 +13,18 @@
 
 namespace lodestone::experiments {
 
+SimulatorSource load_start(const rig::RigConfig& rig, const std::string& folder) {
+  DeploymentConfig deployment;
+  deployment.rig = rig;
+  deployment.identification.enabled = false;  // that it cannot be is an error here, no warning
+  SimulatorSource source = load_simulator(deployment, folder);
+  if (!source.simulator->sampled)
+    throw common::ConfigError("adapt: " + folder +
+                              " predicts single values; begin with a simulator that predicts distributions "
+                              "(model.components of 1 or more), or --from-scratch");
+  return source;
+}
+
 runs::Adaptation AdaptationRun::run() {
   const common::SteadyClock clock;
   const double start_s = clock.now_s();
@@ -26,7 +38,7 @@ runs::Adaptation AdaptationRun::run() {
     if (left > 0) simulator = learn("first", learning_from(data, "", 0.0));
   }
   if (left > 0) {
-    const SimulatorSource source = load(simulator);
+    const SimulatorSource source = load_start(config_.collection.rig, simulator);
     data += (data.empty() ? "" : ",") + record("driving", left, &source);
   }
   const data::Dataset recorded = data::read_recordings(data);
@@ -37,12 +49,12 @@ runs::Adaptation AdaptationRun::run() {
   std::optional<SimulatorSource> before;
   double log_gain = 0.0;
   if (!config_.from_scratch) {
-    before = load(config_.dynamics);
+    before = load_start(config_.collection.rig, config_.dynamics);
     log_gain = identify(*before, config_.identification, parts.train).log_mean;
   }
   const std::string learned = learn("learning", learning_from(data, config_.dynamics, log_gain));
-  runs::Adaptation result =
-      compare(before ? &*before : nullptr, load(learned), config_.identification, parts.train, parts.test);
+  runs::Adaptation result = compare(before ? &*before : nullptr, load_start(config_.collection.rig, learned),
+                                    config_.identification, parts.train, parts.test);
   result.from = config_.dynamics;
   result.pulses = recorded.transitions();
   result.placements = recorded.placements();
@@ -52,18 +64,6 @@ runs::Adaptation AdaptationRun::run() {
   put_model(run_.path(), result.kept ? learned : config_.dynamics);
   common::write_artefact(run_.file(runs::Adaptation::kFile), result);
   return result;
-}
-
-SimulatorSource AdaptationRun::load(const std::string& folder) const {
-  DeploymentConfig deployment;
-  deployment.rig = config_.collection.rig;
-  deployment.identification.enabled = false;  // that it cannot be is an error here, no warning
-  SimulatorSource source = load_simulator(deployment, folder);
-  if (!source.simulator->sampled)
-    throw common::ConfigError("adapt: " + folder +
-                              " predicts single values; begin with a simulator that predicts distributions "
-                              "(model.components of 1 or more), or --from-scratch");
-  return source;
 }
 
 std::string AdaptationRun::record(const std::string& stage, std::int64_t pulses,

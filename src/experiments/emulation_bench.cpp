@@ -115,24 +115,27 @@ class BusyProcessors {
   std::vector<std::thread> threads_;
 };
 
+ControllerSource source_of(const EmulationBenchConfig& config) {
+  std::optional<SimulatorSource> simulator;
+  if (!config.dynamics.empty()) simulator = load_simulator(config.deployment, config.dynamics);
+  if (!config.policy.empty())
+    return policy_source(config.deployment, inference::load_policy(config.policy), config.policy,
+                         simulator ? &*simulator : nullptr);
+  return simulator ? planner_source(config.deployment, *simulator) : baseline_source(config.deployment);
+}
+
 }  // namespace
 
 EmulationBench::EmulationBench(const EmulationBenchConfig& config, std::string folder)
-    : config_(config), folder_(std::move(folder)), seed_(static_cast<std::uint64_t>(config.deployment.seed)) {
+    : config_(config),
+      folder_(std::move(folder)),
+      seed_(static_cast<std::uint64_t>(config.deployment.seed)),
+      source_(source_of(config)) {
   result_.machine = common::build_and_host_facts();
 }
 
 void EmulationBench::add(const std::string& figure, double value, const char* unit, double bound) {
   result_.figures.push_back(at_most(figure, value, unit, bound));
-}
-
-ControllerSource EmulationBench::source() const {
-  std::optional<SimulatorSource> simulator;
-  if (!config_.dynamics.empty()) simulator = load_simulator(config_.deployment, config_.dynamics);
-  if (!config_.policy.empty())
-    return policy_source(config_.deployment, inference::load_policy(config_.policy), config_.policy,
-                         simulator ? &*simulator : nullptr);
-  return simulator ? planner_source(config_.deployment, *simulator) : baseline_source(config_.deployment);
 }
 
 void EmulationBench::time_round_trips() {
@@ -203,7 +206,7 @@ std::vector<double> EmulationBench::drive_square(std::int64_t index, const std::
                    std::to_string(config_.timed_squares) + " " + how + " on " + live.port() + " under " +
                    live.camera());
   const TrialResult trial =
-      run_on_session(*session, deployment, plan, source(), [&] { return live.true_pose(); });
+      run_on_session(*session, deployment, plan, source_, [&] { return live.true_pose(); });
   if (!trial.completed) common::log_warning("square " + how + " stopped: " + trial.stop_reason);
   ++squares.squares;
   squares.pulses += watch.pulses();
@@ -225,9 +228,8 @@ void EmulationBench::compare_squares() {
   common::log_info("bench emulation: " + std::to_string(plans.size()) +
                    " squares with simulated coils, then as many with "
                    "the emulated bench");
-  const ControllerSource driver = source();
-  const double simulated_mm = mean_error_mm(simulated.run(plans, RigKind::kExplored, driver, pool));
-  const auto by_bench = emulated.run(plans, RigKind::kExplored, driver, pool);
+  const double simulated_mm = mean_error_mm(simulated.run(plans, RigKind::kExplored, source_, pool));
+  const auto by_bench = emulated.run(plans, RigKind::kExplored, source_, pool);
   double stopped = 0.0;
   for (const TrialResult& trial : by_bench) {
     if (trial.completed) continue;

@@ -153,6 +153,7 @@ DeployConfig RigsBenchConfig::deploy() const {
 }
 
 DeploymentJob plan_rigs(const RigsBenchConfig& bench, const DeployConfig& config) {
+  if (!bench.adapt.empty()) load_start(config.deployment.rig, config.dynamics);  // said now, not after hours
   DeploymentJob job = plan_job(config, bench.controller_names());
   for (const RigLearner& learner : bench.learners()) {
     ControllerSource source;  // what it drives with is another thing on every rig

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "lodestone/common/error.h"
+
 namespace lodestone::inference {
 namespace {
 
@@ -69,6 +71,8 @@ std::vector<std::array<float, 2>> Actor::ranked(const float* observation, Worksp
   }
   std::copy_n(observation, observation_size(), network_.input(1, workspace));
   const float* output = network_.forward(1, workspace);
+  LODESTONE_CHECK(std::all_of(output, output + network_.outputs(), [](float x) { return std::isfinite(x); }),
+                  "finite proposals and scores from the policy network");
   const float* score = output + 3 * proposals_;
   std::vector<std::int64_t> order(static_cast<std::size_t>(proposals_) + 1);
   std::iota(order.begin(), order.end(), 0);

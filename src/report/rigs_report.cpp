@@ -180,9 +180,10 @@ std::string curve(const runs::RigsSummary& summary, const std::string& task) {
 std::string text_of(const std::map<std::string, runs::LearnedRigs>& learned) {
   std::string text;
   for (const auto& [name, rigs] : learned)
-    text += fmt::format(
-        "{}: {:.1f} minutes of each rig, kept on {} of {}, {} placements, {:.0f} s of computing\n", name,
-        rigs.rig_minutes, rigs.kept, rigs.rigs, rigs.placements, rigs.median_seconds);
+    text += fmt::format("{}: {} rigs, {:.1f} minutes of each{}, {} placements, {:.0f} s of computing\n", name,
+                        rigs.rigs, rigs.rig_minutes,
+                        name.rfind("adapted_", 0) == 0 ? fmt::format(", kept on {}", rigs.kept) : "",
+                        rigs.placements, rigs.median_seconds);
   return text;
 }
 

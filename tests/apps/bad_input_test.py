@@ -96,6 +96,11 @@ check(["adapt", "--models", str(source / "models/dynamics_best"), "--pulses", "3
 check(["adapt", "--rollback", "--out", "nowhere"], 2, "nowhere", "no adaptation")
 check(["deploy", "--models", str(source / "models/any_rig"), "--set", "dynamics=elsewhere", "--sensor", "simulated", "--out", "run"], 1,
       "elsewhere")
+check(["bench", "rigs", "--adapt", "1000", "--controllers", "baseline", "--set", "dynamics=" + str(source / "models/dynamics_paper"),
+       "--sensor", "simulated", "--out", "run"], 2, "predicts distributions")
+check(["bench", "rigs", "--adapt", "30", "--models", str(source / "models"), "--sensor", "simulated", "--out", "run"], 2, "8 episodes")
+check(["bench", "rigs", "--adapt", "many", "--models", str(source / "models"), "--sensor", "simulated", "--out", "run"], 2, "whole numbers")
+check(["bench", "emulation", "--set", "dynamics=elsewhere", "--out", "run"], 1, "elsewhere")
 check(["report", "--run", "nope"], 2, "nope", "no such folder")
 check(["report", "--run", "."], 2, "holds no run", "collect")
 check(["deploy", "--controller", "baseline", "--sensor", "simulated", "--task", "point", "--target-mm", "50,0", "--out", "run"], 2,

@@ -56,14 +56,23 @@ TEST_CASE("a disturbance observer pulls harder at a needle that stays behind, an
   config.observer_share = 0.5;
   config.mobility_m_per_N = 20.0;
   control::DipolePullController controller(tests::paper_rig(), config);
+  const double expected_m = config.mobility_m_per_N * config.gain_N_m * 0.01;
   task::Observation observation;
-  observation.target_m = {0.01, 0.0};
+  // The pull at the centre after a pulse that took the needle there; the target is always 10 mm ahead.
   const auto pull = [&](double moved_m) {
+    observation.pose.x_m = -moved_m;
+    observation.target_m = {0.01 - moved_m, 0.0};
     observation.last_displacement_m = {moved_m, 0.0};
+    const geometry::Vector2 before = observation.last_action;
+    observation.last_action.setZero();  // says nothing
+    const geometry::Vector2 given = controller.act(observation);
+    observation.last_action = before.isZero(0.0) ? before : given;
+    observation.pose.x_m = 0.0;
+    observation.target_m = {0.01, 0.0};
     return (observation.last_action = controller.act(observation)).x();
   };
   const double first = pull(0.0);
-  const double expected_m = config.mobility_m_per_N * config.gain_N_m * 0.01;
+  CHECK(first > 0.0);
   CHECK(pull(expected_m) == Approx(first));
   const double after_a_stall = pull(0.0);
   CHECK(after_a_stall > 1.1 * first);
@@ -72,5 +81,7 @@ TEST_CASE("a disturbance observer pulls harder at a needle that stays behind, an
   controller.reset();
   observation.last_action.setZero();
   CHECK(pull(0.0) == first);
-  for (int step = 0; step < 50; ++step) CHECK(pull(0.0) <= 1.0);  // however long it stays
+  for (int step = 0; step < 50; ++step) pull(0.0);
+  for (int step = 0; step < 5; ++step) pull(20.0 * expected_m);
+  CHECK(pull(expected_m) < first);  // however long it stayed, what was added is taken back
 }

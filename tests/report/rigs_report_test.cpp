@@ -75,7 +75,7 @@ TEST_CASE("what was learned of the rigs stands over the minutes that it took") {
   const std::string text = report::write_rigs_report(folder.path(), folder / "report.html");
   CHECK(tests::holds(text, "against identified only -0.021 (-0.030 to -0.012) mm"));
   CHECK(tests::holds(
-      text, "adapted_1000: 5.0 minutes of each rig, kept on 1 of 2, 0 placements, 26 s of computing"));
+      text, "adapted_1000: 2 rigs, 5.0 minutes of each, kept on 1, 0 placements, 26 s of computing"));
   const std::string page = common::read_file(folder / "report.html");
   CHECK(tests::holds(page, "id=\"point-minutes\""));
 }

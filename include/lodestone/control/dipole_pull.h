@@ -70,18 +70,17 @@ class DipolePullController final : public Controller {
         pull_(rig),
         friction_N_(config.friction_share * rig.breakaway_N()),
         scale_A_(rig.coils.max_current_A) {}
-  void reset() override;
+  void reset() override { disturbance_N_ = 0.0; }
   geometry::Vector2 act(const task::Observation& observation) override;
 
  private:
-  void observe(const geometry::Vector2& displacement_m);
+  void observe(const task::Observation& observation);
 
   DipolePullConfig config_;
   DipolePull pull_;
   double friction_N_;  // what is added to every pull
   double scale_A_;
-  double disturbance_N_ = 0.0;                             // along the pull, against it
-  geometry::Vector2 force_N_ = geometry::Vector2::Zero();  // of the last pulse
+  double disturbance_N_ = 0.0;  // along the pull, against it
 };
 
 }  // namespace lodestone::control

@@ -93,6 +93,10 @@ struct AdaptationConfig {
   }
 };
 
+/// Reads a simulator that can be gone on from: it predicts distributions. Throws ConfigError where it does
+/// not, and as load_simulator.
+SimulatorSource load_start(const rig::RigConfig& rig, const std::string& folder);
+
 /// Learns a rig from its own pulses, which it drives while it records them: in stages with folders of their
 /// own below the run's, each of which goes on where it was when the run is begun again.
 class AdaptationRun {
@@ -108,7 +112,6 @@ class AdaptationRun {
   runs::Adaptation run();
 
  private:
-  SimulatorSource load(const std::string& folder) const;
   /// Records pulses: explores, or goes from target to target by planning. Returns the recording.
   std::string record(const std::string& stage, std::int64_t pulses, const SimulatorSource* simulator);
   /// How a simulator learns from recordings, going on from another where one is named.

@@ -140,7 +140,8 @@ struct EmulationResult {
 /// figures, to the result. They throw HardwareError where there is no emulator, and Interrupted.
 class EmulationBench {
  public:
-  /// `folder` takes what the runs record; it exists. `config` must outlive the bench.
+  /// Reads what drives: throws as load_simulator and policy_source. `folder` takes what the runs record, and
+  /// exists before the first part is measured. `config` must outlive the bench.
   EmulationBench(const EmulationBenchConfig& config, std::string folder);
 
   void time_round_trips();
@@ -154,7 +155,6 @@ class EmulationBench {
 
  private:
   void add(const std::string& figure, double value, const char* unit, double bound);
-  ControllerSource source() const;
   RealTimeSquares drive_squares(const std::string& how);
   /// Adds one to `squares`; returns by how much each of its pulses came too early or too late.
   std::vector<double> drive_square(std::int64_t index, const std::string& how, RealTimeSquares& squares);
@@ -162,6 +162,7 @@ class EmulationBench {
   const EmulationBenchConfig& config_;
   std::string folder_;
   std::uint64_t seed_;
+  ControllerSource source_;
   EmulationResult result_;
 };
 

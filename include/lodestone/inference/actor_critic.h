@@ -27,7 +27,8 @@ class Actor {
   /// `observation` [rows, D] -> `action` [rows, A] in [-1, 1].
   void act(const float* observation, std::int64_t rows, float* action, Workspace& workspace) const;
   /// All that an actor with proposals would do at one observation, from the highest score down: its
-  /// proposals, and resting, (0, 0). Of another one its only action.
+  /// proposals, and resting, (0, 0). Of another one its only action. Throws LogicFault when the network
+  /// answers with something that is not a finite number.
   std::vector<std::array<float, 2>> ranked(const float* observation, Workspace& workspace) const;
 
   /// Numbers of the last layer.
