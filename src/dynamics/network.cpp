@@ -58,6 +58,7 @@ void Network::initialise(common::RandomStream& random) {
 
 at::Tensor Network::layers(const at::Tensor& input) const {
   at::Tensor x = norm_.empty() ? input : norm_.front()(input, training_);
+  if (config_.input_relu) x = x.relu();
   for (std::size_t i = 0; i + 1 < linear_.size(); ++i) {
     x = linear_[i](x);
     if (!norm_.empty()) x = norm_[i + 1](x, training_);

@@ -24,7 +24,7 @@ ReplayEnv::ReplayEnv(const data::Dataset& dataset, const EpisodeSettings& settin
       stretches_(static_cast<std::size_t>(settings.count)) {
   config.validate();
   for (const data::Episode& episode : dataset.episodes) {
-    if (episode.length() >= config.shortest) recorded_.push_back(episode);
+    if (config.keep_shorter || episode.length() >= config.shortest) recorded_.push_back(episode);
   }
   if (recorded_.empty())
     throw common::ConfigError("replay.shortest = " + std::to_string(config.shortest) +

@@ -17,6 +17,24 @@ Settings joined(Settings a, const Settings& b) {
   return a;
 }
 
+std::string with_seed(const std::string& name, std::int64_t s) { return name + "/" + std::to_string(s); }
+
+/// Of a change, in ids.
+std::string folder_of(std::string name) {
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return name;
+}
+
+std::string checkpoint_of(const std::string& cell) { return "{" + cell + "}/checkpoint"; }
+
+/// A policy of table II: how it is trained, for the centre and for points.
+struct PolicyRow {
+  std::string name;
+  std::string presets;  ///< folder of policy_centre.json and policy_target.json
+  Settings settings;
+  bool learned_here;  ///< is one of ours, so that it is also driven with what identification knows
+};
+
 /// What an ablation changes in the best preset.
 struct Ablation {
   std::string name;
@@ -32,11 +50,15 @@ class Builder {
     plan_.keep_checkpoints = false;  // hundreds of replay buffers would fill a disk
   }
 
+  /// Seed by seed, so that the tables are whole as early as possible.
   runs::Plan take() {
-    add_data();
-    for (std::int64_t s = 1; s <= scale_.seeds; ++s) add_tables(s);
-    for (std::int64_t s = 1; s <= scale_.seeds; ++s) add_mixes(s);
-    for (std::int64_t s = 1; s <= scale_.ablation_seeds; ++s) {
+    add("data/paper", "collect", "paper/collect.json", {set("transitions", scale_.transitions), "sessions=2"})
+        .all_threads = true;
+    add("data/best", "collect", "best/collect_explorer.json", {set("transitions", scale_.transitions)})
+        .all_threads = true;
+    for (std::int64_t s = 1; s <= std::max(scale_.seeds, scale_.ablation_seeds); ++s) {
+      if (s <= scale_.seeds) add_seed(s);
+      if (s > scale_.ablation_seeds) continue;
       for (const Ablation& ablation : ablations()) add_ablation(ablation, s);
     }
     return std::move(plan_);
@@ -61,130 +83,133 @@ class Builder {
                                      12);
   }
 
-  static std::string with_seed(const std::string& name, std::int64_t s) {
-    return name + "/" + std::to_string(s);
-  }
-
-  Settings steps(std::int64_t count) const {
-    return {set("training.env_steps", count),
-            set("training.buffer_size", std::min<std::int64_t>(count, 1000000)),
-            set("training.warm_up_steps", count / 20),
-            set("training.evaluate_every", std::max<std::int64_t>(count / 20, 1))};
-  }
-
-  /// The explorer's recording, a first policy made from it, and what that policy records.
-  void add_data() {
-    add("data/explorer", "collect", "paper/collect.json",
-        {set("transitions", scale_.transitions), "sessions=2"})
-        .all_threads = true;
-    add("first/dynamics", "train-dynamics", "best/dynamics.json",
-        {"data={data/explorer}/transitions.h5", set("training.epochs", scale_.best_epochs)})
-        .all_threads = true;
-    add("first/policy", "train-policy", "best/policy_target.json",
-        joined({"dynamics={first/dynamics}/checkpoint"}, steps(scale_.ablation_steps)))
-        .all_threads = true;
-    add("data/policy", "collect", "best/collect.json",
-        {"policy={first/policy}/checkpoint", set("transitions", scale_.second_transitions), "sessions=2"})
-        .all_threads = true;
-  }
-
   void add_policy(const std::string& id, const std::string& config, const Settings& settings,
-                  std::int64_t count) {
-    add(id, "train-policy", config, joined(settings, steps(count)));
+                  std::int64_t steps) {
+    const bool as_the_paper = config.rfind("paper/", 0) == 0;
+    add(id, "train-policy", config,
+        joined(settings, {set("training.env_steps", steps),
+                          set("training.buffer_size", std::min<std::int64_t>(steps, 1000000)),
+                          set("training.warm_up_steps",
+                              std::min<std::int64_t>(steps / 20, as_the_paper ? 5000 : 20000)),
+                          set("training.evaluate_every", std::max<std::int64_t>(steps / 50, 1))}));
   }
 
-  /// Errors on unseen rigs: the same trials for every row.
-  void add_transfer(const std::string& row, const std::string& task, std::int64_t s,
-                    const std::string& config, Settings settings, const std::string& table = "transfer") {
-    const bool ablation = table != "transfer";
-    settings.push_back("task=" + task);
-    settings.push_back(set("trials.count", ablation ? scale_.ablation_trials : scale_.trials));
-    runs::Cell& cell =
-        add(with_seed(table + "/" + row + "/" + task, s), "deploy", config, std::move(settings));
-    cell.seed = seed_of(with_seed("evaluation/" + task, s));
+  /// One task of one row on unseen rigs: the same trials for every row.
+  void add_trials(const std::string& id, const std::string& task, std::int64_t s, const std::string& config,
+                  Settings settings, std::int64_t count) {
+    settings.insert(settings.end(), {"on_rig=unseen", "task=" + task, set("trials.count", count)});
+    add(with_seed(id + "/" + task, s), "deploy", config, std::move(settings)).seed =
+        seed_of(with_seed("evaluation/" + task, s));
   }
 
-  /// Rows of tables I and II and figures 4 and 6 for one training seed.
-  void add_tables(std::int64_t s) {
+  /// Bare and decorated; with an `identified_by`, both also with what is identified in that simulator.
+  void add_transfer(const std::string& row, const std::string& task, std::int64_t s, const Settings& driver,
+                    const std::string& identified_by = "") {
+    const auto drive = [&](const std::string& variant, const std::string& config, const Settings& more) {
+      add_trials("transfer/" + row + "/" + variant, task, s, config, joined(driver, more), scale_.trials);
+    };
+    const bool plans = driver.front() == "controller=planner";
+    const Settings simulator =
+        identified_by.empty() ? Settings{} : Settings{"dynamics=" + checkpoint_of(identified_by)};
+    const Settings unknown = plans ? joined(simulator, {"identification.enabled=false"}) : Settings{};
+    drive("bare", kBare, unknown);
+    drive("decorated", kDecorated, unknown);
+    if (identified_by.empty()) return;
+    drive("identified", kBare, simulator);
+    drive("identified_decorated", kDecorated, simulator);
+  }
+
+  void add_seed(std::int64_t s) {
     const std::string paper = with_seed("dynamics/paper", s);
     const std::string best = with_seed("dynamics/best", s);
     add(paper, "train-dynamics", "paper/dynamics.json",
-        {"data={data/explorer}/transitions.h5", set("training.epochs", scale_.paper_epochs)});
+        {"data={data/paper}/transitions.h5", set("training.epochs", scale_.paper_epochs)});
     add(best, "train-dynamics", "best/dynamics.json",
-        {"data={data/explorer}/transitions.h5,{data/policy}/transitions.h5",
-         set("training.epochs", scale_.best_epochs)});
-    struct Row {
-      std::string name, presets;
-      Settings settings;
-      std::int64_t centre_steps, target_steps;
-      std::string deploy;
-    };
-    const std::vector<Row> rows = {
-        {"simulator", "simulator", {}, scale_.simulator_steps, scale_.simulator_steps, "best/deploy.json"},
-        {"randomised",
-         "simulator",
-         {"physics.randomise.enabled=true"},
-         scale_.simulator_steps,
-         scale_.simulator_steps,
-         "best/deploy.json"},
-        {"paper",
+        {"data={data/best}/transitions.h5", set("training.epochs", scale_.best_epochs)});
+    add_tables(s, paper, best);
+    add_mixes(s, paper);
+    add_open_choices(s, paper);
+  }
+
+  /// Rows of tables I and II and figures 4 and 6 for one training seed.
+  void add_tables(std::int64_t s, const std::string& paper, const std::string& best) {
+    const Settings in_paper = {"dynamics=" + checkpoint_of(paper)};
+    const Settings in_best = {"dynamics=" + checkpoint_of(best)};
+    const std::vector<PolicyRow> rows = {
+        {"paper", "paper", in_paper, false},
+        {"paper_simulator",
          "paper",
-         {"dynamics={" + paper + "}/checkpoint"},
-         scale_.paper_steps,
-         scale_.paper_steps,
-         "paper/deploy.json"},
-        {"best",
-         "best",
-         {"dynamics={" + best + "}/checkpoint"},
-         scale_.best_centre_steps,
-         scale_.best_target_steps,
-         "best/deploy.json"}};
-    for (const Row& row : rows) {
+         {"simulator=physics", "task.start_radius=0.82"},
+         false},  // clear of the wall
+        {"best", "best", in_best, true},
+        {"simulator", "simulator", {}, false},
+        {"randomised", "simulator", {"physics.randomise.enabled=true"}, false},
+    };
+    for (const PolicyRow& row : rows) {
       const std::string centre = with_seed("policy/" + row.name + "/centre", s);
       const std::string target = with_seed("policy/" + row.name + "/target", s);
-      add_policy(centre, row.presets + "/policy_centre.json", row.settings, row.centre_steps);
-      add_policy(target, row.presets + "/policy_target.json", row.settings, row.target_steps);
-      const Settings alone = {"controller=policy", "on_rig=unseen"};
-      add_transfer(row.name, "centre", s, row.deploy, joined({"policy={" + centre + "}/checkpoint"}, alone));
-      for (const char* task : {"point", "square"})
-        add_transfer(row.name, task, s, row.deploy, joined({"policy={" + target + "}/checkpoint"}, alone));
+      add_policy(centre, row.presets + "/policy_centre.json", row.settings, scale_.centre_steps);
+      add_policy(target, row.presets + "/policy_target.json", row.settings, scale_.target_steps);
+      const std::string identified_by = row.learned_here ? best : "";
+      for (const char* task : {"centre", "point", "square"}) {
+        const std::string& policy = std::string(task) == "centre" ? centre : target;
+        add_transfer(row.name, task, s, {"controller=policy", "policy=" + checkpoint_of(policy)},
+                     identified_by);
+      }
     }
+    const std::string any_rig = with_seed("policy/any_rig/target", s);
+    add_policy(any_rig, "best/policy_any_rig.json", in_best, scale_.target_steps);
     for (const char* task : {"centre", "point", "square"}) {
-      add_transfer("planner", task, s, "best/deploy.json",
-                   {"controller=planner", "on_rig=unseen", "dynamics={" + best + "}/checkpoint"});
-      add_transfer("baseline", task, s, "best/deploy.json", {"controller=baseline", "on_rig=unseen"});
+      add_transfer("any_rig", task, s, {"controller=policy", "policy=" + checkpoint_of(any_rig)}, best);
+      add_transfer("planner", task, s, {"controller=planner"}, best);
+      add_transfer("baseline", task, s, {"controller=baseline"}, best);
     }
-    const std::string pose = with_seed("policy/best/pose", s);
-    add_policy(pose, "best/policy_pose.json", {"dynamics={" + best + "}/checkpoint"},
-               scale_.best_target_steps);
-    add_transfer(
-        "best", "pose", s, "best/deploy_pose.json",
-        {"policy={" + pose + "}/checkpoint", "controller=policy", "on_rig=unseen", "turn.current_A=0"});
-    const std::string target = with_seed("policy/best/target", s);
-    add_transfer("turning", "pose", s, "best/deploy_pose.json",
-                 {"policy={" + target + "}/checkpoint", "controller=policy", "on_rig=unseen"});
   }
 
   /// Figure 5: k of the paper's three environments play recorded steps; and learning from the recording
   /// alone.
-  void add_mixes(std::int64_t s) {
-    const std::string paper = with_seed("dynamics/paper", s);
-    const Settings both = {"dynamics={" + paper + "}/checkpoint", "recorded={data/explorer}/transitions.h5"};
-    for (std::int64_t k = 0; k <= 3; ++k) {
-      add_policy(with_seed("mix/" + std::to_string(k), s), "paper/policy_centre.json",
-                 joined(both, {set("replay.environments", k)}), scale_.mix_steps);
-    }
+  void add_mixes(std::int64_t s, const std::string& paper) {
+    for (std::int64_t k = 0; k <= 3; ++k) add_mix("mix/" + std::to_string(k), s, paper, k, {});
     const std::string offline = with_seed("mix/offline", s);
-    add_policy(offline, "best/policy_offline.json", both, scale_.ablation_steps);
-    add_transfer("offline", "centre", s, "best/deploy.json",
-                 {"policy={" + offline + "}/checkpoint", "controller=policy", "on_rig=unseen"});
+    add_policy(offline, "best/policy_offline.json", mixed(paper), scale_.centre_steps);
+    add_transfer("offline", "centre", s, {"controller=policy", "policy=" + checkpoint_of(offline)});
+  }
+
+  static Settings mixed(const std::string& paper) {
+    return {"dynamics=" + checkpoint_of(paper), "recorded={data/paper}/transitions.h5"};
+  }
+
+  void add_mix(const std::string& id, std::int64_t s, const std::string& paper, std::int64_t replaying,
+               const Settings& more) {
+    add_policy(with_seed(id, s), "paper/policy_centre.json",
+               joined(mixed(paper), joined({set("replay.environments", replaying)}, more)), scale_.mix_steps);
+  }
+
+  /// What the paper leaves open, decided otherwise.
+  void add_open_choices(std::int64_t s, const std::string& paper) {
+    const auto centre = [&](const std::string& name, const std::string& dynamics, Settings more) {
+      const std::string policy = with_seed("open/" + folder_of(name) + "/policy", s);
+      more.insert(more.begin(), "dynamics=" + checkpoint_of(dynamics));
+      add_policy(policy, "paper/policy_centre.json", more, scale_.centre_steps);
+      add_trials("open/" + folder_of(name), "centre", s, kBare,
+                 {"controller=policy", "policy=" + checkpoint_of(policy)}, scale_.trials);
+    };
+    centre("reward in mm", paper, {"task.alpha=-425"});
+    centre("reward in m", paper, {"task.alpha=-0.425"});
+    const std::string cut = with_seed("open/ReLU_on_the_input/dynamics", s);
+    add(cut, "train-dynamics", "paper/dynamics.json",
+        {"data={data/paper}/transitions.h5", set("training.epochs", scale_.paper_epochs),
+         "model.input_relu=true"});
+    centre("ReLU on the input", cut, {});
+    for (const std::int64_t k : {1, 3})
+      add_mix("open/short_episodes_kept/mix/" + std::to_string(k), s, paper, k, {"replay.keep_shorter=true"});
   }
 
   /// Each changes one thing in the best preset.
   std::vector<Ablation> ablations() const {
     std::vector<Ablation> all = {
         {"best preset", {}, {}},
-        {"without the second round of collection", {"data={data/explorer}/transitions.h5"}, {}},
+        {"a recording without weak pulses", {"data={data/paper}/transitions.h5"}, {}},
         {"without a predicted distribution",
          {"model.components=0", "training.loss=huber", "training.huber_delta=0.03"},
          {"mbs.outcome=mean"}},
@@ -210,32 +235,30 @@ class Builder {
         {"friction differs from episode to episode", {}, {"mbs.breakaway_scatter=0.2"}},
         {"Ornstein-Uhlenbeck noise instead of Gaussian", {}, {"noise.kind=ou"}},
     };
-    for (const std::int64_t size : scale_.data_sizes) {
-      all.push_back({std::to_string(size) + " transitions",
-                     {"data={data/explorer}/transitions.h5", set("transitions", size)},
-                     {}});
-    }
+    for (const std::int64_t size : scale_.data_sizes)
+      all.push_back({std::to_string(size) + " transitions", {set("transitions", size)}, {}});
     return all;
   }
 
   void add_ablation(const Ablation& ablation, std::int64_t s) {
-    std::string name = ablation.name;
-    std::replace(name.begin(), name.end(), ' ', '_');
+    const std::string name = "ablation/" + folder_of(ablation.name);
     std::string dynamics = with_seed("dynamics/best", s);
-    if (!ablation.dynamics.empty()) {
-      dynamics = with_seed("ablation/" + name + "/dynamics", s);
+    if (!ablation.dynamics.empty() || plan_.find(dynamics) == nullptr) {
+      dynamics = with_seed(name + "/dynamics", s);
       add(dynamics, "train-dynamics", "best/dynamics.json",
-          joined({"data={data/explorer}/transitions.h5,{data/policy}/transitions.h5",
-                  set("training.epochs", scale_.best_epochs)},
+          joined({"data={data/best}/transitions.h5", set("training.epochs", scale_.best_epochs)},
                  ablation.dynamics));
     }
-    const std::string policy = with_seed("ablation/" + name + "/policy", s);
+    const std::string policy = with_seed(name + "/policy", s);
     add_policy(policy, "best/policy_target.json",
-               joined({"dynamics={" + dynamics + "}/checkpoint"}, ablation.policy), scale_.ablation_steps);
+               joined({"dynamics=" + checkpoint_of(dynamics)}, ablation.policy), scale_.ablation_steps);
     for (const char* task : {"point", "square"})
-      add_transfer(name, task, s, "best/deploy.json",
-                   {"policy={" + policy + "}/checkpoint", "controller=policy", "on_rig=unseen"}, "ablation");
+      add_trials(name, task, s, kBare, {"controller=policy", "policy=" + checkpoint_of(policy)},
+                 scale_.ablation_trials);
   }
+
+  static constexpr const char* kBare = "paper/deploy.json";
+  static constexpr const char* kDecorated = "best/deploy.json";
 
   PaperScale scale_;
   runs::Plan plan_;

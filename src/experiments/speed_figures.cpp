@@ -12,7 +12,7 @@
 #include <ATen/ops/randn.h>
 
 #include "lodestone/common/clock.h"
-#include "lodestone/common/memory.h"
+#include "lodestone/common/resource_use.h"
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/control/planner.h"
 #include "lodestone/control/policy_controller.h"

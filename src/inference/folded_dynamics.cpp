@@ -46,6 +46,7 @@ class Folder {
   }
 
   void add_relu() {
+    if (!after_linear_) add_identity();
     scale_.assign(layers_.back().bias.size(), 1.0);
     shift_.assign(layers_.back().bias.size(), 0.0);
     after_linear_ = false;
@@ -63,6 +64,14 @@ class Folder {
       const std::size_t inputs = layers_.back().weight.size() / scale.size();
       for (std::size_t j = 0; j < inputs; ++j) layers_.back().weight[i * inputs + j] *= scale[i];
     }
+  }
+
+  /// What was kept so far becomes a layer of its own.
+  void add_identity() {
+    const std::size_t width = scale_.size();
+    Numbers weight(width * width, 0.0);
+    for (std::size_t i = 0; i < width; ++i) weight[i * width + i] = 1.0;
+    add_linear(std::move(weight), Numbers(width, 0.0));
   }
 
   std::vector<LinearLayer> layers() const {
@@ -117,6 +126,7 @@ std::vector<LinearLayer> fold(const Arrays& weights, const DynamicsConfig& confi
     width = outputs;
   };
   add_batch_norm();
+  if (config.input_relu) folder.add_relu();
   for (const std::int64_t hidden : config.hidden) {
     add_linear(hidden);
     add_batch_norm();

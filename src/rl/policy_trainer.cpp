@@ -10,12 +10,13 @@
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/clock.h"
 #include "lodestone/common/error.h"
-#include "lodestone/common/memory.h"
 #include "lodestone/common/metrics.h"
+#include "lodestone/common/resource_use.h"
 #include "lodestone/inference/policy.h"
 #include "lodestone/nets/checkpoint.h"
 #include "lodestone/rl/hindsight.h"
 #include "lodestone/rl/policy_learner.h"
+#include "lodestone/runs/curves.h"
 #include "lodestone/runs/resumable_run.h"
 
 namespace lodestone::rl {
@@ -40,6 +41,24 @@ PolicyScore score_from(const common::Json& json, const std::string& training) {
   }
 }
 
+/// Adds the time since it was made to what a result has had before.
+class Stopwatch {
+ public:
+  Stopwatch(const common::SteadyClock& clock, const runs::PolicyResult& result)
+      : clock_(clock),
+        wall_s_(result.train_seconds - clock.now_s()),
+        processor_s_(result.processor_seconds.value_or(0.0) - common::processor_seconds()) {}
+
+  void read(runs::PolicyResult& result) const {
+    result.train_seconds = wall_s_ + clock_.now_s();
+    result.processor_seconds = processor_s_ + common::processor_seconds();
+  }
+
+ private:
+  const common::SteadyClock& clock_;
+  double wall_s_, processor_s_;
+};
+
 /// One run: the learner, its best policy so far, and the files.
 class Training : public runs::ResumableWork {
  public:
@@ -60,6 +79,7 @@ class Training : public runs::ResumableWork {
       const common::Json& run = checkpoint.facts.at("run");
       next_evaluation_ = run.at("next_evaluation").get<std::int64_t>();
       result_.train_seconds = run.at("train_seconds").get<double>();
+      result_.processor_seconds = run.at("processor_seconds").get<double>();
       result_.best_env_steps = run.at("best_env_steps").get<std::int64_t>();
       returns_ = run.at("returns").get<std::vector<std::pair<double, double>>>();
       if (returns_.empty()) throw common::CheckpointError(folder + "/training: no evaluation is in it");
@@ -77,15 +97,14 @@ class Training : public runs::ResumableWork {
   }
 
   void step(common::MetricsLog& metrics) override {
-    const double start_s = clock_.now_s();
-    const double earlier_s = result_.train_seconds;
+    const Stopwatch watch(clock_, result_);
     if (returns_.empty()) evaluate(metrics);  // where learning starts from
     learner_.step();
-    result_.train_seconds = earlier_s + clock_.now_s() - start_s;
+    watch.read(result_);
     if (learner_.env_steps() >= next_evaluation_ || learner_.finished() || out_of_time()) {
       while (next_evaluation_ <= learner_.env_steps()) next_evaluation_ += config_.training.evaluate_every;
       evaluate(metrics);
-      result_.train_seconds = earlier_s + clock_.now_s() - start_s;
+      watch.read(result_);
     }
   }
 
@@ -96,6 +115,7 @@ class Training : public runs::ResumableWork {
     learner_.save(checkpoint);
     checkpoint.facts["run"] = {{"next_evaluation", next_evaluation_},
                                {"train_seconds", result_.train_seconds},
+                               {"processor_seconds", result_.processor_seconds.value_or(0.0)},
                                {"best_env_steps", result_.best_env_steps},
                                {"returns", returns_}};
     if (result_.best_evaluation)
@@ -133,6 +153,8 @@ class Training : public runs::ResumableWork {
     common::Scalars scalars = learner_.take_statistics();
     for (const auto& [key, value] : scalars_of(score)) scalars.emplace_back(key, value);
     scalars.emplace_back("train/updates", static_cast<double>(learner_.updates()));
+    scalars.emplace_back(runs::curves::kTrainSeconds, result_.train_seconds);
+    scalars.emplace_back(runs::curves::kProcessorSeconds, result_.processor_seconds.value_or(0.0));
     if (result_.train_seconds > 0.0) {
       scalars.emplace_back("train/steps_per_s",
                            static_cast<double>(learner_.env_steps()) / result_.train_seconds);

@@ -16,9 +16,8 @@ scratch = tempfile.TemporaryDirectory()
 out = pathlib.Path(scratch.name) / "paper"
 scale = pathlib.Path(scratch.name) / "tiny.json"
 scale.write_text(json.dumps({
-    "seeds": 1, "ablation_seeds": 1, "transitions": 600, "second_transitions": 200, "data_sizes": [300],
-    "paper_epochs": 3, "best_epochs": 2, "paper_steps": 1000, "simulator_steps": 2000, "best_centre_steps": 2000,
-    "best_target_steps": 2000, "mix_steps": 1000, "ablation_steps": 2000, "trials": 1, "ablation_trials": 1}))
+    "seeds": 1, "ablation_seeds": 1, "transitions": 600, "data_sizes": [300], "paper_epochs": 3, "best_epochs": 2,
+    "centre_steps": 1000, "target_steps": 2000, "mix_steps": 1000, "ablation_steps": 2000, "trials": 1, "ablation_trials": 1}))
 
 
 def bench(*arguments):
@@ -38,23 +37,25 @@ def states():
 
 cells = states()
 assert len(cells) > 100 and set(cells.values()) == {"-"}, cells
-for kind in ("simulator", "randomised", "paper", "best", "planner", "baseline"):
-    for task in ("centre", "point", "square"):
-        assert f"transfer/{kind}/{task}/1" in cells, (kind, task)
+for row in ("paper", "paper_simulator", "simulator", "randomised", "best", "any_rig", "planner", "baseline"):
+    ours = row in ("best", "any_rig", "planner", "baseline")
+    for variant in ("bare", "decorated") + (("identified", "identified_decorated") if ours else ()):
+        for task in ("centre", "point", "square"):
+            assert f"transfer/{row}/{variant}/{task}/1" in cells, (row, variant, task)
 commands = run("--list").splitlines()[1::2]
-seeds = [line.split("--seed ")[1].split()[0] for line, cell in zip(commands, cells) if not cell.startswith(("transfer", "ablation"))]
+seeds = [line.split("--seed ")[1].split()[0] for line in commands if line.split()[1] != "deploy"]
 assert len(set(seeds)) == len(seeds), "runs share a seed"
 
 # One cell, and what it needs.
-run("--only", "transfer/baseline/point/1")
-assert [cell for cell, state in states().items() if state == "done"] == ["transfer/baseline/point/1"]
-summary = json.loads((out / "cells/transfer/baseline/point/1/summary.json").read_text())
+run("--only", "transfer/baseline/bare/point/1")
+assert [cell for cell, state in states().items() if state == "done"] == ["transfer/baseline/bare/point/1"]
+summary = json.loads((out / "cells/transfer/baseline/bare/point/1/summary.json").read_text())
 assert summary["baseline"]["point"]["n_trials"] == 1, summary
 
 # Killed without a word in the middle: the children stop by themselves, and the next run goes on.
 running = subprocess.Popen(bench("--only", "dynamics/paper/1"), stderr=subprocess.DEVNULL)
 deadline = time.time() + 120
-while not (out / "cells/data/explorer/config.json").exists():
+while not (out / "cells/data/paper/config.json").exists():
     assert time.time() < deadline, "nothing was begun"
     time.sleep(0.05)
 running.send_signal(signal.SIGKILL)
@@ -66,7 +67,7 @@ while True:
         break
     assert "another process" in again.stderr and time.time() < deadline, again.stderr
     time.sleep(0.5)
-assert states()["data/explorer"] == "done" and states()["dynamics/paper/1"] == "done"
+assert states()["data/paper"] == "done" and states()["dynamics/paper/1"] == "done"
 
 # Asked to stop: says so, and what was done stays.
 running = subprocess.Popen(bench("--only", "policy/paper/centre/1"), stderr=subprocess.PIPE, text=True)

@@ -47,8 +47,11 @@ TEST_CASE("the folded network agrees with the network", "[unit]") {
   const at::NoGradGuard no_grad;
   for (const auto layout : {data::StateLayout::kPose, data::StateLayout::kPosition}) {
     for (const auto form : {DynamicsForm::kPaper, DynamicsForm::kDelta}) {
-      for (const bool batch_norm : {true, false}) {
-        const auto network = exercised(config_of(form, batch_norm), layout);
+      for (const auto& [batch_norm, input_relu] :
+           {std::pair{true, false}, {true, true}, {false, false}, {false, true}}) {
+        DynamicsConfig config = config_of(form, batch_norm);
+        config.input_relu = input_relu;
+        const auto network = exercised(config, layout);
         const Rows rows = sample_rows(layout, 77, 3);
         const at::Tensor expected = network->forward(rows.state, rows.action);
         at::Tensor next = at::empty_like(rows.state);
@@ -58,7 +61,7 @@ TEST_CASE("the folded network agrees with the network", "[unit]") {
                        next.data_ptr<double>(), workspace);
         at::Tensor error = next - expected;
         if (layout == data::StateLayout::kPose) error.select(1, 2).copy_(wrap_angles(error.select(1, 2)));
-        CAPTURE(common::name_of(form), batch_norm);
+        CAPTURE(common::name_of(form), batch_norm, input_relu);
         CHECK(error.abs().max().item<double>() < 1e-5);
 
         // A smaller batch in the same workspace, in place.

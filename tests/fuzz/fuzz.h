@@ -14,8 +14,8 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "lodestone/common/json.h"
-#include "lodestone/common/memory.h"
 #include "lodestone/common/random.h"
+#include "lodestone/common/resource_use.h"
 #include "soak.h"
 
 namespace lodestone::tests {

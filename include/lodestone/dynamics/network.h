@@ -15,10 +15,10 @@ namespace lodestone::dynamics {
 
 using inference::DynamicsConfig;
 
-/// One network with its normalisers as buffers: batch normalisation of the input, then for each hidden layer
-/// linear, batch normalisation and ReLU, then linear. Parameters and buffers are float32. Input [N, S] state
-/// (x_m, y_m[, heading_rad]) and [N, 2] drives in the dataset's unit; output [N, S] next state: the mean
-/// where a distribution is predicted. Section IV-B1.
+/// One network with its normalisers as buffers: batch normalisation of the input (and ReLU, where
+/// `input_relu` says so), then for each hidden layer linear, batch normalisation and ReLU, then linear.
+/// Parameters and buffers are float32. Input [N, S] state (x_m, y_m[, heading_rad]) and [N, 2] drives in the
+/// dataset's unit; output [N, S] next state: the mean where a distribution is predicted. Section IV-B1.
 class Network {
  public:
   /// Weights are zero until initialise() or tensors().load().

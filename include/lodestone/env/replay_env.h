@@ -14,6 +14,7 @@ struct ReplayConfig {
   std::int64_t environments = 0;
   std::int64_t shortest = 10;
   std::int64_t longest = 15;
+  bool keep_shorter = false;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -22,6 +23,9 @@ struct ReplayConfig {
             {0, 1 << 20});
     v.field("shortest", shortest, "steps", "shortest pseudo-episode", {1, 100000});
     v.field("longest", longest, "steps", "longest pseudo-episode", {1, 100000});
+    v.field(
+        "keep_shorter", keep_shorter, "",
+        "recorded episodes that are shorter than the shortest pseudo-episode are played, too, as a whole");
   }
   /// Throws ConfigError when the lengths are the wrong way round.
   void validate() const;
@@ -32,7 +36,7 @@ struct ReplayConfig {
 /// rewards and ends are the task's, and a stretch that is over is cut, so that its last step bootstraps.
 class ReplayEnv final : public VecEnv {
  public:
-  /// Throws ConfigError when no recorded episode has config.shortest steps, or when poses without heading
+  /// Throws ConfigError when no recorded episode is long enough, or when poses without heading
   /// shall be encoded with one.
   ReplayEnv(const data::Dataset& dataset, const EpisodeSettings& settings, const ReplayConfig& config);
 

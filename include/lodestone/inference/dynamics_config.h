@@ -19,6 +19,7 @@ struct DynamicsConfig {
   DynamicsForm form = DynamicsForm::kPaper;
   std::vector<std::int64_t> hidden = {256, 128, 32};
   bool batch_norm = true;    ///< on the input and every hidden layer
+  bool input_relu = false;   ///< after that, on the input, too
   std::int64_t members = 1;  ///< ensemble size
   std::int64_t components =
       0;  ///< Gaussians of the predicted distribution; 0: a single value, as in the paper
@@ -28,6 +29,10 @@ struct DynamicsConfig {
     v.field("form", form, "", "what goes in and out");
     v.field("hidden", hidden, "", "width of each hidden layer", {1, kWidestLayer});
     v.field("batch_norm", batch_norm, "", "batch normalisation on input and hidden layers");
+    v.field(
+        "input_relu", input_relu, "",
+        "what is below zero of the normalised input is cut off as in a hidden layer: the other way to read "
+        "section IV-B1");
     v.field("members", members, "", "networks in the ensemble", {1, 64});
     v.field(
         "components", components, "",

@@ -19,6 +19,8 @@ constexpr const char* kTrainSaturation = "train/action_saturation";
 constexpr const char* kQ = "train/q_mean";
 constexpr const char* kCriticLoss = "train/critic_loss";
 constexpr const char* kActorLoss = "train/actor_loss";
+constexpr const char* kTrainSeconds = "train/seconds";                ///< on the clock, so far
+constexpr const char* kProcessorSeconds = "train/processor_seconds";  ///< of all threads
 
 // train-dynamics and train-segmenter, by epoch
 constexpr const char* kTrainLoss = "train_loss";

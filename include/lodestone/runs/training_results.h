@@ -37,13 +37,15 @@ struct PolicyScore {
 struct PolicyFacts {
   std::int64_t env_steps = 0;
   std::int64_t updates = 0;
-  double train_seconds = 0.0;  ///< wall time of learning, interruptions left out
+  double train_seconds = 0.0;               ///< wall time of learning, interruptions left out
+  std::optional<double> processor_seconds;  ///< of all threads meanwhile; absent in older runs
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("env_steps", env_steps);
     v.field("updates", updates);
     v.field("train_seconds", train_seconds);
+    v.field("processor_seconds", processor_seconds);
   }
 };
 

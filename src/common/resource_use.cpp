@@ -1,6 +1,8 @@
-#include "lodestone/common/memory.h"
+#include "lodestone/common/resource_use.h"
 
 #include <sys/resource.h>
+
+#include <ctime>
 
 namespace lodestone::common {
 
@@ -9,6 +11,12 @@ double peak_memory_mb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return kUnit * static_cast<double>(usage.ru_maxrss) / 1e6;
+}
+
+double processor_seconds() {
+  timespec used{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+  return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
 }
 
 }  // namespace lodestone::common

@@ -1,4 +1,4 @@
-#include "lodestone/common/memory.h"
+#include "lodestone/common/resource_use.h"
 
 #include <catch2/catch.hpp>
 #include <vector>
@@ -12,4 +12,12 @@ TEST_CASE("the peak of memory rises with what is held, in MB, and does not fall 
     CHECK(lodestone::common::peak_memory_mb() > 2.0 * before_mb);
   }
   CHECK(lodestone::common::peak_memory_mb() > 2.0 * before_mb);
+}
+
+TEST_CASE("processor_seconds grows with work") {
+  const double before_s = lodestone::common::processor_seconds();
+  volatile double sum = 0.0;
+  for (int i = 0; i < 20000000; ++i) sum = sum + 1.0 / (1.0 + i);
+  CHECK(before_s > 0.0);
+  CHECK(lodestone::common::processor_seconds() > before_s);
 }
