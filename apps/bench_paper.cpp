@@ -1,11 +1,15 @@
 #include <cstdio>
+#include <filesystem>
+#include <set>
 #include <utility>
 
 #include "common_options.h"
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/experiments/paper_plan.h"
 #include "lodestone/report/paper_report.h"
+#include "lodestone/runs/kept_results.h"
 #include "lodestone/runs/ninja_engine.h"
+#include "lodestone/runs/open_cells.h"
 #include "models.h"
 #include "verbs.h"
 
@@ -15,44 +19,62 @@ namespace {
 struct PaperOptions : CommonOptions {
   std::string scale = "quick";
   std::string only;
+  std::string results;
+  std::string from;
   bool list = false;
   bool report = false;
 };
 
 void list_cells(const runs::Plan& plan, const runs::PlanPlace& place) {
+  const auto unfinished = runs::unfinished_cells(plan, place, runs::wanted_cells(plan));
+  const std::set<const runs::Cell*> open(unfinished.begin(), unfinished.end());
   for (const runs::Cell& cell : plan.cells) {
     std::string command;
     for (const std::string& argument : runs::cell_arguments(plan, place, cell)) {
       const bool plain = argument.find_first_of(" {}[]\"'") == std::string::npos;
       command += plain ? " " + argument : " '" + argument + "'";
     }
-    const auto state = runs::find_run(runs::cell_folder(plan, place, cell.id));
-    std::printf("%-4s %s\n         lodestone%s\n", state && state->finished ? "done" : "-", cell.id.c_str(),
+    std::printf("%-4s %s\n         lodestone%s\n", open.count(&cell) > 0 ? "-" : "done", cell.id.c_str(),
                 command.c_str());
   }
 }
 
+void write_page(const std::string& results, const std::string& folder) {
+  std::printf("%s", report::write_paper_report(runs::read_kept_plan(results), folder).c_str());
+  std::printf("report   %s/report.html\n", folder.c_str());
+}
+
 void bench_paper(const PaperOptions& given) {
   PaperOptions options = given;
-  if (options.scale != "smoke" && options.scale != "quick" && options.scale != "full")
+  if (options.from.empty() && options.scale != "smoke" && options.scale != "quick" && options.scale != "full")
     throw common::ConfigError("bench paper: --scale " + options.scale + " must be smoke, quick or full");
+  if (!options.from.empty())
+    return write_page(options.from, options.out.empty() ? "runs/paper-page" : options.out);
   if (options.out.empty()) options.out = "runs/paper-" + options.scale;
+  if (options.results.empty()) options.results = options.out + "/results";
+  if (!options.config_files.empty())
+    options.scale = std::filesystem::path(options.config_files.back()).stem().string();
   if (options.config_files.empty())
     options.config_files = {shipped_folder("configs") + "/bench/paper_" + options.scale + ".json"};
   const std::string rig_file = std::exchange(options.rig_file, "");  // the cells' own
   const auto scale = resolve_config<experiments::PaperScale>(options);
-  const runs::Plan plan = experiments::paper_plan(scale);
-  const runs::PlanPlace place{options.out, own_path(), shipped_folder("configs"), rig_file,
-                              common::thread_count(scale.threads)};
+  runs::Plan plan = experiments::paper_plan(scale);
+  plan.name = options.scale;
+  const runs::PlanPlace place{
+      options.out,    own_path(), shipped_folder("configs"), rig_file, common::thread_count(scale.threads),
+      options.results};
   if (options.list) return list_cells(plan, place);
   if (!options.only.empty() && plan.find(options.only) == nullptr)
     throw common::ConfigError("bench paper: there is no cell \"" + options.only +
                               "\"; --list prints all of them");
-  if (!options.report)
-    runs::run_plan_in_folder(plan, place, "bench paper", common::config_to_json(scale), options.only);
-  if (!options.only.empty() && !options.report) return;
-  std::printf("%s", report::write_paper_report(options.out, options.scale).c_str());
-  std::printf("report   %s/report.html\n", options.out.c_str());
+  if (options.report) {
+    runs::KeptResults(options.results).keep(plan, place);
+  } else {
+    runs::NinjaEngine engine;
+    runs::run_plan_in_folder(plan, place, engine, "bench paper", common::config_to_json(scale), options.only);
+    if (!options.only.empty()) return;
+  }
+  write_page(options.results, options.out);
 }
 
 }  // namespace
@@ -63,9 +85,14 @@ void add_bench_paper(Verb& bench) {
   auto& options = configure<experiments::PaperScale>(verb, bench_paper);
   add_common_options(verb, options);
   verb.add_option("--scale", &options.scale,
-                  "smoke (about 2 min on 2 cores), quick (20 to 40) or full (overnight)");
+                  "smoke (about 4 min on 2 cores), quick (an hour), or full (the paper's own sizes: days)");
   verb.add_option("--list", &options.list, "print the cells, what is done of them, and the command of each");
   verb.add_option("--report", &options.report, "run nothing; write the report of what is done so far");
+  verb.add_option("--results", &options.results,
+                  "keep what is finished here, and take what is here as finished; default: OUT/results")
+      .named("DIR");
+  verb.add_option("--from", &options.from, "run nothing; write the report of results that were kept in DIR")
+      .named("DIR");
   verb.add_option("--only", &options.only, "run this cell, and what it needs").named("ID");
 }
 

@@ -23,7 +23,8 @@ void run_plan(const PlanOptions& options) {
   if (options.seed) plan.seed = *options.seed;
   const runs::PlanPlace place{options.out, own_path(), shipped_folder("configs"), options.rig_file,
                               common::thread_count(options.threads)};
-  runs::run_plan_in_folder(plan, place, "plan run", common::artefact_to_json(plan), options.only);
+  runs::NinjaEngine engine;
+  runs::run_plan_in_folder(plan, place, engine, "plan run", common::artefact_to_json(plan), options.only);
 }
 
 }  // namespace

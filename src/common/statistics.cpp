@@ -101,4 +101,24 @@ Interval bootstrap_interval(const std::vector<std::vector<double>>& strata,
   return {percentile(statistics, 0.5 * (1.0 - level)), percentile(statistics, 1.0 - 0.5 * (1.0 - level))};
 }
 
+Interval nested_bootstrap_interval(const std::vector<std::vector<double>>& groups,
+                                   const std::function<double(const std::vector<double>&)>& statistic,
+                                   RandomStream random, std::int64_t resamples, double level) {
+  std::vector<const std::vector<double>*> filled;
+  for (const std::vector<double>& group : groups)
+    if (!group.empty()) filled.push_back(&group);
+  if (filled.empty()) return {};
+  std::vector<double> statistics;
+  std::vector<double> drawn;
+  for (std::int64_t i = 0; i < resamples; ++i) {
+    drawn.clear();
+    for (std::size_t k = 0; k < filled.size(); ++k) {
+      const std::vector<double>& group = *filled[random.below(filled.size())];
+      for (std::size_t j = 0; j < group.size(); ++j) drawn.push_back(group[random.below(group.size())]);
+    }
+    statistics.push_back(statistic(drawn));
+  }
+  return {percentile(statistics, 0.5 * (1.0 - level)), percentile(statistics, 1.0 - 0.5 * (1.0 - level))};
+}
+
 }  // namespace lodestone::common

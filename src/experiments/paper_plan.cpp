@@ -96,17 +96,19 @@ class Builder {
 
   /// One task of one row on unseen rigs: the same trials for every row.
   void add_trials(const std::string& id, const std::string& task, std::int64_t s, const std::string& config,
-                  Settings settings, std::int64_t count) {
+                  Settings settings, std::int64_t count, std::int64_t drawn = 0) {
     settings.insert(settings.end(), {"on_rig=unseen", "task=" + task, set("trials.count", count)});
-    add(with_seed(id + "/" + task, s), "deploy", config, std::move(settings)).seed =
-        seed_of(with_seed("evaluation/" + task, s));
+    runs::Cell& cell = add(with_seed(id + "/" + task, s), "deploy", config, std::move(settings));
+    cell.seed = seed_of(with_seed("evaluation/" + task, s));
+    cell.drawn_trials = s == 1 ? drawn : 0;
   }
 
   /// Bare and decorated; with an `identified_by`, both also with what is identified in that simulator.
   void add_transfer(const std::string& row, const std::string& task, std::int64_t s, const Settings& driver,
                     const std::string& identified_by = "") {
     const auto drive = [&](const std::string& variant, const std::string& config, const Settings& more) {
-      add_trials("transfer/" + row + "/" + variant, task, s, config, joined(driver, more), scale_.trials);
+      add_trials("transfer/" + row + "/" + variant, task, s, config, joined(driver, more), scale_.trials,
+                 kDrawnTrials);
     };
     const bool plans = driver.front() == "controller=planner";
     const Settings simulator =
@@ -135,15 +137,22 @@ class Builder {
   void add_tables(std::int64_t s, const std::string& paper, const std::string& best) {
     const Settings in_paper = {"dynamics=" + checkpoint_of(paper)};
     const Settings in_best = {"dynamics=" + checkpoint_of(best)};
+    const std::string any_rig = with_seed("policy/any_rig/target", s);
+    add_policy(any_rig, "best/policy_any_rig.json", in_best, scale_.target_steps);
+    for (const char* task : {"centre", "point", "square"}) {
+      add_transfer("any_rig", task, s, {"controller=policy", "policy=" + checkpoint_of(any_rig)}, best);
+      add_transfer("planner", task, s, {"controller=planner"}, best);
+      add_transfer("baseline", task, s, {"controller=baseline"}, best);
+    }
     const std::vector<PolicyRow> rows = {
-        {"paper", "paper", in_paper, false},
+        {"best", "best", in_best, true},
+        {"simulator", "simulator", {}, false},
+        {"randomised", "simulator", {"physics.randomise.enabled=true"}, false},
+        {"paper", "paper", in_paper, false},  // by far the longest
         {"paper_simulator",
          "paper",
          {"simulator=physics", "task.start_radius=0.82"},
          false},  // clear of the wall
-        {"best", "best", in_best, true},
-        {"simulator", "simulator", {}, false},
-        {"randomised", "simulator", {"physics.randomise.enabled=true"}, false},
     };
     for (const PolicyRow& row : rows) {
       const std::string centre = with_seed("policy/" + row.name + "/centre", s);
@@ -156,13 +165,6 @@ class Builder {
         add_transfer(row.name, task, s, {"controller=policy", "policy=" + checkpoint_of(policy)},
                      identified_by);
       }
-    }
-    const std::string any_rig = with_seed("policy/any_rig/target", s);
-    add_policy(any_rig, "best/policy_any_rig.json", in_best, scale_.target_steps);
-    for (const char* task : {"centre", "point", "square"}) {
-      add_transfer("any_rig", task, s, {"controller=policy", "policy=" + checkpoint_of(any_rig)}, best);
-      add_transfer("planner", task, s, {"controller=planner"}, best);
-      add_transfer("baseline", task, s, {"controller=baseline"}, best);
     }
   }
 
@@ -257,6 +259,7 @@ class Builder {
                  scale_.ablation_trials);
   }
 
+  static constexpr std::int64_t kDrawnTrials = 8;  // of the first seed
   static constexpr const char* kBare = "paper/deploy.json";
   static constexpr const char* kDecorated = "best/deploy.json";
 

@@ -7,6 +7,7 @@
 
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
 
 namespace lodestone::runs {
 namespace {
@@ -115,7 +116,15 @@ std::vector<std::string> cell_arguments(const Plan& plan, const PlanPlace& place
 }
 
 void write_plan(const Plan& plan, const std::string& folder) {
+  common::make_folders(folder);
   common::write_artefact(folder + kPlanFile, plan);
+}
+
+Plan find_plan(const std::string& folder) {
+  auto plan = common::find_artefact<Plan>(folder + kPlanFile);
+  if (!plan)
+    throw ConfigError(folder + " holds no plan (" + (kPlanFile + 1) + "): name a folder that one was run in");
+  return std::move(*plan);
 }
 
 std::vector<StatusRow> status_of(const std::string& folder) {

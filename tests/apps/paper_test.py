@@ -85,9 +85,23 @@ told = subprocess.run([program, "status", str(out)], capture_output=True, text=T
 assert "policy/paper/centre/1" in told and "waiting" in told and "runs are finished" in told, told
 
 # A report of what is there, whenever one is wanted.
-assert "proportional baseline" in run("--report")
+said = run("--report")
+assert "proportional pull, bare" in said and "not run yet" in said, said
 report = json.loads((out / "report.json").read_text())
-assert report["transfer"]["baseline"]["point"]["n_trials"] == 1, report
+assert report["transfer"]["baseline"]["bare"]["point"]["n_trials"] == 1, report
+
+# What was kept is enough for the page, and for another machine to go on: nothing that is finished is run again there.
+page = pathlib.Path(scratch.name) / "page"
+drawn = subprocess.run([program, "bench", "paper", "--report", "--from", str(out / "results"), "--out", str(page)], capture_output=True, text=True)
+assert drawn.returncode == 0, drawn.stderr
+assert (page / "report.json").read_bytes() == (out / "report.json").read_bytes()
+elsewhere = pathlib.Path(scratch.name) / "elsewhere"
+other = [program, "bench", "paper", "--config", str(scale), "--out", str(elsewhere), "--results", str(out / "results")]
+subprocess.run([*other, "--only", "mix/3/1"], check=True, capture_output=True)
+assert not (elsewhere / "cells/transfer").exists() or not list((elsewhere / "cells/transfer").rglob("run.json"))
+assert json.loads((elsewhere / "cells/dynamics/paper/1/manifest.json").read_text()) == json.loads(
+    (out / "cells/dynamics/paper/1/manifest.json").read_text()), "made again, though its weights were kept"
+assert "mix/3/1" in [cell for cell, state in states().items() if state == "done"], "what was run elsewhere counts here"
 
 # The same folder does not take cells of another size.
 scale.write_text(scale.read_text().replace('"trials": 1', '"trials": 2'))

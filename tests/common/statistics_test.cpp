@@ -83,3 +83,19 @@ TEST_CASE("the interval of a percentile holds it as often as it says") {
   CHECK(few.high == 3.0);
   CHECK(percentile_interval({}, 0.5).high == 0.0);
 }
+
+TEST_CASE("groups that are drawn widen an interval by what differs between them") {
+  using lodestone::common::mean;
+  using lodestone::common::RandomStream;
+  const std::vector<std::vector<double>> groups = {{1.0, 1.1, 0.9}, {2.0, 2.1, 1.9}, {3.0, 3.1, 2.9}};
+  const Interval within = bootstrap_interval(groups, mean, RandomStream(1, "bootstrap"));
+  const Interval nested = nested_bootstrap_interval(groups, mean, RandomStream(1, "bootstrap"));
+  CHECK(within.high - within.low < 0.15);
+  CHECK(nested.low < 1.5);
+  CHECK(nested.high > 2.5);
+  const std::vector<std::vector<double>> one = {{1.0, 2.0, 4.0}, {}};
+  const Interval single = nested_bootstrap_interval(one, mean, RandomStream(2, "bootstrap"));
+  CHECK(single.low == Approx(1.0));
+  CHECK(single.high == Approx(4.0));
+  CHECK(nested_bootstrap_interval({}, mean, RandomStream(1, "bootstrap")).high == 0.0);
+}

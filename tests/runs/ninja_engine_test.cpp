@@ -40,30 +40,19 @@ TEST_CASE(
   const runs::PlanPlace place{folder / "out of $5", fake_program(folder), "configs", "", 2};
   Plan made =
       plan({cell("a"), cell("b", {"data={a}/x"}), cell("bad"), cell("c", {"data={bad}/x"}), cell("it's")});
-  CHECK_THROWS_WITH(runs::run_plan(made, place, "plan"), Catch::Contains("2 of 5 cells are not finished") &&
-                                                             Catch::Contains("bad: something broke"));
+  runs::NinjaEngine engine;
+  CHECK_THROWS_WITH(
+      runs::run_plan(made, place, engine, "plan"),
+      Catch::Contains("2 of 5 cells are not finished, 1 of them because they wait for others") &&
+          Catch::Contains("bad: something broke"));
   CHECK(std::filesystem::exists(place.folder + "/it's/run.json"));
   const std::vector<runs::StatusRow> rows = runs::status_of(place.folder);
   REQUIRE(rows.size() == 5);
   CHECK(rows[0].state->finished);
   CHECK_FALSE(rows[3].state);
-  runs::run_plan(made, place, "plan", "b");
+  runs::run_plan(made, place, engine, "plan", "b");
   const std::string started = common::read_file(folder / "started");
   CHECK(started.find("/a\n") < started.find("/b\n"));
   CHECK(started.find("/b\n") == started.rfind("/b\n"));
-  CHECK_THROWS_WITH(runs::run_plan(made, place, "plan", "nowhere"), Catch::Contains("nowhere"));
-}
-
-TEST_CASE("a plan's folder holds one plan, and is finished when all its cells are") {
-  const tests::TemporaryFolder folder;
-  const runs::PlanPlace place{folder / "out", fake_program(folder), "configs", "", 1};
-  const Plan made = plan({cell("a"), cell("b")});
-  const auto run = [&](const common::Json& settings, const std::string& only) {
-    runs::run_plan_in_folder(made, place, "plan run", settings, only);
-  };
-  run({{"scale", 1}}, "a");
-  CHECK_FALSE(runs::find_run(place.folder)->finished);
-  CHECK_THROWS_WITH(run({{"scale", 2}}, ""), Catch::Contains("scale = 2"));
-  run({{"scale", 1}}, "");
-  CHECK(runs::find_run(place.folder)->finished);
+  CHECK_THROWS_WITH(runs::run_plan(made, place, engine, "plan", "nowhere"), Catch::Contains("nowhere"));
 }

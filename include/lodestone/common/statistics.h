@@ -46,4 +46,10 @@ Interval bootstrap_interval(const std::vector<std::vector<double>>& strata,
                             const std::function<double(const std::vector<double>&)>& statistic,
                             RandomStream random, std::int64_t resamples = 2000, double level = 0.95);
 
+/// The same where the groups (training seeds) are themselves a draw: groups are drawn with replacement, then
+/// values inside each. One group is as bootstrap_interval(). Groups without values are left out.
+Interval nested_bootstrap_interval(const std::vector<std::vector<double>>& groups,
+                                   const std::function<double(const std::vector<double>&)>& statistic,
+                                   RandomStream random, std::int64_t resamples = 2000, double level = 0.95);
+
 }  // namespace lodestone::common

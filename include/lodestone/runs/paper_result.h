@@ -5,31 +5,48 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lodestone/common/config.h"
 
 namespace lodestone::runs {
 
-/// Errors of one task under one controller, pooled over training seeds: the distance at the end of a trial,
-/// or the cross-track RMS of one. Intervals are 95 %. What only paths have, as means over the trials, is
-/// absent for points.
+/// Where the cells behind a figure were run.
+struct CellOrigin {
+  std::int64_t n_seeds = 0, n_seeds_planned = 0;
+  std::vector<std::string> commits;  ///< in order of appearance
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("n_seeds", n_seeds);
+    v.field("n_seeds_planned", n_seeds_planned);
+    v.field("commits", commits);
+  }
+};
+
+/// Errors of one task under one controller over training seeds: the distance at the end of a trial, or the
+/// cross-track RMS of one. Intervals are 95 %, by drawing seeds and, in them, trials anew (each is on a rig
+/// of its own); that of success is no narrower than Wilson's. What only paths have, as means over the trials,
+/// is absent for points.
 struct PooledErrors {
-  double mean_error_mm = 0.0, std_error_mm = 0.0, rms_error_mm = 0.0;
-  double iqm_error_mm = 0.0;  ///< interquartile mean
-  std::array<double, 2> iqm_interval_mm = {};
+  double mean_error_mm = 0.0, std_error_mm = 0.0, median_error_mm = 0.0;
+  std::array<double, 2> mean_interval_mm = {};
   double success_rate = 0.0;
   std::array<double, 2> success_interval = {};
   std::optional<double> target_deviation_mm, target_deviation_std_mm;  ///< the paper's measure of a path
   std::optional<double> time_rms_error_mm, completion, corners_reached, frechet_mm;
-  std::int64_t n_trials = 0, n_seeds = 0, n_stopped = 0;
+  /// Mean difference from the bare baseline on the same trials; negative is closer. Absent for itself.
+  std::optional<double> from_baseline_mm;
+  std::optional<std::array<double, 2>> from_baseline_interval_mm;
+  std::int64_t n_trials = 0, n_stopped = 0;
+  CellOrigin origin;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("mean_error_mm", mean_error_mm);
     v.field("std_error_mm", std_error_mm);
-    v.field("rms_error_mm", rms_error_mm);
-    v.field("iqm_error_mm", iqm_error_mm);
-    v.field("iqm_interval_mm", iqm_interval_mm);
+    v.field("median_error_mm", median_error_mm);
+    v.field("mean_interval_mm", mean_interval_mm);
     v.field("success_rate", success_rate);
     v.field("success_interval", success_interval);
     v.field("target_deviation_mm", target_deviation_mm);
@@ -38,55 +55,87 @@ struct PooledErrors {
     v.field("completion", completion);
     v.field("corners_reached", corners_reached);
     v.field("frechet_mm", frechet_mm);
+    v.field("from_baseline_mm", from_baseline_mm);
+    v.field("from_baseline_interval_mm", from_baseline_interval_mm);
     v.field("n_trials", n_trials);
-    v.field("n_seeds", n_seeds);
     v.field("n_stopped", n_stopped);
+    origin.visit(v);
   }
 };
 
-/// Time of learning, mean over training seeds (Table I).
+/// How learning went, means over training seeds (Table I, Fig. 5).
 struct PooledTraining {
-  double seconds_to_95_percent = 0.0, train_seconds = 0.0;
-  std::int64_t n_seeds = 0;
+  double env_steps = 0.0, train_seconds = 0.0;
+  double processor_seconds = 0.0;  ///< of all threads; 0 where the runs do not say
+  double final_return = 0.0;       ///< of the last evaluation
+  double success_rate = 0.0;       ///< of the policy that was kept, in fresh episodes of its own simulator
+  std::int64_t n_converged = 0;    ///< seeds whose return had stopped rising
+  /// Until the return was within 5 % of its rise below its maximum; absent unless every seed had converged.
+  std::optional<double> seconds_to_maximum, processor_seconds_to_maximum;
+  CellOrigin origin;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("seconds_to_95_percent", seconds_to_95_percent);
+    v.field("env_steps", env_steps);
     v.field("train_seconds", train_seconds);
-    v.field("n_seeds", n_seeds);
-  }
-};
-
-/// A mix with recorded steps (Fig. 5), mean over training seeds.
-struct PooledMix {
-  double final_return = 0.0, success_rate = 0.0;
-  std::int64_t n_seeds = 0;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
+    v.field("processor_seconds", processor_seconds);
     v.field("final_return", final_return);
     v.field("success_rate", success_rate);
-    v.field("n_seeds", n_seeds);
+    v.field("n_converged", n_converged);
+    v.field("seconds_to_maximum", seconds_to_maximum);
+    v.field("processor_seconds_to_maximum", processor_seconds_to_maximum);
+    origin.visit(v);
   }
 };
 
-/// `report.json` of the paper's experiments.
+/// A learned simulator (section V-A), means over training seeds.
+struct PooledDynamics {
+  double validation_loss = 0.0, test_loss = 0.0;  ///< squared error in units of the data's spread
+  double position_rms_mm = 0.0;
+  std::optional<double> heading_rms_deg;
+  CellOrigin origin;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("validation_loss", validation_loss);
+    v.field("test_loss", test_loss);
+    v.field("position_rms_mm", position_rms_mm);
+    v.field("heading_rms_deg", heading_rms_deg);
+    origin.visit(v);
+  }
+};
+
+/// `report.json` of the paper's experiments. Keys of the maps are those of the cells.
 struct PaperResult {
   static constexpr const char* kFile = "report.json";
   std::string scale;
-  common::Json machine;
-  std::map<std::string, std::map<std::string, PooledErrors>> transfer;    ///< row, task
+  std::int64_t n_cells = 0, n_cells_planned = 0;
+  std::vector<std::string> machines, commits, dates;
+  double cell_hours = 0.0;  ///< of all cells, one after another
+  std::map<std::string, std::map<std::string, std::map<std::string, PooledErrors>>>
+      transfer;                                                           ///< row, variant, task
   std::map<std::string, std::map<std::string, PooledTraining>> training;  ///< row, task
-  std::map<std::string, PooledMix> mixes;  ///< environments that replay, or "offline"
-  std::map<std::string, std::map<std::string, PooledErrors>> ablations;  ///< name, task
+  std::map<std::string, PooledDynamics> dynamics;
+  std::map<std::string, PooledTraining> mixes;  ///< environments that replay, or "offline"
+  std::map<std::string, std::map<std::string, PooledErrors>> open_choices;  ///< choice, task
+  std::map<std::string, PooledTraining> open_trainings;                     ///< choice, or choice and mix
+  std::map<std::string, std::map<std::string, PooledErrors>> ablations;     ///< name, task
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("scale", scale);
-    v.field("machine", machine);
+    v.field("n_cells", n_cells);
+    v.field("n_cells_planned", n_cells_planned);
+    v.field("machines", machines);
+    v.field("commits", commits);
+    v.field("dates", dates);
+    v.field("cell_hours", cell_hours);
     v.field("transfer", transfer);
     v.field("training", training);
+    v.field("dynamics", dynamics);
     v.field("mixes", mixes);
+    v.field("open_choices", open_choices);
+    v.field("open_trainings", open_trainings);
     v.field("ablations", ablations);
   }
 };

@@ -19,6 +19,7 @@ struct Cell {
   std::optional<std::int64_t> seed;   ///< without: the plan's
   std::int64_t seed_offset = 0;       ///< added to it
   bool all_threads = false;           ///< may use every processor
+  std::int64_t drawn_trials = 0;      ///< so many of its trials' trajectories stay in its record
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -29,6 +30,7 @@ struct Cell {
     v.field("seed", seed);
     v.field("seed_offset", seed_offset);
     v.field("all_threads", all_threads);
+    v.field("drawn_trials", drawn_trials);
   }
   /// Ids in its settings, in order.
   std::vector<std::string> needs() const;
@@ -38,12 +40,14 @@ struct Cell {
 /// user's.
 struct Plan {
   std::vector<Cell> cells;
+  std::string name;  ///< for people
   std::int64_t seed = 1;
   std::string subfolder;  ///< of the plan's folder that the cells' folders lie in; empty: directly in it
   bool keep_checkpoints = true;  ///< else what only training on would need goes when a cell is finished
 
   template <class Visitor>
   void visit(Visitor& v) {
+    v.field("name", name);
     v.field("seed", seed);
     v.field("subfolder", subfolder);
     v.field("keep_checkpoints", keep_checkpoints);
@@ -65,6 +69,7 @@ struct PlanPlace {
   std::string configs;        ///< folder of the presets
   std::string rig_file = "";  ///< of every cell; empty: the paper's rig
   std::int64_t threads = 1;
+  std::string results = "";  ///< where finished cells are kept (KeptResults); empty: nowhere
 };
 
 std::string cell_folder(const Plan& plan, const PlanPlace& place, const std::string& id);
@@ -83,7 +88,9 @@ struct StatusRow {
 /// damaged, and ConfigError where there is none.
 std::vector<StatusRow> status_of(const std::string& folder);
 
-/// Says in the folder which plan is run there, for status_of().
+/// Says in the folder which plan is run there, for status_of() and find_plan().
 void write_plan(const Plan& plan, const std::string& folder);
+/// Throws ConfigError where none is run there.
+Plan find_plan(const std::string& folder);
 
 }  // namespace lodestone::runs

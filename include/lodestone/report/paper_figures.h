@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lodestone/runs/kept_results.h"
+#include "lodestone/runs/paper_result.h"
+
+namespace lodestone::report {
+
+/// Records of the training seeds of what is called the same otherwise.
+struct SeedRecords {
+  std::vector<std::pair<std::int64_t, const runs::CellRecord*>> found;  ///< by seed
+  std::int64_t planned = 0;
+};
+
+/// Cells "PREFIX/SEED" by PREFIX, in the order in which the plan first names them. `kept` must outlive them.
+std::vector<std::pair<std::string, SeedRecords>> by_prefix(const runs::KeptPlan& kept);
+
+/// All figures of the paper's experiments. Pooled over what is there; what is not there at all has no entry.
+runs::PaperResult paper_figures(const runs::KeptPlan& kept);
+
+}  // namespace lodestone::report

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lodestone/common/config.h"
+#include "lodestone/runs/plan.h"
+
+namespace lodestone::runs {
+
+/// What runs the cells of a plan, each after those of them that it needs.
+class Engine {
+ public:
+  virtual ~Engine() = default;
+  /// Begins with cells, in their order; what each says is appended to log_file(). Throws ConfigError where
+  /// what it needs is not installed, and IoError.
+  virtual void start(const Plan& plan, const PlanPlace& place, const std::vector<const Cell*>& cells) = 0;
+  /// Whether nothing runs any more.
+  virtual bool ended() = 0;
+  /// Asks what runs to stop, as Ctrl-C does; it then ends soon.
+  virtual void stop() = 0;
+};
+
+/// Where a cell's output goes.
+std::string log_file(const Plan& plan, const PlanPlace& place, const std::string& id);
+
+/// Runs what is not finished of a plan, or of the cell `only` and what that needs, until it has ended; keeps
+/// results meanwhile where the place says so. Throws Interrupted once all have stopped, Error naming a cell
+/// that failed and how many wait for others after the others have ended, and ConfigError where there is no
+/// such cell.
+void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const std::string& label,
+              const std::string& only = "");
+
+/// The same as a run of `verb` in the plan's folder, which holds one plan with the same `settings` and rig:
+/// the same call goes on where it was. It is finished once all cells are. Throws ConfigError, too, where the
+/// folder holds something else.
+void run_plan_in_folder(const Plan& plan, const PlanPlace& place, Engine& engine, const std::string& verb,
+                        common::Json settings, const std::string& only);
+
+}  // namespace lodestone::runs

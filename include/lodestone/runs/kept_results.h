@@ -1,0 +1,50 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lodestone/runs/cell_record.h"
+#include "lodestone/runs/plan.h"
+
+namespace lodestone::runs {
+
+/// What is kept of a plan's cells in a folder that outlives the runs' own, and may be carried to another
+/// machine:
+///
+///   plan.json           the plan
+///   records/ID.json     CellRecord of every finished cell
+///   weights/ID/         recording or checkpoint of cells that unfinished ones need, and no others
+///
+/// A cell with a record here is not run again, wherever it was run, unless its preset, settings or seed or
+/// those of a cell it needs have changed since.
+class KeptResults {
+ public:
+  explicit KeptResults(std::string folder);
+
+  const std::string& folder() const { return folder_; }
+  /// Records of the plan's cells that still hold, by id. Throws DataError where one is damaged.
+  std::map<std::string, CellRecord> records(const Plan& plan, const PlanPlace& place) const;
+  /// Files what is finished in the plan's own folder, and drops weights that nothing needs any more. Throws
+  /// IoError.
+  void keep(const Plan& plan, const PlanPlace& place) const;
+  /// Puts kept weights where unfinished cells look for them. Throws IoError.
+  void restore(const Plan& plan, const PlanPlace& place) const;
+
+ private:
+  std::string record_file(const std::string& id) const { return folder_ + "/records/" + id + ".json"; }
+  std::string weights_folder(const std::string& id) const { return folder_ + "/weights/" + id; }
+
+  std::string folder_;
+};
+
+/// Records in such a folder as they are, by id, of the cells of the plan in it: for a page, on a machine that
+/// runs nothing. Throws ConfigError where there is no plan, and DataError.
+struct KeptPlan {
+  Plan plan;
+  std::map<std::string, CellRecord> records;
+};
+KeptPlan read_kept_plan(const std::string& folder);
+
+}  // namespace lodestone::runs

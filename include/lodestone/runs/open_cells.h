@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lodestone/runs/plan.h"
+
+namespace lodestone::runs {
+
+/// Cells that are wanted: all, or `only` that one with all it needs. In the plan's order. Throws ConfigError
+/// where there is no such cell.
+std::vector<const Cell*> wanted_cells(const Plan& plan, const std::string& only = "");
+
+/// Those that are not finished, neither in their own folders nor by kept records. In the plan's order.
+std::vector<const Cell*> unfinished_cells(const Plan& plan, const PlanPlace& place,
+                                          const std::vector<const Cell*>& cells);
+
+/// What has to be run to finish these cells: the unfinished ones, and finished ones whose recordings or
+/// weights are needed and not there. In the plan's order.
+std::vector<const Cell*> cells_to_run(const Plan& plan, const PlanPlace& place,
+                                      const std::vector<const Cell*>& cells);
+
+}  // namespace lodestone::runs

@@ -1,0 +1,148 @@
+#include "lodestone/runs/engine.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <set>
+#include <sstream>
+#include <thread>
+#include <utility>
+
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+#include "lodestone/common/interrupt.h"
+#include "lodestone/common/progress.h"
+#include "lodestone/runs/kept_results.h"
+#include "lodestone/runs/open_cells.h"
+
+namespace lodestone::runs {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The last line that a cell wrote.
+std::string last_line(const std::string& log) {
+  if (!fs::exists(log)) return "it said nothing";
+  std::istringstream lines(common::read_file(log));
+  std::string last = "it said nothing";
+  for (std::string line; std::getline(lines, line);)
+    if (!line.empty()) last = line.substr(line.find_last_of('\r') + 1);
+  return last;
+}
+
+/// What is known of the cells while they run.
+class Watch {
+ public:
+  Watch(const Plan& plan, const PlanPlace& place, std::vector<const Cell*> wanted, const std::string& label)
+      : plan_(plan),
+        place_(place),
+        all_(static_cast<std::int64_t>(wanted.size())),
+        left_(unfinished_cells(plan, place, wanted)),
+        progress_(label, all_) {}
+
+  /// Shows how far the cells are, and keeps what has been finished since.
+  void look() {
+    std::string running;
+    const std::size_t before = left_.size();
+    left_.erase(std::remove_if(left_.begin(), left_.end(),
+                               [&](const Cell* cell) { return finished(*cell, running); }),
+                left_.end());
+    if (left_.size() < before) keep();
+    progress_.update(all_ - static_cast<std::int64_t>(left_.size()), running);
+  }
+  void finish() {
+    look();
+    progress_.finish();
+    keep();
+  }
+  const std::vector<const Cell*>& left() const { return left_; }
+  std::int64_t all() const { return all_; }
+
+ private:
+  void keep() const {
+    if (!place_.results.empty()) KeptResults(place_.results).keep(plan_, place_);
+  }
+  bool finished(const Cell& cell, std::string& running) const {
+    const std::string folder = cell_folder(plan_, place_, cell.id);
+    const std::optional<RunState> state = find_run(folder);
+    if (state && state->finished) return true;
+    if (!state || !is_running(folder)) return false;
+    running += (running.empty() ? "" : ", ") + cell.id;
+    if (state->total > 0) running += " " + std::to_string(100 * state->done / state->total) + " %";
+    return false;
+  }
+
+  const Plan& plan_;
+  const PlanPlace& place_;
+  std::int64_t all_;
+  std::vector<const Cell*> left_;
+  common::Progress progress_;
+};
+
+/// What went wrong, in one line.
+std::string failure(const Plan& plan, const PlanPlace& place, const Watch& watch) {
+  std::set<std::string> left;
+  for (const Cell* cell : watch.left()) left.insert(cell->id);
+  const Cell* failed = nullptr;
+  std::size_t waiting = 0;
+  for (const Cell* cell : watch.left()) {
+    const std::vector<std::string> needs = cell->needs();
+    const bool waits =
+        std::any_of(needs.begin(), needs.end(), [&](const std::string& id) { return left.count(id) > 0; });
+    if (waits)
+      ++waiting;
+    else if (failed == nullptr)
+      failed = cell;
+  }
+  std::string text =
+      std::to_string(left.size()) + " of " + std::to_string(watch.all()) + " cells are not finished";
+  if (waiting > 0) text += ", " + std::to_string(waiting) + " of them because they wait for others";
+  if (failed == nullptr) return text;
+  const std::string log = log_file(plan, place, failed->id);
+  return text + "; the first, " + failed->id + ": " + last_line(log) + " (" + log + ")";
+}
+
+}  // namespace
+
+std::string log_file(const Plan& plan, const PlanPlace& place, const std::string& id) {
+  return cell_folder(plan, place, id) + ".log";
+}
+
+void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const std::string& label,
+              const std::string& only) {
+  plan.validate();
+  const std::vector<const Cell*> wanted = wanted_cells(plan, only);
+  common::make_folders(place.folder);
+  write_plan(plan, place.folder);
+  if (!place.results.empty()) {
+    KeptResults(place.results).keep(plan, place);
+    KeptResults(place.results).restore(plan, place);
+  }
+  const std::vector<const Cell*> cells = cells_to_run(plan, place, wanted);
+  if (cells.empty()) return;
+  for (const Cell* cell : cells)
+    common::make_folders(fs::path(log_file(plan, place, cell->id)).parent_path().string());
+  engine.start(plan, place, cells);
+  Watch watch(plan, place, wanted, label);
+  bool told = false;
+  for (int ticks = 0; !engine.ended(); ++ticks) {
+    if (common::interrupted() && !std::exchange(told, true)) engine.stop();
+    if (ticks % 20 == 0) watch.look();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  watch.finish();
+  if (common::interrupted())
+    throw common::Interrupted(label + ": stopped; the same command goes on where it was");
+  if (!watch.left().empty()) throw common::Error(label + ": " + failure(plan, place, watch));
+}
+
+void run_plan_in_folder(const Plan& plan, const PlanPlace& place, Engine& engine, const std::string& verb,
+                        common::Json settings, const std::string& only) {
+  settings["rig_file"] = place.rig_file;
+  RunFolder run({place.folder, verb, settings, plan.seed, /*resume=*/true});
+  run.begin();
+  run_plan(plan, place, engine, verb, only);
+  if (only.empty()) run.finish();
+}
+
+}  // namespace lodestone::runs

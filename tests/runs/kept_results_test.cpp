@@ -1,0 +1,79 @@
+#include "lodestone/runs/kept_results.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+#include "runs/cells.h"
+#include "temporary_folder.h"
+
+using namespace lodestone;
+using runs::Plan;
+using tests::cell;
+using tests::finish;
+using tests::Ids;
+using tests::plan;
+using tests::to_run;
+
+TEST_CASE("what is kept of a plan is finished anywhere, with the weights that the rest needs and no others") {
+  const tests::TemporaryFolder folder;
+  const Plan made = plan({cell("a"), cell("b", {"dynamics={a}/checkpoint"}),
+                          cell("c", {"dynamics={b}/checkpoint"}), cell("d", {"dynamics={a}/checkpoint"})});
+  const runs::PlanPlace here{folder / "here", "lodestone", "configs", "", 1, folder / "kept"};
+  const runs::KeptResults kept(here.results);
+  for (const char* id : {"a", "b"}) finish(made, here, id);
+  kept.keep(made, here);
+  CHECK(kept.records(made, here).size() == 2);
+  CHECK(common::read_file(folder / "kept/weights/a/checkpoint/weights") == "of a");
+  CHECK_FALSE(std::filesystem::exists(folder / "kept/weights/a/log"));
+
+  // On another machine, which has nothing but what was kept.
+  const runs::PlanPlace there{folder / "there", "lodestone", "configs", "", 1, folder / "kept"};
+  kept.restore(made, there);
+  CHECK(to_run(made, there) == Ids{"c", "d"});
+  CHECK(common::read_file(folder / "there/b/checkpoint/weights") == "of b");
+  finish(made, there, "c");
+  kept.keep(made, there);
+  CHECK_FALSE(std::filesystem::exists(folder / "kept/weights/b"));  // nothing needs it any more
+  CHECK(std::filesystem::exists(folder / "kept/weights/a"));
+  finish(made, there, "d");
+  kept.keep(made, there);
+  CHECK_FALSE(std::filesystem::exists(folder / "kept/weights/a"));
+  CHECK(to_run(made, there).empty());
+  CHECK(runs::read_kept_plan(folder / "kept").records.size() == 4);
+}
+
+TEST_CASE("a record holds no more once the cell, its preset or what it needs is another") {
+  const tests::TemporaryFolder folder;
+  common::write_file_atomically(folder / "preset.json", "{\"epochs\": 3}");
+  Plan made = plan({cell("a"), cell("b", {"dynamics={a}/checkpoint"})});
+  made.cells[1].config = "preset.json";
+  const runs::PlanPlace place{folder / "out", "lodestone", folder.path(), "", 1, folder / "kept"};
+  const runs::KeptResults kept(place.results);
+  for (const char* id : {"a", "b"}) finish(made, place, id);
+  kept.keep(made, place);
+  REQUIRE(kept.records(made, place).size() == 2);
+
+  Plan other = made;
+  other.cells[0].seed = 7;
+  CHECK(kept.records(other, place).empty());  // b was made from another a
+  other = made;
+  other.cells[1].settings.push_back("epochs=4");
+  CHECK(kept.records(other, place).count("a") == 1);
+  CHECK(kept.records(other, place).count("b") == 0);
+  common::write_file_atomically(folder / "preset.json", "{\"epochs\": 4}");
+  CHECK(kept.records(made, place).count("b") == 0);
+}
+
+TEST_CASE("a folder of results without a plan, and a damaged record, are named") {
+  const tests::TemporaryFolder folder;
+  CHECK_THROWS_WITH(runs::read_kept_plan(folder.path()), Catch::Contains("holds no plan"));
+  const Plan made = plan({cell("a")});
+  const runs::PlanPlace place{folder / "out", "lodestone", "configs", "", 1, folder / "kept"};
+  finish(made, place, "a");
+  runs::KeptResults(place.results).keep(made, place);
+  common::write_file_atomically(folder / "kept/records/a.json", "{\"verb\": ");
+  CHECK_THROWS_AS(runs::read_kept_plan(folder / "kept"), common::DataError);
+}
