@@ -135,6 +135,7 @@ class Training : public runs::ResumableWork {
     result_.updates = learner_.updates();
     result_.seconds_to_95_percent = seconds_to_fraction(0.95);
     result_.peak_memory_mb = common::peak_memory_mb();
+    if (result_.fresh_evaluation) result_.success_rate = result_.fresh_evaluation->success_rate;
     return result_;
   }
 

@@ -27,7 +27,7 @@ double rounded(double value) {
 double hundredth(double value) { return std::round(100.0 * value) / 100.0; }
 
 Json preset_of(const PlanPlace& place, const Cell& cell) {
-  return cell.config.empty() ? Json() : common::read_json_if_there(place.configs + "/" + cell.config);
+  return cell.config.empty() ? Json() : common::read_json_if_there(preset_file(place, cell));
 }
 
 std::int64_t seed_of(const Plan& plan, const Cell& cell) {

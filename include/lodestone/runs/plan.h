@@ -14,7 +14,7 @@ namespace lodestone::runs {
 struct Cell {
   std::string id;  ///< also its folder
   std::string verb;
-  std::string config;                 ///< preset under configs/; empty: none
+  std::string config;                 ///< preset under configs/, or a file by its whole path; empty: none
   std::vector<std::string> settings;  ///< key=value
   std::optional<std::int64_t> seed;   ///< without: the plan's
   std::int64_t seed_offset = 0;       ///< added to it
@@ -72,6 +72,8 @@ struct PlanPlace {
   std::string results = "";  ///< where finished cells are kept (KeptResults); empty: nowhere
 };
 
+/// The file of a cell's preset.
+std::string preset_file(const PlanPlace& place, const Cell& cell);
 std::string cell_folder(const Plan& plan, const PlanPlace& place, const std::string& id);
 /// The command line of a cell, without the program. It goes on with what was interrupted and finds what is
 /// finished.

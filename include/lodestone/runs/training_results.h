@@ -62,6 +62,7 @@ struct PolicyResult : PolicyFacts {
   std::optional<PolicyScore> best_evaluation;
   /// The same policy in as many episodes that nothing was chosen by, after training: the figure to quote.
   std::optional<PolicyScore> fresh_evaluation;
+  std::optional<double> success_rate;  ///< of fresh_evaluation
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -71,6 +72,7 @@ struct PolicyResult : PolicyFacts {
     v.field("peak_memory_mb", peak_memory_mb);
     v.field("best_evaluation", best_evaluation);
     v.field("fresh_evaluation", fresh_evaluation);
+    v.field("success_rate", success_rate);
   }
 };
 
