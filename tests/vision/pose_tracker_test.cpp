@@ -202,3 +202,58 @@ TEST_CASE("of things that look like a needle that nobody has seen, it is the one
     for (int i = 0; i < 3; ++i) CHECK_FALSE(see(tracker, {other, turned}).located);
   }
 }
+
+TEST_CASE("while the needle is hidden, nothing is taken for it that lies still") {
+  const Rod lay = rod({0.0, 0.0, 0.0});
+  const std::vector<Rod> decoys = {rod({-0.025, 0.01, 0.5}), rod({0.005, 0.03, 1.4}),
+                                   rod({0.02, -0.02, 2.6})};
+  const std::size_t count = GENERATE(std::size_t{1}, std::size_t{3});
+  const std::vector<Rod> still(decoys.begin(), decoys.begin() + static_cast<std::ptrdiff_t>(count));
+  PoseTracker tracker = tracking(lay.pose);
+  tracker.pulse({1.0, 0.0, 0.0, 0.0});
+  for (int step = 0; step < 6; ++step) {
+    INFO("step " << step);
+    for (int look = 0; look < 3; ++look) CHECK_FALSE(see(tracker, still).located);
+    tracker.pulse({step % 2 == 0 ? 1.0 : 0.0, 0.0, 1.0, 0.0});
+  }
+  std::vector<Rod> with_needle = still;
+  SECTION("it comes back where it was") {
+    with_needle.push_back(lay);
+    CHECK(see(tracker, with_needle).located);
+  }
+  SECTION("it comes back elsewhere, and the next pulse turns it") {
+    with_needle.push_back(rod({-0.02, -0.02, 1.0}));
+    for (int look = 0; look < 3; ++look) CHECK_FALSE(see(tracker, with_needle).located);
+    tracker.pulse({1.0, 0.0, 0.0, 0.0});
+    with_needle.back() = rod({-0.02, -0.02, 0.4});
+    vision::Track track;
+    for (int look = 0; look < 3; ++look) track = see(tracker, with_needle);
+    CHECK(track.located);
+    CHECK(track.pose.x_m == Approx(-0.02));
+  }
+  SECTION("it comes back elsewhere and sticks at first") {
+    with_needle.push_back(rod({-0.02, -0.02, 1.0}));
+    for (int pulse = 0; pulse < 2; ++pulse) {
+      for (int look = 0; look < 3; ++look) CHECK_FALSE(see(tracker, with_needle).located);
+      tracker.pulse({1.0, 0.0, 0.0, 0.0});
+    }
+    with_needle.back() = rod({-0.02, -0.02, 0.4});
+    vision::Track track;
+    for (int look = 0; look < 3; ++look) track = see(tracker, with_needle);
+    CHECK(track.located);
+  }
+}
+
+TEST_CASE("a needle that sticks where it is expected is no background") {
+  PoseTracker tracker = tracking({0.0, 0.0, 0.0});
+  const Rod decoy = rod({0.02, -0.02, 2.6});
+  for (int pulse = 0; pulse < 5; ++pulse) {
+    tracker.pulse({0.0, 0.0, 1.0, 0.0});
+    CHECK(see(tracker, {decoy, rod({0.0, 0.0, 0.0})}).located);
+  }
+  for (int pulse = 0; pulse < 3; ++pulse) {  // nor after it was hidden
+    tracker.pulse({0.0, 0.0, 1.0, 0.0});
+    CHECK_FALSE(see(tracker, {decoy}).located);
+  }
+  CHECK(insist(tracker, rod({0.0, 0.0, 0.0})).located);
+}

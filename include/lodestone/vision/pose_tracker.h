@@ -8,6 +8,7 @@
 
 #include "lodestone/common/config.h"
 #include "lodestone/physics/rig_description.h"
+#include "lodestone/vision/background.h"
 #include "lodestone/vision/commanded_field.h"
 #include "lodestone/vision/heading_filter.h"
 #include "lodestone/vision/sighting.h"
@@ -66,7 +67,9 @@ struct Track {
 /// repeat while the needle lies still, so that certainty has a floor. What is seen outside the gate
 /// (chi-square, 99.9 %) is not believed until three looks in a row agree that the needle is there: somebody
 /// has moved it. Two have to agree on a needle that is new, or further from every expected place than 3 mm.
-/// Where several things look like a needle that was never seen alone, it is the one that a pulse moves.
+/// What pulses leave where it was is background (Background), and never the needle but where that is
+/// expected; and what is seen so far away after a pulse that no slip explains it is the needle once a pulse
+/// has stirred it.
 class PoseTracker {
  public:
   PoseTracker(const TrackerConfig& config, const physics::RigDescription& rig);
@@ -92,16 +95,20 @@ class PoseTracker {
 
   struct Pulse {
     double field_rad;
-    double sticks;  ///< probability that the needle has not stirred
+    double sticks;  ///< probability that the needle has not stirred,
+    double slip_m;  ///< and how far it is expected to have come where it has
   };
 
   std::vector<Rod> in_the_dish(const std::vector<Rod>& candidates) const;
+  std::vector<Rod> foreground(const std::vector<Rod>& candidates) const;
   std::optional<std::size_t> choose(const std::vector<Rod>& candidates) const;
-  std::optional<std::size_t> only_one_moved(const std::vector<Rod>& candidates) const;
   double likelihood(const Rod& candidate) const;
   bool gated(const Rod& candidate) const;
+  bool within(double distance_m, const Rod& candidate) const;
+  bool may_be_still(const Rod& candidate) const;
   int looks_needed(const Rod& candidate) const;
   bool confirmed(const Rod& candidate);
+  void lose();
   void start(const Rod& candidate);
   void update(const Rod& seen);
   double learn(const geometry::Vector2& now_m, const Eigen::Matrix2d& noise_m2);
@@ -122,8 +129,7 @@ class PoseTracker {
   double scatter_ = 1.0;            // of the slip about what is expected, as a factor on its variance
   std::optional<Rod> doubtful_;     // what was seen last, believed or not,
   int agreeing_ = 0;                // there by so many looks in a row
-  std::vector<Rod> unplaced_;       // what was seen last while nobody knew which of it is the needle,
-  std::vector<Rod> before_pulse_;   // and before the last pulse
+  Background background_;
   std::optional<double> innovation_;
 };
 
