@@ -113,7 +113,10 @@ void ControlLoop::pulse(const StepRecord& record) {
     coils_.apply({record.current_A, config_.pulse_s});
   else
     return;
-  sensor_.pulsed(record.current_A);
+  const bool expected = identifier_ != nullptr && record.estimate.valid;
+  sensor_.pulsed(record.current_A, expected ? identifier_->outcomes(record.estimate.pose,
+                                                                    task::axis_drive(record.action, action_))
+                                            : std::vector<physics::PulseOutcome>{});
 }
 
 void ControlLoop::follow(Controller& controller, Reference& reference, const Observer& observer,

@@ -43,7 +43,10 @@ class BlindFor final : public control::PoseSensor {
     seen.reason = "covered";
     return seen;
   }
-  void pulsed(const std::array<double, rig::kCoilCount>& current_A) override { sensor_.pulsed(current_A); }
+  void pulsed(const std::array<double, rig::kCoilCount>& current_A,
+              const std::vector<physics::PulseOutcome>& outcomes) override {
+    sensor_.pulsed(current_A, outcomes);
+  }
 
  private:
   control::PoseSensor& sensor_;
@@ -108,7 +111,8 @@ double least_spread_m(const DeploymentConfig& config, double lies_s) {
   return least_m;
 }
 
-double tracker_ms(const DeploymentConfig& config, std::int64_t steps) {
+double tracker_ms(const DeploymentConfig& config, std::int64_t steps,
+                  const std::shared_ptr<control::RigIdentifier>& identifier) {
   SeenRig seen(config, static_cast<std::uint64_t>(config.seed));
   seen.rig.place({0.01, -0.005, 0.3});
   vision::PoseTracker tracker(config.sensor.tracker, config.rig);
@@ -117,7 +121,9 @@ double tracker_ms(const DeploymentConfig& config, std::int64_t steps) {
   const common::SteadyClock clock;
   const double start_s = clock.now_s();
   for (std::int64_t step = 0; step < steps; ++step) {
-    tracker.pulse({1.0, 0.0, 0.5, 0.0});
+    tracker.pulse({1.0, 0.0, 0.5, 0.0},
+                  identifier ? identifier->outcomes(sighting.candidates.front().pose, {1.0, 0.5})
+                             : std::vector<physics::PulseOutcome>{});
     tracker.see(sighting);
   }
   return 1e3 * (clock.now_s() - start_s) / static_cast<double>(steps);

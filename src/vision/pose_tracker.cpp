@@ -30,6 +30,7 @@ constexpr double kSpreadAlong = 0.5;
 constexpr double kSpreadAcross = 0.25;
 constexpr double kWild = 0.15;          // of all slips go anywhere:
 constexpr double kWildSpread_m = 1e-3;  // so wide, and by its length
+constexpr double kOtherwise = 0.002;    // of all pulses do what no learned simulator says
 constexpr double kReach = 0.95;         // of the dish's radius is as far as a middle comes
 constexpr double kLearn = 0.1;          // weight of the last pulse in what is learned
 constexpr double kLogGain = 0.3;        // standard deviation, before anything is learned
@@ -146,24 +147,49 @@ Eigen::Matrix2d PoseTracker::wild_spread_m2(const Slip& slip) const {
   return scatter_ * std::pow(kWildSpread_m + slip_m(slip.ratio), 2) * Eigen::Matrix2d::Identity();
 }
 
-void PoseTracker::pulse(const physics::Currents& current_A) {
+/// Field and friction: it stays, slips along the pull, or goes anywhere near.
+std::vector<Place> PoseTracker::after_slip(const Place& place, const physics::Currents& current_A) const {
+  const Slip slip = slip_from(place.mean_m, current_A);
+  const double sticks = sticking(slip.ratio);
+  const double slips = place.weight * (1.0 - sticks);
+  return {{place.mean_m, place.covariance_m2 + kRest_m * kRest_m * Eigen::Matrix2d::Identity(),
+           sticks * place.weight},
+          {slip.to_m, place.covariance_m2 + spread_m2(slip), (1.0 - kWild) * slips},
+          {slip.to_m, place.covariance_m2 + wild_spread_m2(slip), kWild * slips}};
+}
+
+/// What a learned simulator says, from the one place where it was seen; and a few go anywhere.
+std::vector<Place> PoseTracker::after_outcomes(const std::vector<physics::PulseOutcome>& outcomes,
+                                               const Slip& likeliest) const {
+  const Place& from = places_.front();
+  std::vector<Place> after;
+  for (const physics::PulseOutcome& outcome : outcomes) {
+    const Vector2 sigma_m(std::hypot(kRest_m, outcome.sigma_x_m), std::hypot(kRest_m, outcome.sigma_y_m));
+    after.push_back({outcome.mean.position_m(),
+                     from.covariance_m2 + Eigen::Matrix2d(sigma_m.cwiseAbs2().asDiagonal()),
+                     (1.0 - kOtherwise) * outcome.weight});
+  }
+  after.push_back({all_of(after).mean_m, from.covariance_m2 + wild_spread_m2(likeliest), kOtherwise});
+  return after;
+}
+
+void PoseTracker::pulse(const physics::Currents& current_A,
+                        const std::vector<physics::PulseOutcome>& outcomes) {
   if (current_A != physics::Currents{}) background_.pulse();
   if (places_.empty()) return;
   const auto field_rad = field_.direction_rad(current_A, places_.front().mean_m);
   if (!field_rad) return;
   const Slip likeliest = slip_from(places_.front().mean_m, current_A);
-  pulses_.push_back({*field_rad, sticking(likeliest.ratio), (likeliest.to_m - likeliest.from_m).norm()});
-  std::vector<Place> after;
-  for (const Place& place : places_) {
-    const Slip slip = slip_from(place.mean_m, current_A);
-    const double sticks = sticking(slip.ratio);
-    const double slips = place.weight * (1.0 - sticks);
-    after.push_back({place.mean_m, place.covariance_m2 + kRest_m * kRest_m * Eigen::Matrix2d::Identity(),
-                     sticks * place.weight});
-    after.push_back({slip.to_m, place.covariance_m2 + spread_m2(slip), (1.0 - kWild) * slips});
-    after.push_back({slip.to_m, place.covariance_m2 + wild_spread_m2(slip), kWild * slips});
+  pulses_.push_back({*field_rad, sticking(likeliest.ratio), (likeliest.to_m - likeliest.from_m).norm(),
+                     pulses_.empty() ? outcomes : std::vector<physics::PulseOutcome>{}});
+  if (outcomes.empty() || pulses_.size() > 1) {
+    std::vector<Place> after;
+    for (const Place& place : places_)
+      for (const Place& next : after_slip(place, current_A)) after.push_back(next);
+    places_ = after;
+  } else {
+    places_ = after_outcomes(outcomes, likeliest);
   }
-  places_ = after;
   if (pulses_.size() == 1)
     slip_ = likeliest;
   else
@@ -330,6 +356,7 @@ Track PoseTracker::see(const Sighting& sighting) {
     track.pose.heading_rad = geometry::wrap_angle(needle.pose.heading_rad + geometry::kPi);
     head = 1.0 - head;
   }
+  head_ = head;
   track.seen = head >= config_.min_head_probability;
   if (!track.seen) track.reason = "head and tail cannot be told apart";
   return track;
@@ -343,7 +370,11 @@ void PoseTracker::update(const Rod& seen) {
     innovation_ = distance2(now_m - all.mean_m, all.covariance_m2 + noise);
     if (slip_) pulses_.front().sticks = learn(now_m, noise);
   }
-  for (const Pulse& pulse : pulses_) heading_.pulse(pulse.field_rad, pulse.sticks);
+  for (const Pulse& pulse : pulses_)
+    if (pulse.outcomes.empty())
+      heading_.pulse(pulse.field_rad, pulse.sticks);
+    else
+      heading_.pulse(pulse.outcomes, head_);
   std::vector<Place> after;
   for (const Place& place : places_) {
     const Eigen::Matrix2d spread = place.covariance_m2 + noise;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "lodestone/experiments/deployment.h"
 
@@ -22,7 +23,9 @@ BlindDrive drive_blind(const DeploymentConfig& config, std::int64_t steps, std::
 /// Least RMS spread (m) of the track of a needle that lies still, one image a period, for so long.
 double least_spread_m(const DeploymentConfig& config, double lies_s);
 
-/// Time of the tracker alone, for a pulse and a look.
-double tracker_ms(const DeploymentConfig& config, std::int64_t steps);
+/// Time of the tracker alone, for a pulse and a look; with an identifier, what a learned simulator says of
+/// the pulse included.
+double tracker_ms(const DeploymentConfig& config, std::int64_t steps,
+                  const std::shared_ptr<control::RigIdentifier>& identifier = nullptr);
 
 }  // namespace lodestone::experiments

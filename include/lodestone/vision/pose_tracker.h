@@ -76,8 +76,9 @@ class PoseTracker {
 
   /// The needle may be anywhere.
   void forget();
-  /// The coils were asked for a pulse.
-  void pulse(const physics::Currents& current_A);
+  /// The coils were asked for a pulse, which takes the needle to one of these outcomes from the pose that was
+  /// seen; as far as field and friction tell where nobody says.
+  void pulse(const physics::Currents& current_A, const std::vector<physics::PulseOutcome>& outcomes = {});
   Track see(const Sighting& sighting);
 
   /// Where it may be now, heaviest first; empty before it was seen.
@@ -95,8 +96,9 @@ class PoseTracker {
 
   struct Pulse {
     double field_rad;
-    double sticks;  ///< probability that the needle has not stirred,
-    double slip_m;  ///< and how far it is expected to have come where it has
+    double sticks;                                ///< probability that the needle has not stirred,
+    double slip_m;                                ///< and how far it is expected to have come where it has
+    std::vector<physics::PulseOutcome> outcomes;  ///< where a learned simulator knows better
   };
 
   std::vector<Rod> in_the_dish(const std::vector<Rod>& candidates) const;
@@ -113,6 +115,9 @@ class PoseTracker {
   void update(const Rod& seen);
   double learn(const geometry::Vector2& now_m, const Eigen::Matrix2d& noise_m2);
   void merge();
+  std::vector<Place> after_slip(const Place& place, const physics::Currents& current_A) const;
+  std::vector<Place> after_outcomes(const std::vector<physics::PulseOutcome>& outcomes,
+                                    const Slip& likeliest) const;
   Slip slip_from(const geometry::Vector2& from_m, const physics::Currents& current_A) const;
   Eigen::Matrix2d spread_m2(const Slip& slip) const;
   Eigen::Matrix2d wild_spread_m2(const Slip& slip) const;
@@ -121,6 +126,7 @@ class PoseTracker {
   physics::RigDescription rig_;
   CommandedField field_;
   HeadingFilter heading_;
+  double head_ = 0.0;  // probability that it is where the last look said
   std::vector<Place> places_;
   std::optional<Slip> slip_;        // of the one pulse since the needle was seen
   std::vector<Pulse> pulses_;       // since it was seen
