@@ -120,7 +120,7 @@ class Tally {
   void add(const TrialResult& trial) {
     ++result_.trials;
     if (trial.stop_reason.rfind("no pose", 0) == 0) ++result_.lost;
-    for (const TrialSample& sample : trial.samples) add(sample.step.estimate, *sample.true_pose);
+    for (const TrialSample& sample : trial.samples) add(sample.step, *sample.true_pose);
   }
   TrackedTrials close() {
     result_.lost_interval = interval_of(result_.lost, result_.trials);
@@ -130,7 +130,8 @@ class Tally {
   }
 
  private:
-  void add(const control::PoseEstimate& estimate, const geometry::Pose2& truth) {
+  void add(const control::StepRecord& step, const geometry::Pose2& truth) {
+    const control::PoseEstimate& estimate = step.estimate;
     ++result_.observations;
     if (estimate.innovation) {
       innovation_sum_ += *estimate.innovation;
@@ -138,6 +139,8 @@ class Tally {
     }
     if (!estimate.valid) {
       ++result_.unseen;
+      result_.undecided += estimate.either_way ? 1 : 0;
+      result_.driven_undecided += step.either_way ? 1 : 0;
       return;
     }
     ++poses_;

@@ -358,6 +358,7 @@ Track PoseTracker::see(const Sighting& sighting) {
   }
   head_ = head;
   track.seen = head >= config_.min_head_probability;
+  track.either_way = !track.seen;
   if (!track.seen) track.reason = "head and tail cannot be told apart";
   return track;
 }

@@ -257,3 +257,38 @@ TEST_CASE("a needle that sticks where it is expected is no background") {
   }
   CHECK(insist(tracker, rod({0.0, 0.0, 0.0})).located);
 }
+
+TEST_CASE("where a learned simulator says what a pulse does, the needle is expected there") {
+  PoseTracker tracker = tracking({0.0, 0.0, 0.0});
+  const std::vector<physics::PulseOutcome> outcomes = {{0.7, {0.004, 0.001, 0.8}, 0.5e-3, 0.5e-3, 0.2},
+                                                       {0.3, {0.0, 0.0, 0.0}, 0.1e-3, 0.1e-3, 0.05}};
+  tracker.pulse(kPullToX, outcomes);
+  CHECK(tracker.places().front().mean_m.x() == Approx(0.004));
+  CHECK(tracker.places().front().mean_m.y() == Approx(0.001));
+  double sum = 0.0;
+  for (const vision::Place& place : tracker.places()) sum += place.weight;
+  CHECK(sum == Approx(1.0));
+  SECTION("with the head where that says, though no tape is seen") {
+    const vision::Track track = insist(tracker, rod({0.004, 0.001, 0.8 - geometry::kPi}, 0.0));
+    CHECK(track.seen);
+    CHECK(track.pose.heading_rad == Approx(0.8));
+  }
+  SECTION("or anywhere near after all") { CHECK(insist(tracker, rod({0.002, 0.001, 0.4})).seen); }
+  SECTION("and from there by field and friction, while it is not seen") {
+    tracker.pulse(kPullToX, outcomes);
+    CHECK(tracker.places().front().mean_m.x() > 0.0);
+    CHECK(insist(tracker, rod({0.005, 0.001, 0.6})).seen);
+  }
+}
+
+TEST_CASE("an axis without a tape after a field from behind may be the needle either way") {
+  PoseTracker tracker = tracking({0.0, 0.0, geometry::kPi});
+  tracker.pulse(kPullToX);
+  const vision::Track track = insist(tracker, rod({0.0005, 0.0, 0.5 * geometry::kPi}, 0.0));
+  CHECK(track.located);
+  CHECK(track.either_way);
+  CHECK_FALSE(track.seen);
+  const vision::Track shown = insist(tracker, rod({0.0005, 0.0, 0.5 * geometry::kPi}));
+  CHECK(shown.seen);
+  CHECK_FALSE(shown.either_way);
+}

@@ -15,6 +15,9 @@ struct PoseEstimate {
   bool valid = false;  ///< false: no pose, and `reason` says why; never a guess
   std::string reason;
   geometry::Pose2 pose;
+  /// Not valid only because head and tail cannot be told apart: the needle lies as the pose says, or the
+  /// other way round.
+  bool either_way = false;
   double position_sigma_m = 0.0;
   double heading_sigma_rad = 0.0;
   double stamp_s = 0.0;  ///< on the rig's clock

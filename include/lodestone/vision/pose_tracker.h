@@ -54,6 +54,8 @@ struct Track {
   bool search = false;   ///< the next look should be of the whole dish
   std::string reason;    ///< why not
   geometry::Pose2 pose;
+  /// The needle may as well lie the other way round: located, but which end is the head is not told.
+  bool either_way = false;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of x_m, y_m, heading_rad
 };
 
