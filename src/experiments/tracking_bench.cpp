@@ -305,6 +305,17 @@ void TrackingBench::check() {
     figure(how + "pulses", static_cast<double>(most.pulses), "", 6.0);
     figure(how + "largest current", most.most_A, "A", 2.0);
   }
+  for (const std::int64_t steps : {3, 6, 12}) {
+    std::int64_t taken = 0, lost = 0;
+    for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+      const DistractedDrive distracted = drive_distracted(config, steps, seed);
+      taken += distracted.taken > 0 ? 1 : 0;
+      lost += distracted.found ? 0 : 1;
+    }
+    const std::string how = fmt::format("hidden for {} steps among 3 scratches, 50 times: ", steps);
+    figure(how + "one taken for the needle", static_cast<double>(taken), "", 0.0);
+    figure(how + "needle not found again", static_cast<double>(lost), "", 0.0);
+  }
   figure("10 minutes of lying still: spread below its floor by",
          std::max(0.0, kFloor_mm - 1e3 * least_spread_m(config, 600.0)), "mm", 1e-6);
   figure("tracker, a pulse and a look",
