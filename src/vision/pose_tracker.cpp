@@ -39,7 +39,8 @@ constexpr int kUnforeseen = 3;  // looks that agree are a needle outside the gat
 constexpr int kSurprising = 2;  // and within it, but so far from where it was expected
 constexpr double kSurprise_m = 3e-3;
 constexpr double kFurthest_m =
-    15e-3;  // from every expected place that a slip may end, besides its own length
+    15e-3;                           // from every expected place that a slip may end, besides its own length
+constexpr double kHardlyAny = 0.01;  // of all needles stick so often
 constexpr double kAgree_m = 1e-3;
 constexpr double kBeyondWall_m = 1e-3;
 
@@ -118,6 +119,7 @@ void PoseTracker::lose() {
   doubtful_.reset();
   agreeing_ = 0;
   innovation_.reset();
+  on_trial_.reset();
 }
 
 PoseTracker::Slip PoseTracker::slip_from(const Vector2& from_m, const physics::Currents& current_A) const {
@@ -296,6 +298,17 @@ bool PoseTracker::confirmed(const Rod& candidate) {
   return agreeing_ >= looks_needed(candidate);
 }
 
+/// Whether it is not the needle after all.
+bool PoseTracker::gives_away(const Rod& seen) {
+  if (!on_trial_) return false;
+  if (!lies_alike(seen, *on_trial_)) {
+    on_trial_.reset();
+    return false;
+  }
+  for (const Pulse& pulse : pulses_) trial_ *= pulse.sticks;
+  return trial_ < kHardlyAny;
+}
+
 void PoseTracker::start(const Rod& candidate) {
   lose();
   places_.push_back({candidate.pose.position_m(), noise_m2(candidate), 1.0});
@@ -337,10 +350,22 @@ Track PoseTracker::see(const Sighting& sighting) {
     track.reason = "something is seen far from where the needle can be: it is believed when a pulse stirs it";
     return track;
   }
+  if (gives_away(needle)) {
+    lose();
+    background_.add(needle);
+    track.search = true;
+    track.reason = "what was taken for the needle stays put: it is none";
+    return track;
+  }
+  const bool unexpected = !places_.empty() && looks_needed(needle) > 1;
   const bool repeated = agreeing_ > 1;
   if (!foreseen) start(needle);
   update(needle);
   background_.except(needle);
+  if (unexpected) {
+    on_trial_ = needle;
+    trial_ = 1.0;
+  }
   if (repeated)  // the tape of the look before counts, too
     heading_.see(before->pose.heading_rad, std::sqrt(before->covariance(2, 2)), before->tape_log_odds);
   track.located = true;

@@ -292,3 +292,29 @@ TEST_CASE("an axis without a tape after a field from behind may be the needle ei
   CHECK(shown.seen);
   CHECK_FALSE(shown.either_way);
 }
+
+TEST_CASE(
+    "what was taken for the needle is given up when it stays put through pulses that hardly any needle "
+    "would") {
+  const Rod scratch = rod({0.008, 0.004, 0.5});
+  PoseTracker tracker = tracking({0.0, 0.0, 0.0});
+  tracker.pulse({1.0, 0.0, 0.0, 0.0});
+  for (int look = 0; look < 3; ++look) see(tracker, {scratch});
+  REQUIRE_FALSE(tracker.places().empty());
+  CHECK(tracker.places().front().mean_m.x() == Approx(0.008).margin(1e-4));
+  const double strength_A = GENERATE(8.0, 0.3);
+  INFO(strength_A << " A");
+  vision::Track track;
+  int pulses = 0;
+  do {
+    tracker.pulse({strength_A, 0.0, 0.0, 0.0});
+    track = see(tracker, {scratch});
+  } while (track.located && ++pulses < 10);
+  CHECK(track.located == (strength_A < 1.0));  // a weak pulse says nothing
+  if (track.located) return;
+  CHECK(pulses <= 3);
+  const Rod needle = rod({-0.01, 0.0, 0.2});
+  for (int look = 0; look < 3; ++look) track = see(tracker, {scratch, needle});
+  CHECK(track.located);
+  CHECK(track.pose.x_m == Approx(-0.01));
+}

@@ -20,6 +20,8 @@ class Background {
   void pulse();
   /// What a look shows.
   void see(const std::vector<Rod>& candidates);
+  /// This is background, as pulses should have moved it that have not.
+  void add(const Rod& rod) { things_.push_back({rod, true, true}); }
   /// The needle lies like this: so it is none of the background, whatever stays put there.
   void except(const Rod& needle);
 

@@ -71,7 +71,8 @@ struct Track {
 /// has moved it. Two have to agree on a needle that is new, or further from every expected place than 3 mm.
 /// What pulses leave where it was is background (Background), and never the needle but where that is
 /// expected; and what is seen so far away after a pulse that no slip explains it is the needle once a pulse
-/// has stirred it.
+/// has stirred it. What was taken for it elsewhere than expected is given up when it stays put through pulses
+/// that hardly any needle would.
 class PoseTracker {
  public:
   PoseTracker(const TrackerConfig& config, const physics::RigDescription& rig);
@@ -115,6 +116,7 @@ class PoseTracker {
   void lose();
   void start(const Rod& candidate);
   void update(const Rod& seen);
+  bool gives_away(const Rod& seen);
   double learn(const geometry::Vector2& now_m, const Eigen::Matrix2d& noise_m2);
   void merge();
   std::vector<Place> after_slip(const Place& place, const physics::Currents& current_A) const;
@@ -138,6 +140,9 @@ class PoseTracker {
   std::optional<Rod> doubtful_;     // what was seen last, believed or not,
   int agreeing_ = 0;                // there by so many looks in a row
   Background background_;
+  std::optional<Rod>
+      on_trial_;  // what was believed to be the needle where that was not expected, and has not moved yet;
+  double trial_ = 1.0;  // and the probability that a needle would have stuck so often
   std::optional<double> innovation_;
 };
 
