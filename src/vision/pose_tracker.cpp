@@ -357,7 +357,7 @@ Track PoseTracker::see(const Sighting& sighting) {
     track.reason = "what was taken for the needle stays put: it is none";
     return track;
   }
-  const bool unexpected = !places_.empty() && looks_needed(needle) > 1;
+  const bool unexpected = !places_.empty() && !foreseen;
   const bool repeated = agreeing_ > 1;
   if (!foreseen) start(needle);
   update(needle);

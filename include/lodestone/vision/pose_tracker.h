@@ -141,7 +141,7 @@ class PoseTracker {
   int agreeing_ = 0;                // there by so many looks in a row
   Background background_;
   std::optional<Rod>
-      on_trial_;  // what was believed to be the needle where that was not expected, and has not moved yet;
+      on_trial_;        // what was believed to be the needle outside the gate, and has not moved yet;
   double trial_ = 1.0;  // and the probability that a needle would have stuck so often
   std::optional<double> innovation_;
 };
