@@ -63,6 +63,8 @@ struct PolicyResult : PolicyFacts {
   /// The same policy in as many episodes that nothing was chosen by, after training: the figure to quote.
   std::optional<PolicyScore> fresh_evaluation;
   std::optional<double> success_rate;  ///< of fresh_evaluation
+  std::optional<std::string>
+      products;  ///< of TD3: what was computed in ("float32", "bfloat16"); absent in older runs
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -73,6 +75,7 @@ struct PolicyResult : PolicyFacts {
     v.field("best_evaluation", best_evaluation);
     v.field("fresh_evaluation", fresh_evaluation);
     v.field("success_rate", success_rate);
+    v.field("products", products);
   }
 };
 
