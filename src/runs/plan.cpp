@@ -17,7 +17,8 @@ using common::ConfigError;
 using common::Json;
 
 constexpr const char* kPlanFile = "/plan.json";
-constexpr std::int64_t kLeastMinutes = 3;  // a cell is told to save one minute before its time is up
+constexpr std::size_t kLargestPlan = 256 << 20;  // bytes of a file: a million cells
+constexpr std::int64_t kLeastMinutes = 3;        // a cell is told to save one minute before its time is up
 const std::set<std::string> kVerbs = {"collect", "train-segmenter", "train-dynamics", "train-policy",
                                       "deploy"};
 
@@ -101,7 +102,7 @@ void Plan::validate() const {
 }
 
 Plan read_plan(const std::string& path) {
-  Json json = common::read_json_file(path);
+  Json json = common::read_json_file(path, kLargestPlan);
   Json whole = common::artefact_to_json(Plan{});
   if (!json.is_object() || !json.contains("cells") || !json["cells"].is_array())
     throw ConfigError(path + ": a plan is an object with a list \"cells\"");

@@ -166,11 +166,27 @@ def a_cell_that_fails(cluster):
     assert state("failing", "goes_on").get("finished"), "a cell that needs nothing that failed was not run"
 
 
+def the_last_job_reports(cluster):
+    """Though the command is gone, and most cells were cancelled."""
+    (root / "tiny.json").write_text(json.dumps({"seeds": 1, "ablation_seeds": 1, "transitions": 600, "data_sizes": [300], "trials": 1}))
+    running = subprocess.Popen([program, "bench", "paper", "--config", str(root / "tiny.json"), "--out", str(root / "paper"), "--engine", "slurm"],
+                               env=cluster.environment, stderr=subprocess.DEVNULL)
+    cluster.wait_for(lambda: (root / "paper/slurm/last.job").exists(), "the last job is not submitted")
+    running.kill()
+    running.wait()
+    arrays = [(root / "paper/slurm" / name).read_text().strip() for name in submitted("paper") if name != "last.job"]
+    cluster.ask("scancel", *arrays)
+    cluster.wait_for(lambda: cluster.ask("squeue", "-h") == "", "the last job does not end")
+    said = (root / "paper/slurm/last.log").read_text()
+    assert "not run yet" in said and (root / "paper/report.html").exists(), said
+
+
 def main():
     subprocess.run(plan_run("ninja", "ninja"), check=True, capture_output=True)
     expected = results("ninja")
     with Cluster() as cluster:
         a_cell_that_fails(cluster)
+        the_last_job_reports(cluster)
         everything_that_ends_tasks(cluster)
         assert results("all") == expected
         stopped_and_gone_on(cluster)

@@ -1,12 +1,17 @@
 #include "lodestone/runs/slurm_arrays.h"
 
 #include <catch2/catch.hpp>
+#include <chrono>
+#include <cstdio>
 #include <filesystem>
-#include <functional>
+#include <fstream>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/common/resource_use.h"
 #include "lodestone/common/shell.h"
+#include "lodestone/runs/kept_results.h"
+#include "lodestone/runs/ninja_engine.h"
 #include "runs/cells.h"
 #include "temporary_folder.h"
 
@@ -31,7 +36,79 @@ Ids ids(const SlurmArray& array) {
   return out;
 }
 
+/// Ten thousand chains: one recording, a simulator from it, and eight policies and trials in it.
+Plan a_hundred_thousand() {
+  Plan made;
+  made.subfolder = "cells";
+  for (int i = 0; i < 10000; ++i) {
+    const std::string chain = std::to_string(i);
+    made.cells.push_back(cell(chain + "/data"));
+    made.cells.push_back(cell(chain + "/dynamics", {"data={" + chain + "/data}/transitions.h5"}));
+    for (int j = 0; j < 8; ++j)
+      made.cells.push_back(
+          cell(chain + "/policy" + std::to_string(j),
+               {"dynamics={" + chain + "/dynamics}/checkpoint", "training.env_steps=500000"}));
+  }
+  return made;
+}
+
+void finish_quickly(const std::string& folder) {
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder + "/run.json")
+      << R"({"verb": "collect", "finished": true, "unit": "transitions", "done": 1, "total": 1, "seconds": 1.0, "note": "",
+            "updated_utc": "2026-01-01T00:00:00Z"})";
+}
+
+/// Says how long something takes, as a row of docs/scale.md.
+template <class Work>
+double timed(const char* what, const Work& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  std::printf("| %s | %.1f s | %.0f MB |\n", what, seconds, common::peak_memory_mb());
+  return seconds;
+}
+
 }  // namespace
+
+TEST_CASE("a plan of 100,000 cells is planned, looked up and told within a minute and 2 GB", "[slow]") {
+  const tests::TemporaryFolder folder;
+  const Plan made = a_hundred_thousand();
+  const runs::PlanPlace place{folder / "out", "lodestone", "configs", "", 1, folder / "out/results"};
+  for (std::size_t i = 0; i < made.cells.size(); i += 10)
+    finish_quickly(runs::cell_folder(made, place, made.cells[i].id));
+  double seconds = 0.0;
+  std::vector<const runs::Cell*> left;
+  std::vector<SlurmArray> planned;
+  Plan read;
+  common::make_folders(place.folder);
+  seconds += timed("write the plan", [&] { runs::write_plan(made, place.folder); });
+  seconds += timed("read and check it", [&] { read = runs::read_plan(place.folder + "/plan.json"); });
+  seconds += timed("find what is not finished",
+                   [&] { left = runs::cells_to_run(made, place, runs::wanted_cells(made)); });
+  seconds += timed("group it into arrays", [&] { planned = runs::slurm_arrays(made, place, left, 1001); });
+  std::size_t bytes = 0;
+  seconds += timed("write their lines", [&] {
+    for (std::size_t i = 0; i < planned.size(); ++i) {
+      const std::string lines = runs::slurm_lines(made, place, planned[i]);
+      common::write_file_atomically(place.folder + "/" + std::to_string(i) + ".tasks", lines);
+      bytes += lines.size();
+    }
+  });
+  seconds += timed("status", [&] { CHECK(runs::status_of(place.folder).size() == made.cells.size()); });
+  CHECK(seconds < 60.0);
+  timed("the text for ninja", [&] { CHECK(runs::ninja_text(made, place, left).size() > 1000000); });
+  const runs::PlanPlace other{folder / "other", "lodestone", "configs", "", 1, folder / "other/results"};
+  for (std::size_t i = 0; i < 1000; i += 10) finish_quickly(runs::cell_folder(made, other, made.cells[i].id));
+  runs::KeptResults results(other.results);
+  timed("keep 100 finished ones", [&] { results.keep(made, other); });
+  const double again = timed("keep again, with nothing new", [&] { results.keep(made, other); });
+  timed("find what is kept", [&] { CHECK(results.finished(made, other).size() == 100); });
+  std::printf("%zu cells in %zu arrays, %zu bytes of lines\n", left.size(), planned.size(), bytes);
+  CHECK(again < 10.0);
+  CHECK(common::peak_memory_mb() < 2000.0);
+  CHECK(read.cells.size() == made.cells.size());
+}
 
 TEST_CASE("cells that each need one cell of an array wait for that task alone") {
   const Plan chains =
