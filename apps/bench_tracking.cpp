@@ -28,14 +28,16 @@ void print_masked(const char* whose, const experiments::MaskedTape& tape) {
 
 void print_trials(const std::string& how, const experiments::TrackedTrials& trials) {
   std::printf(
-      "%s: %lld trials, %lld of %lld observations without a pose, %lld flipped, largest error %.2f mm, %lld "
+      "%s: %lld trials, %lld of %lld observations without a pose (of %lld the axis was seen, on %lld of "
+      "these it was driven), %lld flipped, largest error %.2f mm, %lld "
       "trials lost (95 %% interval of the share %.1f to %.1f %%); the region of 95 %% held %.1f %%, "
       "normalised "
       "innovation %.2f\n",
       how.c_str(), static_cast<long long>(trials.trials), static_cast<long long>(trials.unseen),
-      static_cast<long long>(trials.observations), static_cast<long long>(trials.flipped), trials.worst_mm,
-      static_cast<long long>(trials.lost), 100.0 * trials.lost_interval[0], 100.0 * trials.lost_interval[1],
-      100.0 * trials.covered_share, trials.innovation);
+      static_cast<long long>(trials.observations), static_cast<long long>(trials.undecided),
+      static_cast<long long>(trials.driven_undecided), static_cast<long long>(trials.flipped),
+      trials.worst_mm, static_cast<long long>(trials.lost), 100.0 * trials.lost_interval[0],
+      100.0 * trials.lost_interval[1], 100.0 * trials.covered_share, trials.innovation);
 }
 
 void print(const TrackingResult& result, const std::string& sensor) {

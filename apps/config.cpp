@@ -30,7 +30,10 @@ void print_rows(const std::vector<common::ConfigRow>& rows) {
          row.unit.c_str(), row.bounds.c_str(), row.meaning.c_str());
 }
 
-void print_config(const std::vector<std::string>& words) {
+}  // namespace
+
+std::vector<common::ConfigRow> configuration_rows(const std::vector<std::string>& words,
+                                                  const std::string& what) {
   Verb program{"lodestone", ""};
   add_verbs(program);
   bool ignored = false;
@@ -47,14 +50,12 @@ void print_config(const std::vector<std::string>& words) {
   if (!verb->configuration) {
     std::string known;
     for (const std::string& each : configured_verbs(program)) known += (known.empty() ? "" : ", ") + each;
-    throw common::ConfigError("config --print " + (words.empty() ? "" : words[0]) +
-                              ": verbs with a configuration are " + known);
+    throw common::ConfigError(what + (words.empty() ? "" : words[0]) + ": verbs with a configuration are " +
+                              known);
   }
-  parse_only(program, words, "config --print " + path + ": ");
-  print_rows(verb->configuration());
+  parse_only(program, words, what + path + ": ");
+  return verb->configuration();
 }
-
-}  // namespace
 
 void add_config(Verb& program) {
   Verb& verb = program.add_verb(
@@ -67,7 +68,7 @@ void add_config(Verb& program) {
   const auto words = std::make_shared<Words>();
   verb.add_option("--print", &words->print, "followed by the verb and the arguments that it would be given");
   verb.rest = &words->rest;
-  verb.run = [words] { print_config(words->rest); };
+  verb.run = [words] { print_rows(configuration_rows(words->rest, "config --print ")); };
 }
 
 }  // namespace lodestone::apps

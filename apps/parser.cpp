@@ -78,6 +78,7 @@ void check_verb(const Verb& program, int argc, char** argv) {
     const auto renamed = at->renamed.find(argv[i]);
     if (renamed != at->renamed.end())
       throw common::ConfigError(path + argv[i] + " is now " + path + renamed->second);
+    if (found == nullptr && at->run) return;  // a file that it takes
     if (found == nullptr)
       throw common::ConfigError("unknown verb " + path + argv[i] + "; " +
                                 common::spelling_hint(argv[i], known, "verbs", path));

@@ -23,6 +23,7 @@ void add_report(Verb& program);
 void add_check(Verb& program);
 void add_status(Verb& program);
 void add_plan(Verb& program);
+void add_sweep(Verb& program);
 void add_config(Verb& program);
 /// A script that completes the verbs of `program`, their options and, behind --set, the keys of their
 /// configuration; written from their declarations.
@@ -39,6 +40,10 @@ void add_rig_emulate(Verb& rig);
 
 /// All verbs that have a configuration, and the program's own options.
 void add_verbs(Verb& program);
+/// Every key of the configuration that a verb would have with these words ("collect", "--set", ...). Throws
+/// ConfigError that begins with `what` where it would not run with them.
+std::vector<common::ConfigRow> configuration_rows(const std::vector<std::string>& words,
+                                                  const std::string& what);
 /// Paths of the verbs with a configuration ("collect", "rig check"), sorted.
 std::vector<std::string> configured_verbs(const Verb& program);
 

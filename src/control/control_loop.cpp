@@ -7,6 +7,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/realtime.h"
+#include "lodestone/control/either_way.h"
 #include "lodestone/geometry/saturation.h"
 
 namespace lodestone::control {
@@ -50,8 +51,7 @@ PoseEstimate sensed(PoseSensor& sensor) {
   }
 }
 
-geometry::Vector2 decide(Controller& controller, const task::Observation& observation) {
-  geometry::Vector2 action = controller.act(observation);
+geometry::Vector2 checked(const geometry::Vector2& action) {
   if (!action.allFinite())
     throw common::HardwareError("the controller asked for a drive that is not a number");
   return geometry::saturated(action);
@@ -109,11 +109,20 @@ void ControlLoop::rest_until(double time_s) {
 void ControlLoop::pulse(const StepRecord& record) {
   if (record.probe)
     coils_.probe({record.current_A, config_.pulse_s});
-  else if (record.estimate.valid)
+  else if (record.estimate.valid || record.either_way)
     coils_.apply({record.current_A, config_.pulse_s});
   else
     return;
-  sensor_.pulsed(record.current_A);
+  const bool expected = identifier_ != nullptr && record.estimate.valid;
+  sensor_.pulsed(record.current_A, expected ? identifier_->outcomes(record.estimate.pose,
+                                                                    task::axis_drive(record.action, action_))
+                                            : std::vector<physics::PulseOutcome>{});
+}
+
+void ControlLoop::look_for_it(StepRecord& record) {
+  const std::optional<geometry::Vector2> probe_A = recovery_ ? recovery_->next_probe() : std::nullopt;
+  record.probe = probe_A.has_value();
+  if (probe_A) record.current_A = task::coil_currents(*probe_A);
 }
 
 void ControlLoop::follow(Controller& controller, Reference& reference, const Observer& observer,
@@ -138,12 +147,20 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     record.time_s = due_s;
     record.estimate = sensed(sensor_);
     record.estimate.valid = record.estimate.valid && finite(record.estimate.pose);
+    record.estimate.either_way = record.estimate.either_way && finite(record.estimate.pose);
     coils_.observe(record.estimate);
     if (record.estimate.fault) throw common::HardwareError(record.estimate.reason);
     const geometry::Vector2 seen_m =
         record.estimate.valid ? record.estimate.pose.position_m() : memory.position_m;
     record.target_m = reference.target(due_s, seen_m);
     record.last = reference.finished(due_s);
+    const auto observed = [&] {
+      task::Observation observation =
+          memory.observe(record.estimate.pose, record.target_m, reference.target_heading_rad());
+      if (identifier_ != nullptr) observation.drive_gain = identifier_->gain();
+      observation.ahead = reference.ahead(due_s, config_.period_s(), kStepsAhead);
+      return observation;
+    };
     if (record.estimate.valid) {
       invalid_in_a_row = 0;
       if (identifier_ != nullptr) {
@@ -154,11 +171,7 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
         record.rig_changed = identifier_->changed();
       }
       if (!record.last) {
-        task::Observation observation =
-            memory.observe(record.estimate.pose, record.target_m, reference.target_heading_rad());
-        observation.drive_gain = record.drive_gain;
-        observation.ahead = reference.ahead(due_s, config_.period_s(), kStepsAhead);
-        record.action = decide(controller, observation);
+        record.action = checked(controller.act(observed()));
         record.current_A = task::coil_currents(task::axis_drive(record.action, action_));
       }
       if (recovery_) recovery_->seen(record.estimate.pose);
@@ -168,14 +181,20 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     } else {
       ++invalid_in_a_row;
       memory.pose_before.reset();
-      const std::optional<geometry::Vector2> probe_A =
-          recovery_ && !record.last ? recovery_->next_probe() : std::nullopt;
-      record.probe = probe_A.has_value();
-      if (probe_A) record.current_A = task::coil_currents(*probe_A);
+      const std::optional<geometry::Vector2> agreed = record.estimate.either_way && !record.last
+                                                          ? act_either_way(controller, observed(), action_)
+                                                          : std::nullopt;
+      record.either_way = agreed.has_value();
+      if (agreed) {
+        record.action = checked(*agreed);
+        record.current_A = task::coil_currents(task::axis_drive(record.action, action_));
+      } else if (!record.last) {
+        look_for_it(record);
+      }
       if (record.estimate.reason.empty())
         record.estimate.reason = "the sensor gave a pose that is not a number";
     }
-    memory.action = record.action;
+    memory.action = record.estimate.valid ? record.action : geometry::Vector2::Zero();
     outcome.steps.push_back(record);
     if (observer) observer(record);
     if (record.last) return;

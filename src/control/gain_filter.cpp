@@ -78,6 +78,11 @@ void GainFilter::move_on() {
   normalise(weight_);
 }
 
+std::vector<physics::PulseOutcome> GainFilter::outcomes(const geometry::Pose2& before,
+                                                        const geometry::Vector2& drive_A) {
+  return model_.outcomes(before, std::exp(gain().log_mean) * drive_A);
+}
+
 task::DriveGain GainFilter::gain() const {
   double mean = 0.0, square = 0.0;
   for (std::size_t k = 0; k < factor_.size(); ++k) {

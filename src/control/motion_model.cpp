@@ -65,6 +65,37 @@ void MotionModel::predict(const geometry::Pose2& before, const std::vector<geome
   }
 }
 
+std::vector<physics::PulseOutcome> MotionModel::outcomes(const geometry::Pose2& before,
+                                                         const geometry::Vector2& drive_A) {
+  std::vector<physics::PulseOutcome> all;
+  if (model_->state_size != 3) return all;
+  predict(before, {drive_A}, outcomes_);
+  for (std::size_t member = 0; member < model_->members.size(); ++member) {
+    const inference::FoldedDynamics& dynamics = model_->members[member];
+    const inference::MixtureLayout& layout = dynamics.mixture();
+    const auto components = static_cast<std::size_t>(layout.components);
+    const float* raw = outcomes_.output[member].data();
+    weights_.resize(components);
+    inference::mixture_weights(raw, layout, weights_.data());
+    for (std::size_t k = 0; k < components; ++k) {
+      const float* mean = raw + components + 3 * k;
+      const float* spread = mean + 3 * components;
+      const auto sigma = [&](std::size_t i) {
+        return inference::mixture_spread(spread[i]) * static_cast<double>(dynamics.output_unit()[i]);
+      };
+      double next[3];
+      dynamics.write_next(state_.data(), mean, 1, next);
+      physics::PulseOutcome& one = all.emplace_back();
+      one.weight = static_cast<double>(weights_[k]) / static_cast<double>(model_->members.size());
+      one.mean = {next[0], next[1], next[2]};
+      one.sigma_x_m = sigma(0);
+      one.sigma_y_m = sigma(1);
+      one.sigma_heading_rad = std::hypot(sigma(2), config_.noise_rad);
+    }
+  }
+  return all;
+}
+
 void MotionModel::judge(const Prediction& predicted, const geometry::Pose2& after, std::vector<double>& out) {
   const std::size_t size = model_->state_size;
   const double noise[3] = {config_.noise_m, config_.noise_m, config_.noise_rad};

@@ -83,15 +83,16 @@ class Builder {
                                      12);
   }
 
-  void add_policy(const std::string& id, const std::string& config, const Settings& settings,
-                  std::int64_t steps) {
+  void add_policy(const std::string& id, const std::string& config, Settings settings, std::int64_t steps) {
     const bool as_the_paper = config.rfind("paper/", 0) == 0;
-    add(id, "train-policy", config,
-        joined(settings, {set("training.env_steps", steps),
-                          set("training.buffer_size", std::min<std::int64_t>(steps, 1000000)),
-                          set("training.warm_up_steps",
-                              std::min<std::int64_t>(steps / 20, as_the_paper ? 5000 : 20000)),
-                          set("training.evaluate_every", std::max<std::int64_t>(steps / 50, 1))}));
+    settings.insert(settings.end(), {set("training.env_steps", steps),
+                                     set("training.buffer_size", std::min<std::int64_t>(steps, 1000000)),
+                                     set("training.warm_up_steps",
+                                         std::min<std::int64_t>(steps / 20, as_the_paper ? 5000 : 20000)),
+                                     set("training.evaluate_every", std::max<std::int64_t>(steps / 50, 1))});
+    if (config != kGradient)
+      settings.emplace_back("td3.products=bfloat16");  // where the processor is faster so
+    add(id, "train-policy", config, std::move(settings));
   }
 
   /// One task of one row on unseen rigs: the same trials for every row.
@@ -138,7 +139,7 @@ class Builder {
     const Settings in_paper = {"dynamics=" + checkpoint_of(paper)};
     const Settings in_best = {"dynamics=" + checkpoint_of(best)};
     const std::string any_rig = with_seed("policy/any_rig/target", s);
-    add_policy(any_rig, "best/policy_any_rig.json", in_best, scale_.target_steps);
+    add_policy(any_rig, kGradient, in_best, scale_.target_steps);
     for (const char* task : {"centre", "point", "square"}) {
       add_transfer("any_rig", task, s, {"controller=policy", "policy=" + checkpoint_of(any_rig)}, best);
       add_transfer("planner", task, s, {"controller=planner"}, best);
@@ -260,6 +261,7 @@ class Builder {
   }
 
   static constexpr std::int64_t kDrawnTrials = 8;  // of the first seed
+  static constexpr const char* kGradient = "best/policy_any_rig.json";
   static constexpr const char* kBare = "paper/deploy.json";
   static constexpr const char* kDecorated = "best/deploy.json";
 

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "lodestone/common/clock.h"
 #include "lodestone/control/reference.h"
 #include "lodestone/geometry/angle.h"
+#include "lodestone/task/task.h"
 
 namespace lodestone::experiments {
 namespace {
@@ -43,11 +45,45 @@ class BlindFor final : public control::PoseSensor {
     seen.reason = "covered";
     return seen;
   }
-  void pulsed(const std::array<double, rig::kCoilCount>& current_A) override { sensor_.pulsed(current_A); }
+  void pulsed(const std::array<double, rig::kCoilCount>& current_A,
+              const std::vector<physics::PulseOutcome>& outcomes) override {
+    sensor_.pulsed(current_A, outcomes);
+  }
 
  private:
   control::PoseSensor& sensor_;
   std::int64_t from_, steps_, step_ = 0;
+};
+
+/// Scratches in the dish, which are seen from a time on, and until another one without the needle.
+class Scratched final : public session::NeedleDetector {
+ public:
+  Scratched(session::NeedleDetector& inner, double from_s, double until_s, double dish_radius_m,
+            std::uint64_t seed)
+      : inner_(inner), from_s_(from_s), until_s_(until_s) {
+    common::RandomStream random(seed, "scratches");
+    for (int i = 0; i < 3; ++i) {
+      const geometry::Vector2 at_m = task::draw_in_disc(0.7 * dish_radius_m, random);
+      scratches_.push_back({at_m.x(), at_m.y(), 2.0 * geometry::kPi * random.uniform()});
+    }
+  }
+  vision::Sighting look() override {
+    vision::Sighting sighting = inner_.look();
+    if (sighting.stamp_s < from_s_ || sighting.candidates.empty()) return sighting;
+    const vision::Rod needle = sighting.candidates.front();
+    if (sighting.stamp_s < until_s_) sighting.candidates.clear();
+    for (const geometry::Pose2& pose : scratches_) {
+      sighting.candidates.push_back(needle);
+      sighting.candidates.back().pose = pose;
+    }
+    return sighting;
+  }
+  void reset() override { inner_.reset(); }
+
+ private:
+  session::NeedleDetector& inner_;
+  double from_s_, until_s_;
+  std::vector<geometry::Pose2> scratches_;
 };
 
 }  // namespace
@@ -95,6 +131,33 @@ BlindDrive drive_blind(const DeploymentConfig& config, std::int64_t steps, std::
   return result;
 }
 
+DistractedDrive drive_distracted(const DeploymentConfig& config, std::int64_t steps, std::uint64_t seed) {
+  constexpr std::int64_t kFrom = 10;
+  SeenRig seen(config, seed);
+  seen.rig.place({-0.02, -0.012, 0.7});
+  const double start_s = seen.rig.clock().now_s();
+  const auto begins_s = [&](std::int64_t step) {
+    return start_s + (static_cast<double>(step) - 0.5) * config.loop.period_s();
+  };
+  Scratched scratched(seen.detector, begins_s(kFrom), begins_s(kFrom + steps), config.rig.dish.radius_m,
+                      seed);
+  session::TrackedPoseSensor sensor(scratched, config.sensor.tracker, config.rig, seen.rig.clock());
+  safety::Supervisor coils(seen.rig.coils(), config.safety, config.rig, seen.rig.clock());
+  const ControllerSource source = baseline_source(config);
+  control::ControlLoop loop(config.loop, source.action, coils, sensor, seen.rig.clock(), &config.rig);
+  control::PointReference far({0.025, 0.02},
+                              static_cast<double>(kFrom + steps + 20) * config.loop.period_s());
+  DistractedDrive result;
+  loop.run(*source.make(seed), far, [&](const control::StepRecord& record) {
+    if (!record.estimate.valid) return;
+    const bool right =
+        (record.estimate.pose.position_m() - seen.rig.true_pose().position_m()).norm() < kFound_m;
+    result.taken += right ? 0 : 1;
+    result.found = right && record.time_s > begins_s(kFrom + steps) - start_s;
+  });
+  return result;
+}
+
 double least_spread_m(const DeploymentConfig& config, double lies_s) {
   SeenRig seen(config, static_cast<std::uint64_t>(config.seed));
   seen.rig.place({0.01, -0.005, 0.3});
@@ -108,7 +171,8 @@ double least_spread_m(const DeploymentConfig& config, double lies_s) {
   return least_m;
 }
 
-double tracker_ms(const DeploymentConfig& config, std::int64_t steps) {
+double tracker_ms(const DeploymentConfig& config, std::int64_t steps,
+                  const std::shared_ptr<control::RigIdentifier>& identifier) {
   SeenRig seen(config, static_cast<std::uint64_t>(config.seed));
   seen.rig.place({0.01, -0.005, 0.3});
   vision::PoseTracker tracker(config.sensor.tracker, config.rig);
@@ -117,7 +181,9 @@ double tracker_ms(const DeploymentConfig& config, std::int64_t steps) {
   const common::SteadyClock clock;
   const double start_s = clock.now_s();
   for (std::int64_t step = 0; step < steps; ++step) {
-    tracker.pulse({1.0, 0.0, 0.5, 0.0});
+    tracker.pulse({1.0, 0.0, 0.5, 0.0},
+                  identifier ? identifier->outcomes(sighting.candidates.front().pose, {1.0, 0.5})
+                             : std::vector<physics::PulseOutcome>{});
     tracker.see(sighting);
   }
   return 1e3 * (clock.now_s() - start_s) / static_cast<double>(steps);

@@ -53,8 +53,10 @@ vision::Sighting shown(const geometry::Pose2& pose, double tape_log_odds) {
 /// Tells heads whose tape is masked.
 class MaskedHead {
  public:
-  MaskedHead(const DeploymentConfig& config, MaskedTape& result)
+  MaskedHead(const DeploymentConfig& config, std::shared_ptr<control::RigIdentifier> identifier,
+             MaskedTape& result)
       : tracker_(config.sensor.tracker, config.rig),
+        identifier_(std::move(identifier)),
         field_(config.rig),
         looks_(config.sensor.tracker.looks),
         result_(result) {}
@@ -64,7 +66,7 @@ class MaskedHead {
     if (!field_.direction_rad(current_A, before.position_m())) return;
     tracker_.forget();
     for (int look = 0; look < 2; ++look) tracker_.see(shown(before, kClearTape));
-    tracker_.pulse(current_A);
+    tracker_.pulse(current_A, outcomes(before, current_A));
     vision::Track track;
     for (std::int64_t look = 0; look < looks_ && !track.seen; ++look) track = tracker_.see(shown(after, 0.0));
     ++result_.steps;
@@ -73,6 +75,7 @@ class MaskedHead {
     else if (std::cos(track.pose.heading_rad - after.heading_rad) < 0.0)
       ++result_.wrong;
     if (std::cos(after.heading_rad - before.heading_rad) < 0.0) ++result_.wrong_by_nearest;
+    if (identifier_) identifier_->learn({before, drive_A(current_A), after});
   }
   void add(const data::Episode& episode) {
     for (std::int64_t step = 0; step < episode.length(); ++step) {
@@ -84,12 +87,23 @@ class MaskedHead {
     }
   }
   void add(const TrialResult& trial) {
+    if (identifier_) identifier_->reset();
     for (std::size_t i = 1; i < trial.samples.size(); ++i)
       add(*trial.samples[i - 1].true_pose, trial.samples[i - 1].step.current_A, *trial.samples[i].true_pose);
   }
 
  private:
+  static geometry::Vector2 drive_A(const physics::Currents& current_A) {
+    return {current_A[0] - current_A[1], current_A[2] - current_A[3]};
+  }
+  std::vector<physics::PulseOutcome> outcomes(const geometry::Pose2& before,
+                                              const physics::Currents& current_A) {
+    if (!identifier_) return {};
+    return identifier_->outcomes(before, drive_A(current_A));
+  }
+
   vision::PoseTracker tracker_;
+  std::shared_ptr<control::RigIdentifier> identifier_;  // null: nobody has learned the rig
   vision::CommandedField field_;
   std::int64_t looks_;
   MaskedTape& result_;
@@ -106,7 +120,7 @@ class Tally {
   void add(const TrialResult& trial) {
     ++result_.trials;
     if (trial.stop_reason.rfind("no pose", 0) == 0) ++result_.lost;
-    for (const TrialSample& sample : trial.samples) add(sample.step.estimate, *sample.true_pose);
+    for (const TrialSample& sample : trial.samples) add(sample.step, *sample.true_pose);
   }
   TrackedTrials close() {
     result_.lost_interval = interval_of(result_.lost, result_.trials);
@@ -116,7 +130,8 @@ class Tally {
   }
 
  private:
-  void add(const control::PoseEstimate& estimate, const geometry::Pose2& truth) {
+  void add(const control::StepRecord& step, const geometry::Pose2& truth) {
+    const control::PoseEstimate& estimate = step.estimate;
     ++result_.observations;
     if (estimate.innovation) {
       innovation_sum_ += *estimate.innovation;
@@ -124,6 +139,8 @@ class Tally {
     }
     if (!estimate.valid) {
       ++result_.unseen;
+      result_.undecided += estimate.either_way ? 1 : 0;
+      result_.driven_undecided += step.either_way ? 1 : 0;
       return;
     }
     ++poses_;
@@ -152,7 +169,8 @@ TrackingBench::TrackingBench(const TrackingBenchConfig& config)
 void TrackingBench::mask_tape() {
   const CollectionConfig exploration = exploration_of(config_.deployment);
   Collection collection(exploration);
-  MaskedHead masked(config_.deployment, result_.masked_tape.emplace());
+  MaskedHead masked(config_.deployment, source_.identify ? source_.identify() : nullptr,
+                    result_.masked_tape.emplace());
   common::Progress progress("masked tape", config_.transitions);
   for (std::int64_t recorded = 0; recorded < config_.transitions;) {
     if (common::interrupted()) throw common::Interrupted("bench tracking: stopped by the user");
@@ -195,7 +213,8 @@ void TrackingBench::drive() {
   const Deployment deployment(config_.deployment);
   common::ThreadPool pool(static_cast<std::size_t>(config_.threads));
   Tally tally;
-  MaskedHead masked(config_.deployment, result_.masked_while_driven.emplace());
+  MaskedHead masked(config_.deployment, source_.identify ? source_.identify() : nullptr,
+                    result_.masked_while_driven.emplace());
   const std::int64_t count = config_.deployment.trials.count;
   common::Progress progress("trials", 2 * count);
   std::int64_t done = 0;
@@ -286,9 +305,21 @@ void TrackingBench::check() {
     figure(how + "pulses", static_cast<double>(most.pulses), "", 6.0);
     figure(how + "largest current", most.most_A, "A", 2.0);
   }
+  for (const std::int64_t steps : {3, 6, 12}) {
+    std::int64_t taken = 0, lost = 0;
+    for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+      const DistractedDrive distracted = drive_distracted(config, steps, seed);
+      taken += distracted.taken > 0 ? 1 : 0;
+      lost += distracted.found ? 0 : 1;
+    }
+    const std::string how = fmt::format("hidden for {} steps among 3 scratches, 50 times: ", steps);
+    figure(how + "one taken for the needle", static_cast<double>(taken), "", 0.0);
+    figure(how + "needle not found again", static_cast<double>(lost), "", 0.0);
+  }
   figure("10 minutes of lying still: spread below its floor by",
          std::max(0.0, kFloor_mm - 1e3 * least_spread_m(config, 600.0)), "mm", 1e-6);
-  figure("tracker, a pulse and a look", tracker_ms(config, 20000), "ms", 0.1);
+  figure("tracker, a pulse and a look",
+         tracker_ms(config, 20000, source_.identify ? source_.identify() : nullptr), "ms", 0.1);
 }
 
 }  // namespace lodestone::experiments

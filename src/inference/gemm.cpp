@@ -139,6 +139,8 @@ void transpose(const Real* matrix, std::int64_t rows, std::int64_t columns, Real
 }
 
 template class CacheAligned<float>;
+template class CacheAligned<std::uint16_t>;
+template class CacheAligned<std::uint32_t>;
 template class PackedMatrix<float>;
 template void multiply(const LeftSide<float>&, const PackedMatrix<float>&, float*, const Epilogue<float>&);
 template void multiply(const LeftSide<float>&, const RightSide<float>&, CacheAligned<float>&, float*,

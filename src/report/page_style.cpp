@@ -40,7 +40,7 @@ th { text-align: left; font-weight: 600; color: var(--soft); border-bottom: 1.5p
   padding: 5px 14px 5px 0; vertical-align: bottom; }
 td { padding: 5px 14px 5px 0; border-bottom: 1px solid var(--line); vertical-align: top; }
 th.number, td.number { text-align: right; }
-td.number { white-space: nowrap; }
+td.number, .whole { white-space: nowrap; }
 tr.published td { color: var(--soft); font-style: italic; }
 tr.first td { border-top: 1.5px solid var(--strong-line); }
 tr.ours td:first-child, tr.strong td { font-weight: 600; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include <ATen/ops/zeros.h>
 #include <ATen/ops/zeros_like.h>
@@ -41,6 +42,7 @@ template <class Real>
 FlatNetwork<Real> FlatNetwork<Real>::clone() const {
   FlatNetwork copy(widths_);
   copy.parameters_.copy_(parameters_);
+  copy.rounds_ = rounds_;
   return copy;
 }
 
@@ -73,15 +75,24 @@ typename FlatNetwork<Real>::Workspace FlatNetwork<Real>::workspace(std::int64_t 
 }
 
 template <class Real>
+void FlatNetwork<Real>::product(const inference::LeftSide<Real>& a, const inference::RightSide<Real>& b,
+                                Workspace& workspace, Real* out,
+                                const inference::Epilogue<Real>& epilogue) const {
+  if constexpr (std::is_same_v<Real, float>)
+    if (rounds_) return inference::multiply_bf16(a, b, workspace.scratch->bf16, out, epilogue);
+  inference::multiply<Real>(a, b, workspace.scratch->panel, out, epilogue);
+}
+
+template <class Real>
 void FlatNetwork<Real>::forward(const Real* input, Workspace& workspace) const {
   const Real* parameters = data<Real>(parameters_);
   for (std::size_t i = 0; i < layers_.size(); ++i) {
     const Layer& layer = layers_[i];
     const bool last = i + 1 == layers_.size();
     Real* output = data<Real>(last ? workspace.output : workspace.hidden[i]);
-    inference::multiply<Real>({input, workspace.rows, layer.in},
-                              {parameters + layer.weight, layer.in, layer.out, /*transposed=*/true},
-                              workspace.scratch->panel, output, {parameters + layer.bias, !last, nullptr});
+    product({input, workspace.rows, layer.in},
+            {parameters + layer.weight, layer.in, layer.out, /*transposed=*/true}, workspace, output,
+            {parameters + layer.bias, !last, nullptr});
     input = output;
   }
 }
@@ -93,8 +104,8 @@ void FlatNetwork<Real>::parameter_gradient(const Layer& layer, const Real* input
   const std::int64_t stride = inference::padded_stride(workspace.rows);
   Real* transposed = workspace.scratch->transposed.at_least(layer.out * stride);
   inference::transpose(delta, workspace.rows, layer.out, transposed, stride);
-  inference::multiply<Real>({transposed, layer.out, stride}, {input, workspace.rows, layer.in},
-                            workspace.scratch->panel, gradient + layer.weight);
+  product({transposed, layer.out, stride}, {input, workspace.rows, layer.in}, workspace,
+          gradient + layer.weight);
   Real* __restrict bias = gradient + layer.bias;
   std::fill_n(bias, layer.out, Real(0));
   for (std::int64_t row = 0; row < workspace.rows; ++row) {
@@ -114,9 +125,8 @@ void FlatNetwork<Real>::backward(const Real* input, const Real* output_gradient,
     if (wanted == Wanted::kParameters) parameter_gradient(layer, below, delta, workspace);
     if (i == 0 && wanted == Wanted::kParameters) return;
     Real* passed_on = data<Real>(i == 0 ? workspace.input_gradient : workspace.delta[i - 1]);
-    inference::multiply<Real>({delta, workspace.rows, layer.out},
-                              {parameters + layer.weight, layer.out, layer.in}, workspace.scratch->panel,
-                              passed_on, {nullptr, false, i == 0 ? nullptr : below});
+    product({delta, workspace.rows, layer.out}, {parameters + layer.weight, layer.out, layer.in}, workspace,
+            passed_on, {nullptr, false, i == 0 ? nullptr : below});
     delta = passed_on;
   }
 }

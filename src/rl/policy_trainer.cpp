@@ -16,6 +16,7 @@
 #include "lodestone/nets/checkpoint.h"
 #include "lodestone/rl/hindsight.h"
 #include "lodestone/rl/policy_learner.h"
+#include "lodestone/rl/td3.h"
 #include "lodestone/runs/curves.h"
 #include "lodestone/runs/resumable_run.h"
 
@@ -135,6 +136,9 @@ class Training : public runs::ResumableWork {
     result_.updates = learner_.updates();
     result_.seconds_to_95_percent = seconds_to_fraction(0.95);
     result_.peak_memory_mb = common::peak_memory_mb();
+    if (config_.method == Method::kTd3)
+      result_.products = common::name_of(products_here(config_.td3.products));
+    if (result_.fresh_evaluation) result_.success_rate = result_.fresh_evaluation->success_rate;
     return result_;
   }
 
@@ -249,6 +253,9 @@ void TrainPolicyConfig::validate() const {
     throw common::InvalidConfig("replay.environments", replay.environments,
                                 "be 0 without a recording; name one: --set recorded=FILE.h5");
   if (learning.hindsight > 0.0) Hindsight::check(task, encoder);
+  if (td3.products != Td3Products::kFloat32 && td3.backend != Td3Backend::kFused)
+    throw common::InvalidConfig("td3.products", common::name_of(td3.products),
+                                "be float32 with td3.backend = autograd");
   if (td3.batch_size > learning.buffer_size)
     throw common::InvalidConfig("training.buffer_size", learning.buffer_size,
                                 "be at least td3.batch_size = " + std::to_string(td3.batch_size));

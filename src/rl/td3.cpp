@@ -8,6 +8,7 @@
 #include <c10/util/StringUtil.h>
 
 #include "lodestone/common/error.h"
+#include "lodestone/inference/gemm_bf16.h"
 #include "td3_autograd.h"
 #include "td3_fused.h"
 
@@ -125,6 +126,12 @@ void Td3::load(const nets::Checkpoint& checkpoint) {
     throw common::CheckpointError(std::string("training checkpoint: td3 counters are malformed: ") +
                                   error.what());
   }
+}
+
+Td3Products products_here(Td3Products asked) {
+  constexpr double kWorthIt = 1.5;
+  return asked == Td3Products::kBfloat16 && inference::bf16_speedup() < kWorthIt ? Td3Products::kFloat32
+                                                                                 : asked;
 }
 
 std::unique_ptr<Td3> make_td3(const Td3Config& config, std::int64_t observation_size,

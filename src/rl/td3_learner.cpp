@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include <ATen/core/grad_mode.h>
 #include <ATen/ops/tensor.h>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/log.h"
 #include "lodestone/rl/policy_evaluation.h"
 #include "lodestone/runs/curves.h"
 
@@ -36,6 +38,14 @@ void load_same_size(std::vector<float>& target, const nets::NamedTensors& stored
   std::copy_n(found->second.data_ptr<float>(), target.size(), target.begin());
 }
 
+Td3Config as_here(Td3Config config) {
+  const Td3Products asked = std::exchange(config.products, products_here(config.products));
+  if (asked != config.products)
+    common::log_warning(
+        "td3.products = bfloat16: this processor has no products that are faster so; float32 it is");
+  return config;
+}
+
 }  // namespace
 
 Td3Learner::Td3Learner(const LearningConfig& learning, const Td3Config& td3, const NoiseConfig& noise,
@@ -44,7 +54,7 @@ Td3Learner::Td3Learner(const LearningConfig& learning, const Td3Config& td3, con
     : learning_(learning),
       learning_rate_(td3.learning_rate),
       environments_(environments),
-      td3_(make_td3(td3, environments.spec().observation_size, environments.spec().action_size, seed,
+      td3_(make_td3(as_here(td3), environments.spec().observation_size, environments.spec().action_size, seed,
                     threads)),
       buffer_(buffer_capacity(learning, environments.spec().count), environments.spec().observation_size,
               environments.spec().action_size),

@@ -53,7 +53,13 @@ Td3Networks<Real>::Td3Networks(const Td3Config& config, std::int64_t observation
                   drawn_network<Real>(observation_size + action_size, config.hidden, 1, {seed, "critic", 0})),
               Learner<Real>(drawn_network<Real>(observation_size + action_size, config.hidden, 1,
                                                 {seed, "critic", 1}))},
-      first_layer_{1, static_cast<int>(config.hidden.size()) + 2} {}
+      first_layer_{1, static_cast<int>(config.hidden.size()) + 2} {
+  if (config.products != Td3Products::kBfloat16) return;
+  for (Learner<Real>* learner : {&actor, &critics[0], &critics[1]}) {
+    learner->network.round_products();
+    learner->target.round_products();
+  }
+}
 
 template <class Real>
 nets::NamedTensors Td3Networks<Real>::networks() const {

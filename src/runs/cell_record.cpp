@@ -97,7 +97,7 @@ KeptTrials kept_trials(const std::vector<TrialRecord>& trials, std::int64_t draw
 }  // namespace
 
 Json preset_of(const PlanPlace& place, const Cell& cell) {
-  return cell.config.empty() ? Json() : common::read_json_if_there(place.configs + "/" + cell.config);
+  return cell.config.empty() ? Json() : common::read_json_if_there(preset_file(place, cell));
 }
 
 CellRecord record_of(const Plan& plan, const PlanPlace& place, const Cell& cell) {

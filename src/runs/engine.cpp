@@ -25,6 +25,8 @@ constexpr std::chrono::seconds kBetweenLooks{2};
 constexpr int kMostOfTime = 10;  // a look that takes long, at a great many cells, is followed by a rest
 constexpr int kMostRunning = 8;  // named at a time
 
+constexpr const char* kStopFile = "/stop";
+
 /// The last line that a cell wrote.
 std::string last_line(const std::string& log) {
   if (!fs::exists(log)) return "it said nothing";
@@ -126,6 +128,8 @@ std::string log_file(const Plan& plan, const PlanPlace& place, const std::string
   return cell_folder(plan, place, id) + ".log";
 }
 
+void ask_to_stop(const std::string& folder) { common::write_file_atomically(folder + kStopFile, ""); }
+
 void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const std::string& label,
               const std::string& only) {
   plan.validate();
@@ -141,25 +145,32 @@ void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const st
   if (cells.empty()) return;
   for (const Cell* cell : cells)
     common::make_folders(fs::path(log_file(plan, place, cell->id)).parent_path().string());
+  common::remove_file(place.folder + kStopFile);
   engine.start(plan, place, cells);
   Watch watch(plan, place, wanted, label);
-  bool told = false;
+  bool stopping = false;
   while (!engine.ended()) {
-    if (common::interrupted() && !std::exchange(told, true)) engine.stop();
+    const bool stop = common::interrupted() || fs::exists(place.folder + kStopFile);
+    if (stop && !std::exchange(stopping, true)) engine.stop();
     watch.look_sometimes();
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   watch.finish();
-  if (common::interrupted())
-    throw common::Interrupted(label + ": stopped; the same command goes on where it was");
+  common::remove_file(place.folder + kStopFile);
+  if (stopping) throw common::Interrupted(label + ": stopped; the same command goes on where it was");
   if (!watch.left().empty()) throw common::Error(label + ": " + failure(plan, place, watch));
 }
 
 void run_plan_in_folder(const Plan& plan, const PlanPlace& place, Engine& engine, const std::string& verb,
-                        common::Json settings, const std::string& only) {
+                        common::Json settings, const std::string& only,
+                        const std::function<void()>& prepare) {
   settings["rig_file"] = place.rig_file;
-  RunFolder run({place.folder, verb, settings, plan.seed, /*resume=*/true});
+  RunRequest request{place.folder, verb, settings, plan.seed, /*resume=*/true};
+  request.free_keys = {"threads", "score",
+                       "lower_is_better"};  // the last two: what is told of the runs, not what is run
+  RunFolder run(std::move(request));
   run.begin();
+  prepare();
   run_plan(plan, place, engine, verb, only);
   if (only.empty()) run.finish();
 }

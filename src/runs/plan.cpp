@@ -120,6 +120,10 @@ Plan read_plan(const std::string& path) {
   return common::artefact_from_json<Plan>(whole, path);
 }
 
+std::string preset_file(const PlanPlace& place, const Cell& cell) {
+  return (fs::path(place.configs) / cell.config).string();
+}
+
 std::string cell_folder(const Plan& plan, const PlanPlace& place, const std::string& id) {
   return place.folder + "/" + (plan.subfolder.empty() ? "" : plan.subfolder + "/") + id;
 }
@@ -129,7 +133,7 @@ std::vector<std::string> cell_arguments(const Plan& plan, const PlanPlace& place
   const auto add = [&out](const char* flag, const std::string& value) {
     out.insert(out.end(), {flag, value});
   };
-  if (!cell.config.empty()) add("--config", place.configs + "/" + cell.config);
+  if (!cell.config.empty()) add("--config", preset_file(place, cell));
   if (!place.rig_file.empty()) add("--rig", place.rig_file);
   for (const std::string& setting : cell.settings)
     add("--set", with_folders(setting, [&](const std::string& id) { return cell_folder(plan, place, id); }));

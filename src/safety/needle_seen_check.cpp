@@ -6,9 +6,9 @@
 
 namespace lodestone::safety {
 
-void NeedleSeenCheck::observe(const control::PoseEstimate&, double) {
+void NeedleSeenCheck::observe(const control::PoseEstimate& estimate, double) {
   seen_ = true;
-  probes_ = 0;
+  if (estimate.valid) probes_ = 0;
 }
 
 void NeedleSeenCheck::check(rig::CoilPulse&, const PulseContext&) {

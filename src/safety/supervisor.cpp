@@ -91,7 +91,7 @@ void Supervisor::observe(const control::PoseEstimate& estimate) {
   guarded([&] {
     needle_seen_.forget();
     if (estimate.fault) throw Distrust(estimate.reason);
-    if (!estimate.valid) return;
+    if (!estimate.valid && !estimate.either_way) return;  // its place is known either way
     for (const auto& check : pose_checks_) check->observe(estimate, clock_.now_s());
     needle_seen_.observe(estimate, clock_.now_s());
   });

@@ -21,7 +21,8 @@ constexpr double kInTails = 0.3;
 constexpr double kLongWay = 0.4;
 constexpr double kBehind_rad = 6.0 * kRadPerDeg;
 constexpr double kNever = 1e-6;
-constexpr double kAnything = 1e-3;    // of all pulses do what no rule says: the needle runs against the wall
+constexpr double kAnything = 1e-3;  // of all pulses do what no rule says: the needle runs against the wall
+constexpr double kAnythingElse = 6e-3;  // the same of what no learned simulator says
 constexpr double kUnexpected = 1e-4;  // less than any pulse leaves at an axis where it may turn the needle to
 constexpr double kStill_rad =
     10.0 * kRadPerDeg;  // a needle that has turned further without a pulse was moved
@@ -102,6 +103,21 @@ void HeadingFilter::pulse(double field_rad, double sticks) {
     spread(from_rad, turn_rad, (1.0 - long_way) * turns);
     if (long_way > kNever) spread(from_rad, turn_rad - std::copysign(2.0 * kPi, turn_rad), long_way * turns);
   }
+  expect(after);
+}
+
+void HeadingFilter::pulse(const std::vector<physics::PulseOutcome>& outcomes, double known) {
+  const double anything = 1.0 - known + kAnythingElse;
+  Histogram after;
+  after.fill(anything / (1.0 + kAnythingElse) / kBins);
+  for (const physics::PulseOutcome& outcome : outcomes)
+    add_peak(after, outcome.mean.heading_rad, outcome.sigma_heading_rad,
+             known / (1.0 + kAnythingElse) * outcome.weight);
+  expect(after);
+}
+
+/// A pulse has taken the needle to one of these headings.
+void HeadingFilter::expect(const Histogram& after) {
   before_ = after;
   now_ = after;
   tape_log_odds_ = 0.0;

@@ -30,6 +30,7 @@ constexpr double kSpreadAlong = 0.5;
 constexpr double kSpreadAcross = 0.25;
 constexpr double kWild = 0.15;          // of all slips go anywhere:
 constexpr double kWildSpread_m = 1e-3;  // so wide, and by its length
+constexpr double kOtherwise = 0.002;    // of all pulses do what no learned simulator says
 constexpr double kReach = 0.95;         // of the dish's radius is as far as a middle comes
 constexpr double kLearn = 0.1;          // weight of the last pulse in what is learned
 constexpr double kLogGain = 0.3;        // standard deviation, before anything is learned
@@ -37,8 +38,10 @@ constexpr double kLogGainDrift = 0.02;
 constexpr int kUnforeseen = 3;  // looks that agree are a needle outside the gate: somebody has moved it
 constexpr int kSurprising = 2;  // and within it, but so far from where it was expected
 constexpr double kSurprise_m = 3e-3;
+constexpr double kFurthest_m =
+    15e-3;                           // from every expected place that a slip may end, besides its own length
+constexpr double kHardlyAny = 0.01;  // of all needles stick so often
 constexpr double kAgree_m = 1e-3;
-constexpr double kAgree_rad = 10.0 * geometry::kRadPerDeg;
 constexpr double kBeyondWall_m = 1e-3;
 
 /// A spread, but no smaller than the floor.
@@ -48,13 +51,6 @@ Eigen::Matrix2d floored_m2(const Eigen::Matrix2d& covariance_m2) {
 }
 
 Eigen::Matrix2d noise_m2(const Rod& rod) { return floored_m2(rod.covariance.topLeftCorner<2, 2>()); }
-
-/// Which end is the head does not matter.
-bool lies_alike(const Rod& a, const Rod& b) {
-  const double turn_rad = a.pose.heading_rad - b.pose.heading_rad;
-  return (a.pose.position_m() - b.pose.position_m()).norm() <= kAgree_m &&
-         std::abs(std::cos(turn_rad)) >= std::cos(kAgree_rad);
-}
 
 double sticking(double ratio) { return 1.0 / (1.0 + std::pow(ratio / kSticksBelow, kSticksPower)); }
 
@@ -108,6 +104,11 @@ PoseTracker::PoseTracker(const TrackerConfig& config, const physics::RigDescript
 }
 
 void PoseTracker::forget() {
+  lose();
+  background_.forget();
+}
+
+void PoseTracker::lose() {
   heading_.reset();
   places_.clear();
   slip_.reset();
@@ -117,9 +118,8 @@ void PoseTracker::forget() {
   scatter_ = 1.0;
   doubtful_.reset();
   agreeing_ = 0;
-  unplaced_.clear();
-  before_pulse_.clear();
   innovation_.reset();
+  on_trial_.reset();
 }
 
 PoseTracker::Slip PoseTracker::slip_from(const Vector2& from_m, const physics::Currents& current_A) const {
@@ -149,27 +149,53 @@ Eigen::Matrix2d PoseTracker::wild_spread_m2(const Slip& slip) const {
   return scatter_ * std::pow(kWildSpread_m + slip_m(slip.ratio), 2) * Eigen::Matrix2d::Identity();
 }
 
-void PoseTracker::pulse(const physics::Currents& current_A) {
-  if (places_.empty()) {
-    if (!unplaced_.empty()) before_pulse_ = unplaced_;
-    return;
+/// Field and friction: it stays, slips along the pull, or goes anywhere near.
+std::vector<Place> PoseTracker::after_slip(const Place& place, const physics::Currents& current_A) const {
+  const Slip slip = slip_from(place.mean_m, current_A);
+  const double sticks = sticking(slip.ratio);
+  const double slips = place.weight * (1.0 - sticks);
+  return {{place.mean_m, place.covariance_m2 + kRest_m * kRest_m * Eigen::Matrix2d::Identity(),
+           sticks * place.weight},
+          {slip.to_m, place.covariance_m2 + spread_m2(slip), (1.0 - kWild) * slips},
+          {slip.to_m, place.covariance_m2 + wild_spread_m2(slip), kWild * slips}};
+}
+
+/// What a learned simulator says, from the one place where it was seen; and a few go anywhere.
+std::vector<Place> PoseTracker::after_outcomes(const std::vector<physics::PulseOutcome>& outcomes,
+                                               const Slip& likeliest) const {
+  const Place& from = places_.front();
+  std::vector<Place> after;
+  for (const physics::PulseOutcome& outcome : outcomes) {
+    const Vector2 sigma_m(std::hypot(kRest_m, outcome.sigma_x_m), std::hypot(kRest_m, outcome.sigma_y_m));
+    after.push_back({outcome.mean.position_m(),
+                     from.covariance_m2 + Eigen::Matrix2d(sigma_m.cwiseAbs2().asDiagonal()),
+                     (1.0 - kOtherwise) * outcome.weight});
   }
+  after.push_back({all_of(after).mean_m, from.covariance_m2 + wild_spread_m2(likeliest), kOtherwise});
+  return after;
+}
+
+void PoseTracker::pulse(const physics::Currents& current_A,
+                        const std::vector<physics::PulseOutcome>& outcomes) {
+  if (current_A != physics::Currents{}) background_.pulse();
+  if (places_.empty()) return;
   const auto field_rad = field_.direction_rad(current_A, places_.front().mean_m);
   if (!field_rad) return;
-  pulses_.push_back({*field_rad, sticking(slip_from(places_.front().mean_m, current_A).ratio)});
-  std::vector<Place> after;
-  for (const Place& place : places_) {
-    const Slip slip = slip_from(place.mean_m, current_A);
-    if (after.empty()) slip_ = slip;
-    const double sticks = sticking(slip.ratio);
-    const double slips = place.weight * (1.0 - sticks);
-    after.push_back({place.mean_m, place.covariance_m2 + kRest_m * kRest_m * Eigen::Matrix2d::Identity(),
-                     sticks * place.weight});
-    after.push_back({slip.to_m, place.covariance_m2 + spread_m2(slip), (1.0 - kWild) * slips});
-    after.push_back({slip.to_m, place.covariance_m2 + wild_spread_m2(slip), kWild * slips});
+  const Slip likeliest = slip_from(places_.front().mean_m, current_A);
+  pulses_.push_back({*field_rad, sticking(likeliest.ratio), (likeliest.to_m - likeliest.from_m).norm(),
+                     pulses_.empty() ? outcomes : std::vector<physics::PulseOutcome>{}});
+  if (outcomes.empty() || pulses_.size() > 1) {
+    std::vector<Place> after;
+    for (const Place& place : places_)
+      for (const Place& next : after_slip(place, current_A)) after.push_back(next);
+    places_ = after;
+  } else {
+    places_ = after_outcomes(outcomes, likeliest);
   }
-  places_ = after;
-  if (pulses_.size() > 1) slip_.reset();  // what moved it how far is not known any more
+  if (pulses_.size() == 1)
+    slip_ = likeliest;
+  else
+    slip_.reset();  // what moved it how far is not known any more
   log_gain_variance_ += kLogGainDrift * kLogGainDrift;
   merge();
 }
@@ -216,6 +242,21 @@ std::vector<Rod> PoseTracker::in_the_dish(const std::vector<Rod>& candidates) co
   return inside;
 }
 
+bool PoseTracker::within(double distance_m, const Rod& candidate) const {
+  return std::any_of(places_.begin(), places_.end(), [&](const Place& place) {
+    return (candidate.pose.position_m() - place.mean_m).norm() <= distance_m;
+  });
+}
+
+/// What no pulse has left where it was, and what lies where the needle is expected, which may stick.
+std::vector<Rod> PoseTracker::foreground(const std::vector<Rod>& candidates) const {
+  std::vector<Rod> moving;
+  std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(moving), [&](const Rod& rod) {
+    return !background_.holds(rod) || (gated(rod) && within(kSurprise_m, rod));
+  });
+  return moving;
+}
+
 /// The candidate that the needle is, if one of those within the gate is far likelier than the others.
 std::optional<std::size_t> PoseTracker::choose(const std::vector<Rod>& candidates) const {
   double sum = 0.0;
@@ -232,29 +273,20 @@ std::optional<std::size_t> PoseTracker::choose(const std::vector<Rod>& candidate
   return chosen && best >= config_.min_needle_probability * sum ? chosen : std::nullopt;
 }
 
-/// The candidate that does not lie where one lay before the last pulse, if all others do.
-std::optional<std::size_t> PoseTracker::only_one_moved(const std::vector<Rod>& candidates) const {
-  if (before_pulse_.empty()) return std::nullopt;
-  std::optional<std::size_t> moved;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (std::any_of(before_pulse_.begin(), before_pulse_.end(),
-                    [&](const Rod& rod) { return lies_alike(rod, candidates[i]); }))
-      continue;
-    if (moved) return std::nullopt;
-    moved = i;
-  }
-  return moved;
-}
-
 /// How many looks have to agree before it is believed to be there.
 int PoseTracker::looks_needed(const Rod& candidate) const {
-  const Vector2 at_m = candidate.pose.position_m();
   if (places_.empty()) return kSurprising;
   if (!gated(candidate)) return kUnforeseen;
-  const bool expected = std::any_of(places_.begin(), places_.end(), [&](const Place& place) {
-    return (at_m - place.mean_m).norm() <= kSurprise_m;
-  });
-  return expected ? 1 : kSurprising;
+  return within(kSurprise_m, candidate) ? 1 : kSurprising;
+}
+
+/// Whether it may be something that has lain there all along: what is further away than the pulses since take
+/// a needle and was not seen to stir.
+bool PoseTracker::may_be_still(const Rod& candidate) const {
+  if (places_.empty() || pulses_.empty() || gated(candidate)) return false;
+  double reach_m = kFurthest_m;
+  for (const Pulse& pulse : pulses_) reach_m += pulse.slip_m;
+  return !within(reach_m, candidate) && !background_.has_stirred(candidate);
 }
 
 /// Whether so many looks in a row have shown it there.
@@ -266,16 +298,27 @@ bool PoseTracker::confirmed(const Rod& candidate) {
   return agreeing_ >= looks_needed(candidate);
 }
 
+/// Whether it is not the needle after all.
+bool PoseTracker::gives_away(const Rod& seen) {
+  if (!on_trial_) return false;
+  if (!lies_alike(seen, *on_trial_)) {
+    on_trial_.reset();
+    return false;
+  }
+  for (const Pulse& pulse : pulses_) trial_ *= pulse.sticks;
+  return trial_ < kHardlyAny;
+}
+
 void PoseTracker::start(const Rod& candidate) {
-  forget();
+  lose();
   places_.push_back({candidate.pose.position_m(), noise_m2(candidate), 1.0});
 }
 
 Track PoseTracker::see(const Sighting& sighting) {
   innovation_.reset();
   Track track;
-  const std::vector<Rod> candidates = in_the_dish(sighting.candidates);
-  if (candidates.empty()) {
+  const std::vector<Rod> inside = in_the_dish(sighting.candidates);
+  if (inside.empty()) {
     track.search = true;
     track.reason = sighting.reason.empty() ? "no needle in view" : sighting.reason;
     if (!sighting.candidates.empty())
@@ -284,13 +327,13 @@ Track PoseTracker::see(const Sighting& sighting) {
           "and the calibration";
     return track;
   }
-  if (places_.empty()) unplaced_ = candidates;
-  const std::optional<std::size_t> chosen = candidates.size() == 1 ? 0
-                                            : places_.empty()      ? only_one_moved(candidates)
-                                                                   : choose(candidates);
+  background_.see(inside);
+  const std::vector<Rod> candidates = foreground(inside);
+  const std::optional<std::size_t> chosen = candidates.size() == 1 ? 0 : choose(candidates);
   if (!chosen) {
     track.search = true;
-    track.reason = "more than one needle in view, or something like one";
+    track.reason = candidates.empty() ? "what is seen stays put while pulses turn the needle: it is none"
+                                      : "more than one needle in view, or something like one";
     return track;
   }
   const Rod& needle = candidates[*chosen];
@@ -302,9 +345,27 @@ Track PoseTracker::see(const Sighting& sighting) {
                                    : "something is seen where the needle is not expected";
     return track;
   }
+  if (may_be_still(needle)) {
+    track.search = true;
+    track.reason = "something is seen far from where the needle can be: it is believed when a pulse stirs it";
+    return track;
+  }
+  if (gives_away(needle)) {
+    lose();
+    background_.add(needle);
+    track.search = true;
+    track.reason = "what was taken for the needle stays put: it is none";
+    return track;
+  }
+  const bool unexpected = !places_.empty() && !foreseen;
   const bool repeated = agreeing_ > 1;
   if (!foreseen) start(needle);
   update(needle);
+  background_.except(needle);
+  if (unexpected) {
+    on_trial_ = needle;
+    trial_ = 1.0;
+  }
   if (repeated)  // the tape of the look before counts, too
     heading_.see(before->pose.heading_rad, std::sqrt(before->covariance(2, 2)), before->tape_log_odds);
   track.located = true;
@@ -320,7 +381,9 @@ Track PoseTracker::see(const Sighting& sighting) {
     track.pose.heading_rad = geometry::wrap_angle(needle.pose.heading_rad + geometry::kPi);
     head = 1.0 - head;
   }
+  head_ = head;
   track.seen = head >= config_.min_head_probability;
+  track.either_way = !track.seen;
   if (!track.seen) track.reason = "head and tail cannot be told apart";
   return track;
 }
@@ -333,7 +396,11 @@ void PoseTracker::update(const Rod& seen) {
     innovation_ = distance2(now_m - all.mean_m, all.covariance_m2 + noise);
     if (slip_) pulses_.front().sticks = learn(now_m, noise);
   }
-  for (const Pulse& pulse : pulses_) heading_.pulse(pulse.field_rad, pulse.sticks);
+  for (const Pulse& pulse : pulses_)
+    if (pulse.outcomes.empty())
+      heading_.pulse(pulse.field_rad, pulse.sticks);
+    else
+      heading_.pulse(pulse.outcomes, head_);
   std::vector<Place> after;
   for (const Place& place : places_) {
     const Eigen::Matrix2d spread = place.covariance_m2 + noise;

@@ -195,7 +195,7 @@ for verb in ("collect", "train-dynamics", "train-policy", "deploy", "train-segme
 for preset in sorted((source / "configs").glob("*/*.json")):
     if preset.stem.startswith("paper_"):
         listed = subprocess.run([program, "bench", "paper", "--config", str(preset), "--list"], capture_output=True, text=True)
-        if listed.returncode != 0 or "transfer/best/square/1" not in listed.stdout:
+        if listed.returncode != 0 or "transfer/best/bare/square/1" not in listed.stdout:
             failures.append(f"bench paper --config {preset} --list: {listed.stderr!r}")
         continue
     json.loads(preset.read_text())  # strict JSON, which other programs read, too

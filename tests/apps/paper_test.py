@@ -86,7 +86,7 @@ assert "policy/paper/centre/1" in told and "waiting" in told and "runs are finis
 
 # A report of what is there, whenever one is wanted.
 said = run("--report")
-assert "proportional pull, bare" in said and "not run yet" in said, said
+assert "proportional pull | bare" in said and "not run yet" in said, said
 report = json.loads((out / "report.json").read_text())
 assert report["transfer"]["baseline"]["bare"]["point"]["n_trials"] == 1, report
 

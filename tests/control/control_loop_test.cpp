@@ -160,6 +160,54 @@ TEST_CASE("without a pose there is no pulse, and the loop goes on when it is bac
   }
 }
 
+TEST_CASE(
+    "where head and tail are not told apart, what is asked for either way is given, and nothing learned") {
+  Bench bench;
+  bench.sensor.push(0.0, 0.0);
+  bench.sensor.push_either_way(0.002, 0.0, 0.5);
+  bench.sensor.push(0.004, 0.0);
+  const auto simulator =
+      std::make_shared<const control::LearnedSimulator>(env::tests::noisy_linear_model(0.8e-3));
+  control::RigIdentifier identifier(simulator, {}, 1.0);
+  control::DipolePullController pull(tests::paper_rig(), {});
+  const auto drive = [&](control::Controller& controller) {
+    safety::Supervisor coils(bench.device, bench.safety, tests::paper_rig(), bench.clock);
+    control::ControlLoop loop(bench.config, bench.action, coils, bench.sensor, bench.clock, nullptr,
+                              &identifier);
+    control::PointReference reference({0.02, 0.0}, 0.9);
+    return loop.run(controller, reference);
+  };
+  SECTION("a controller that can be asked") {
+    const auto outcome = drive(pull);
+    REQUIRE(outcome.completed);
+    CHECK(bench.device.pulses.size() == 3);
+    const control::StepRecord& step = outcome.steps[1];
+    CHECK(step.either_way);
+    CHECK_FALSE(step.estimate.valid);
+    CHECK_FALSE(step.drive_gain);
+    CHECK(step.current_A[0] > 0.0);
+    CHECK(outcome.steps[2].drive_gain->log_mean == outcome.steps[0].drive_gain->log_mean);
+    CHECK_FALSE(outcome.steps[2].either_way);
+  }
+  SECTION("one that cannot") {
+    tests::FunctionController controller([](const task::Observation&) { return Vector2(0.5, 0.0); });
+    CHECK(drive(controller).completed);
+    CHECK(bench.device.pulses.size() == 2);
+    CHECK(controller.seen[1].last_action.isZero());
+  }
+}
+
+TEST_CASE("a run of steps at which head and tail are not told apart ends like one without a pose") {
+  Bench bench;
+  bench.config.max_invalid_poses = 4;
+  bench.sensor.push(0.0, 0.0);
+  bench.sensor.push_either_way(0.002, 0.0, 0.5);
+  control::DipolePullController pull(tests::paper_rig(), {});
+  const auto outcome = bench.run(pull);
+  CHECK_THAT(outcome.stop_reason, Catch::Contains("no pose for 4"));
+  CHECK(bench.device.pulses.size() == 4);
+}
+
 namespace {
 
 /// A clock on which every rest lasts for ever, unless somebody ends it.

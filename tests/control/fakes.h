@@ -67,10 +67,14 @@ class ScriptedSensor final : public control::PoseSensor {
     return next;
   }
   void push(double x_m, double y_m, double heading_rad = 0.0) {
-    script.push_back({true, "", {x_m, y_m, heading_rad}, 0.0, 0.0, 0.0, false, {}});
+    script.push_back({true, "", {x_m, y_m, heading_rad}, false, 0.0, 0.0, 0.0, false, {}});
   }
   void push_invalid(const std::string& reason) {
-    script.push_back({false, reason, {}, 0.0, 0.0, 0.0, false, {}});
+    script.push_back({false, reason, {}, false, 0.0, 0.0, 0.0, false, {}});
+  }
+
+  void push_either_way(double x_m, double y_m, double heading_rad) {
+    script.push_back({false, "no tape", {x_m, y_m, heading_rad}, true, 0.0, 0.0, 0.0, false, {}});
   }
 
   void forget() override { ++forgotten; }

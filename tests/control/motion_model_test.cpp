@@ -56,3 +56,20 @@ TEST_CASE("motions are drawn as they are judged, and amperes are told", "[unit]"
   model.judge({{{}, {5.0, 0.0}, far}, {{}, {50.0, 0.0}, far}}, ratio);
   CHECK(ratio[0] == ratio[1]);
 }
+
+TEST_CASE("what a pulse may do is what is drawn, as a mixture", "[unit]") {
+  control::MotionModel model = motion_model(2.0);
+  const Pose2 before = {0.005, -0.002, 3.1};
+  const auto outcomes = model.outcomes(before, {1.5, 0.0});
+  REQUIRE_FALSE(outcomes.empty());
+  double weight = 0.0, x_m = 0.0;
+  for (const physics::PulseOutcome& outcome : outcomes) {
+    weight += outcome.weight;
+    x_m += outcome.weight * outcome.mean.x_m;
+    CHECK(outcome.sigma_x_m == Approx(env::tests::kLinearNoise_m).epsilon(0.05));
+    CHECK(outcome.sigma_heading_rad == Approx(std::hypot(env::tests::kLinearNoise_m, 0.05)).epsilon(0.05));
+    CHECK(outcome.mean.heading_rad == Approx(3.1).margin(0.01));
+  }
+  CHECK(weight == Approx(1.0));
+  CHECK(x_m == Approx(0.005 + 3.0 * kPerDrive_m).margin(0.05e-3));
+}

@@ -19,6 +19,16 @@ TEST_CASE("a needle that is not seen gets a few weak pulses, however long") {
   }
 }
 
+TEST_CASE("a needle that was hidden is found among scratches, and none of them is taken for it") {
+  const experiments::DeploymentConfig config;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    INFO("seed " << seed);
+    const experiments::DistractedDrive distracted = experiments::drive_distracted(config, 6, seed);
+    CHECK(distracted.taken == 0);
+    CHECK(distracted.found);
+  }
+}
+
 TEST_CASE("a needle that lies still is never known better than an image can tell") {
   CHECK(experiments::least_spread_m({}, 60.0) >= 0.999e-4);
 }

@@ -184,15 +184,17 @@ printf '{"finished": true}' > "$out/run.json"
   made.keep_checkpoints = false;
   std::filesystem::create_directories(place.folder);
   common::write_file_atomically(folder / "task.sh", runs::slurm_script(made));
-  const auto run = [&](const std::string& id, const std::string& before = "") {
+  common::write_file_atomically(folder / "scontrol", "#!/bin/sh\necho \"asked: $*\"\nexit 1\n");
+  std::filesystem::permissions(folder / "scontrol", std::filesystem::perms::owner_all);
+  const auto run = [&](const std::string& id, const std::string& meanwhile = "") {
     SlurmArray array;
     array.tasks = {{3, &made.cells[0]}, {17, made.find(id)}};
     common::write_file_atomically(folder / "tasks", runs::slurm_lines(made, place, array));
-    const int code = common::run_command({"sh", "-c",
-                                          "sleep() { :; }; export SLURM_ARRAY_TASK_ID=17; " + before +
-                                              " exec sh \"$0\" \"$1\"",
-                                          folder / "task.sh", folder / "tasks"})
-                         .exit_code;
+    const std::string shell =
+        "export SLURM_ARRAY_TASK_ID=17 SLURM_JOB_ID=99 PATH=\"$0:$PATH\"; "
+        "sh \"$0/task.sh\" \"$0/tasks\" & " +
+        meanwhile + " wait $!";
+    const int code = common::run_command({"sh", "-c", shell, folder.path()}).exit_code;
     return std::make_pair(code, common::read_file(runs::log_file(made, place, id)));
   };
   CHECK(run("fails").first == 3);
@@ -201,6 +203,9 @@ printf '{"finished": true}' > "$out/run.json"
   CHECK(std::filesystem::exists(place.folder + "/a/run.json"));
   CHECK_FALSE(std::filesystem::exists(place.folder + "/a/training"));
   CHECK(run("b").first == 0);
+  const auto late = run("slow", "sleep 1; kill -USR1 $!;");
+  CHECK(late.first == 143);
+  CHECK(late.second.find("asked: requeue 99") != std::string::npos);
   Plan lines = plan({cell("a", {"x=1\n2"})});
   SlurmArray array;
   array.tasks = {{0, &lines.cells[0]}};

@@ -244,3 +244,36 @@ TEST_CASE("every bound can trip within its range") {
   beyond = {{"geofence", 1.6}};
   CHECK_THROWS_AS(common::config_from_json<safety::SafetyConfig>(beyond, "test"), common::ConfigError);
 }
+
+TEST_CASE(
+    "a place that was seen is good for one pulse, though not which end is the head; for no more probes") {
+  tests::RecordingCoils device;
+  tests::ManualClock clock;
+  safety::Supervisor coils(device, safety::SafetyConfig{}, tests::paper_rig(), clock);
+  const auto see_either_way = [&] {
+    control::PoseEstimate estimate;
+    estimate.either_way = true;
+    clock.sleep_until(clock.now_s() + 0.3);
+    estimate.stamp_s = clock.now_s();
+    coils.observe(estimate);
+  };
+  see_either_way();
+  coils.apply({{1.0, 0.0, 0.0, 0.0}, 0.1});
+  SECTION("one pulse") { CHECK_THROWS_AS(coils.apply({{1.0, 0.0, 0.0, 0.0}, 0.1}), common::HardwareError); }
+  SECTION("six probes since the last pose") {
+    for (int probe = 0; probe < 6; ++probe) {
+      see_either_way();
+      coils.probe({{1.0, 0.0, 0.0, 0.0}, 0.1});
+    }
+    see_either_way();
+    CHECK_THROWS_AS(coils.probe({{1.0, 0.0, 0.0, 0.0}, 0.1}), common::HardwareError);
+  }
+  SECTION("not outside the fence") {
+    control::PoseEstimate outside;
+    outside.either_way = true;
+    outside.pose.x_m = 0.5;
+    clock.sleep_until(clock.now_s() + 0.3);
+    outside.stamp_s = clock.now_s();
+    CHECK_THROWS_AS(coils.observe(outside), common::HardwareError);
+  }
+}

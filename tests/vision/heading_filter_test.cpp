@@ -130,3 +130,25 @@ TEST_CASE("what is called sure is right as often as that says") {
   CHECK(sure > 0.8 * kSteps);
   CHECK(wrong < 0.002 * kSteps);
 }
+
+TEST_CASE("where a learned simulator says where the head may be, the end of the axis that it says is taken") {
+  vision::HeadingFilter filter;
+  for (int look = 0; look < 2; ++look) filter.see(0.0, 0.02, 20.0);
+  const std::vector<physics::PulseOutcome> outcomes = {{0.8, {0.0, 0.0, 2.4}, 1e-3, 1e-3, 0.3},
+                                                       {0.2, {0.0, 0.0, 0.1}, 1e-3, 1e-3, 0.1}};
+  filter.pulse(outcomes, 0.999);
+  SECTION("as expected") { CHECK(filter.see(2.5, 0.02, 0.0) > 0.99); }
+  SECTION("from the other end") { CHECK(filter.see(2.5 - geometry::kPi, 0.02, 0.0) < 0.01); }
+  SECTION("where nothing was said of either end") {
+    const double there = filter.see(1.0, 0.02, 0.0);
+    CHECK(there > 0.01);
+    CHECK(there < 0.99);
+  }
+}
+
+TEST_CASE("a head that was not known is not known after a pulse, whatever a simulator says") {
+  vision::HeadingFilter filter;
+  filter.see(0.0, 0.02, 0.5);
+  filter.pulse({{1.0, {0.0, 0.0, 1.0}, 1e-3, 1e-3, 0.3}}, 0.6);
+  CHECK(filter.see(1.0, 0.02, 0.0) < 0.99);
+}

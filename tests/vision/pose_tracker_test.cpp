@@ -202,3 +202,119 @@ TEST_CASE("of things that look like a needle that nobody has seen, it is the one
     for (int i = 0; i < 3; ++i) CHECK_FALSE(see(tracker, {other, turned}).located);
   }
 }
+
+TEST_CASE("while the needle is hidden, nothing is taken for it that lies still") {
+  const Rod lay = rod({0.0, 0.0, 0.0});
+  const std::vector<Rod> decoys = {rod({-0.025, 0.01, 0.5}), rod({0.005, 0.03, 1.4}),
+                                   rod({0.02, -0.02, 2.6})};
+  const std::size_t count = GENERATE(std::size_t{1}, std::size_t{3});
+  const std::vector<Rod> still(decoys.begin(), decoys.begin() + static_cast<std::ptrdiff_t>(count));
+  PoseTracker tracker = tracking(lay.pose);
+  tracker.pulse({1.0, 0.0, 0.0, 0.0});
+  for (int step = 0; step < 6; ++step) {
+    INFO("step " << step);
+    for (int look = 0; look < 3; ++look) CHECK_FALSE(see(tracker, still).located);
+    tracker.pulse({step % 2 == 0 ? 1.0 : 0.0, 0.0, 1.0, 0.0});
+  }
+  std::vector<Rod> with_needle = still;
+  SECTION("it comes back where it was") {
+    with_needle.push_back(lay);
+    CHECK(see(tracker, with_needle).located);
+  }
+  SECTION("it comes back elsewhere, and the next pulse turns it") {
+    with_needle.push_back(rod({-0.02, -0.02, 1.0}));
+    for (int look = 0; look < 3; ++look) CHECK_FALSE(see(tracker, with_needle).located);
+    tracker.pulse({1.0, 0.0, 0.0, 0.0});
+    with_needle.back() = rod({-0.02, -0.02, 0.4});
+    vision::Track track;
+    for (int look = 0; look < 3; ++look) track = see(tracker, with_needle);
+    CHECK(track.located);
+    CHECK(track.pose.x_m == Approx(-0.02));
+  }
+  SECTION("it comes back elsewhere and sticks at first") {
+    with_needle.push_back(rod({-0.02, -0.02, 1.0}));
+    for (int pulse = 0; pulse < 2; ++pulse) {
+      for (int look = 0; look < 3; ++look) CHECK_FALSE(see(tracker, with_needle).located);
+      tracker.pulse({1.0, 0.0, 0.0, 0.0});
+    }
+    with_needle.back() = rod({-0.02, -0.02, 0.4});
+    vision::Track track;
+    for (int look = 0; look < 3; ++look) track = see(tracker, with_needle);
+    CHECK(track.located);
+  }
+}
+
+TEST_CASE("a needle that sticks where it is expected is no background") {
+  PoseTracker tracker = tracking({0.0, 0.0, 0.0});
+  const Rod decoy = rod({0.02, -0.02, 2.6});
+  for (int pulse = 0; pulse < 5; ++pulse) {
+    tracker.pulse({0.0, 0.0, 1.0, 0.0});
+    CHECK(see(tracker, {decoy, rod({0.0, 0.0, 0.0})}).located);
+  }
+  for (int pulse = 0; pulse < 3; ++pulse) {  // nor after it was hidden
+    tracker.pulse({0.0, 0.0, 1.0, 0.0});
+    CHECK_FALSE(see(tracker, {decoy}).located);
+  }
+  CHECK(insist(tracker, rod({0.0, 0.0, 0.0})).located);
+}
+
+TEST_CASE("where a learned simulator says what a pulse does, the needle is expected there") {
+  PoseTracker tracker = tracking({0.0, 0.0, 0.0});
+  const std::vector<physics::PulseOutcome> outcomes = {{0.7, {0.004, 0.001, 0.8}, 0.5e-3, 0.5e-3, 0.2},
+                                                       {0.3, {0.0, 0.0, 0.0}, 0.1e-3, 0.1e-3, 0.05}};
+  tracker.pulse(kPullToX, outcomes);
+  CHECK(tracker.places().front().mean_m.x() == Approx(0.004));
+  CHECK(tracker.places().front().mean_m.y() == Approx(0.001));
+  double sum = 0.0;
+  for (const vision::Place& place : tracker.places()) sum += place.weight;
+  CHECK(sum == Approx(1.0));
+  SECTION("with the head where that says, though no tape is seen") {
+    const vision::Track track = insist(tracker, rod({0.004, 0.001, 0.8 - geometry::kPi}, 0.0));
+    CHECK(track.seen);
+    CHECK(track.pose.heading_rad == Approx(0.8));
+  }
+  SECTION("or anywhere near after all") { CHECK(insist(tracker, rod({0.002, 0.001, 0.4})).seen); }
+  SECTION("and from there by field and friction, while it is not seen") {
+    tracker.pulse(kPullToX, outcomes);
+    CHECK(tracker.places().front().mean_m.x() > 0.0);
+    CHECK(insist(tracker, rod({0.005, 0.001, 0.6})).seen);
+  }
+}
+
+TEST_CASE("an axis without a tape after a field from behind may be the needle either way") {
+  PoseTracker tracker = tracking({0.0, 0.0, geometry::kPi});
+  tracker.pulse(kPullToX);
+  const vision::Track track = insist(tracker, rod({0.0005, 0.0, 0.5 * geometry::kPi}, 0.0));
+  CHECK(track.located);
+  CHECK(track.either_way);
+  CHECK_FALSE(track.seen);
+  const vision::Track shown = insist(tracker, rod({0.0005, 0.0, 0.5 * geometry::kPi}));
+  CHECK(shown.seen);
+  CHECK_FALSE(shown.either_way);
+}
+
+TEST_CASE(
+    "what was taken for the needle is given up when it stays put through pulses that hardly any needle "
+    "would") {
+  const Rod scratch = rod({0.008, 0.004, 0.5});
+  PoseTracker tracker = tracking({0.0, 0.0, 0.0});
+  tracker.pulse({1.0, 0.0, 0.0, 0.0});
+  for (int look = 0; look < 3; ++look) see(tracker, {scratch});
+  REQUIRE_FALSE(tracker.places().empty());
+  CHECK(tracker.places().front().mean_m.x() == Approx(0.008).margin(1e-4));
+  const double strength_A = GENERATE(8.0, 0.3);
+  INFO(strength_A << " A");
+  vision::Track track;
+  int pulses = 0;
+  do {
+    tracker.pulse({strength_A, 0.0, 0.0, 0.0});
+    track = see(tracker, {scratch});
+  } while (track.located && ++pulses < 10);
+  CHECK(track.located == (strength_A < 1.0));  // a weak pulse says nothing
+  if (track.located) return;
+  CHECK(pulses <= 3);
+  const Rod needle = rod({-0.01, 0.0, 0.2});
+  for (int look = 0; look < 3; ++look) track = see(tracker, {scratch, needle});
+  CHECK(track.located);
+  CHECK(track.pose.x_m == Approx(-0.01));
+}

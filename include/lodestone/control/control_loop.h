@@ -51,10 +51,12 @@ struct StepRecord {
   geometry::Vector2 target_m = geometry::Vector2::Zero();
   geometry::Vector2 action = geometry::Vector2::Zero();  ///< as given, clipped to [-1, 1]
   std::array<double, rig::kCoilCount> current_A{};       ///< as asked of the coils
-  bool probe = false;                                    ///< the needle was not seen, and this looked for it
-  std::optional<task::DriveGain> drive_gain;             ///< as identified from the pulses before
-  bool rig_changed = false;                              ///< what they do is no longer explained by it
-  bool last = false;                                     ///< the closing observation: no pulse followed
+  bool either_way =
+      false;  ///< head and tail were not told apart, and the controller asked for this whichever is which
+  bool probe = false;                         ///< the needle was not seen, and this looked for it
+  std::optional<task::DriveGain> drive_gain;  ///< as identified from the pulses before
+  bool rig_changed = false;                   ///< what they do is no longer explained by it
+  bool last = false;                          ///< the closing observation: no pulse followed
 };
 
 struct LoopOutcome {
@@ -77,8 +79,9 @@ class ControlLoop {
               RigIdentifier* identifier = nullptr);
 
   /// Never throws for what sensor, controller or coils do: any fault stops the coils and is the outcome's
-  /// stop_reason, and so is the user's interrupt. Without a valid pose the controller is not asked. In real
-  /// time the calling thread goes before others until it returns (common::RealtimeThread).
+  /// stop_reason, and so is the user's interrupt. Without a valid pose the controller is not asked, but where
+  /// only head and tail are not told apart (act_either_way). In real time the calling thread goes before
+  /// others until it returns (common::RealtimeThread).
   LoopOutcome run(Controller& controller, Reference& reference, const Observer& observer = {});
 
   double period_s() const { return config_.period_s(); }
@@ -90,6 +93,7 @@ class ControlLoop {
  private:
   void rest_until(double time_s);
   void pulse(const StepRecord& record);
+  void look_for_it(StepRecord& record);
   [[noreturn]] void throw_interrupted();
   void follow(Controller& controller, Reference& reference, const Observer& observer, LoopOutcome& outcome);
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "lodestone/task/observation.h"
 
 namespace lodestone::control {
@@ -13,6 +15,9 @@ class Controller {
   virtual void reset() = 0;
   /// Action in [-1, 1]^2.
   virtual geometry::Vector2 act(const task::Observation& observation) = 0;
+  /// One that knows what this one knows, to be asked what it would do without this one's taking note. Nothing
+  /// from those that only act on what is seen for sure.
+  virtual std::unique_ptr<Controller> clone() const { return nullptr; }
 };
 
 }  // namespace lodestone::control

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "lodestone/control/controller.h"
+#include "lodestone/control/inner_controller.h"
 
 namespace lodestone::control {
 
@@ -58,12 +59,13 @@ class AdaptiveGain final : public Controller {
   AdaptiveGain(std::unique_ptr<Controller> inner, const DecoratorConfig& config);
   void reset() override;
   geometry::Vector2 act(const task::Observation& observation) override;
+  std::unique_ptr<Controller> clone() const override { return inner_.clone_of(*this); }
   double gain() const { return gain_; }
 
  private:
   geometry::Vector2 dithered(const geometry::Vector2& action) const;
 
-  std::unique_ptr<Controller> inner_;
+  InnerController inner_;
   DecoratorConfig config_;
   double gain_ = 1.0;
   int full_stalls_ = 0;  // steps in a row that the full command did not move the needle
@@ -80,9 +82,10 @@ class Hold final : public Controller {
       : inner_(std::move(inner)), config_(config) {}
   void reset() override { inner_->reset(); }
   geometry::Vector2 act(const task::Observation& observation) override;
+  std::unique_ptr<Controller> clone() const override { return inner_.clone_of(*this); }
 
  private:
-  std::unique_ptr<Controller> inner_;
+  InnerController inner_;
   DecoratorConfig config_;
 };
 
@@ -94,9 +97,10 @@ class Lead final : public Controller {
       : inner_(std::move(inner)), lead_s_(config.lead_s) {}
   void reset() override { inner_->reset(); }
   geometry::Vector2 act(const task::Observation& observation) override;
+  std::unique_ptr<Controller> clone() const override { return inner_.clone_of(*this); }
 
  private:
-  std::unique_ptr<Controller> inner_;
+  InnerController inner_;
   double lead_s_;
 };
 

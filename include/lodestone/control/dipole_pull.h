@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "lodestone/common/config.h"
 #include "lodestone/control/controller.h"
 #include "lodestone/control/dipole_field.h"
@@ -72,6 +74,7 @@ class DipolePullController final : public Controller {
         scale_A_(rig.coils.max_current_A) {}
   void reset() override { disturbance_N_ = 0.0; }
   geometry::Vector2 act(const task::Observation& observation) override;
+  std::unique_ptr<Controller> clone() const override { return std::make_unique<DipolePullController>(*this); }
 
  private:
   void observe(const task::Observation& observation);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "lodestone/control/controller.h"
+#include "lodestone/control/inner_controller.h"
 
 namespace lodestone::control {
 
@@ -15,9 +16,10 @@ class GainCorrection final : public Controller {
   explicit GainCorrection(std::unique_ptr<Controller> inner) : inner_(std::move(inner)) {}
   void reset() override { inner_->reset(); }
   geometry::Vector2 act(const task::Observation& observation) override;
+  std::unique_ptr<Controller> clone() const override { return inner_.clone_of(*this); }
 
  private:
-  std::unique_ptr<Controller> inner_;
+  InnerController inner_;
 };
 
 }  // namespace lodestone::control

@@ -28,6 +28,10 @@ class GainFilter {
   /// One more pulse, expected or not.
   void learn(const SeenPulse& pulse);
 
+  /// Where a pulse takes the needle on a rig of the likeliest gain.
+  std::vector<physics::PulseOutcome> outcomes(const geometry::Pose2& before,
+                                              const geometry::Vector2& drive_A);
+
   /// Mean and spread of the logarithm.
   task::DriveGain gain() const;
 

@@ -12,7 +12,8 @@ class Guard {
   virtual ~Guard() = default;
   /// A step begins that was due at `due_s`.
   virtual void begin_step(double due_s) = 0;
-  /// What the sensor saw; poses that are not valid are handed in, too.
+  /// What the sensor saw; poses that are not valid are handed in, too. The place of one whose head and tail
+  /// were not told apart counts as seen.
   virtual void observe(const PoseEstimate& estimate) = 0;
   virtual void apply(const rig::CoilPulse& pulse) = 0;
   /// A weak pulse for a needle that is not seen, to find it: the only one that needs no pose, and few of

@@ -7,6 +7,7 @@
 #include "lodestone/control/identification_config.h"
 #include "lodestone/control/learned_simulator.h"
 #include "lodestone/geometry/pose2.h"
+#include "lodestone/physics/pulse_outcome.h"
 
 namespace lodestone::control {
 
@@ -35,6 +36,10 @@ class MotionModel {
   };
   void predict(const geometry::Pose2& before, const std::vector<geometry::Vector2>& drives_A,
                Prediction& out);
+  /// Where a pulse takes a needle, as one mixture over the ensemble; none where the simulator knows no
+  /// headings.
+  std::vector<physics::PulseOutcome> outcomes(const geometry::Pose2& before,
+                                              const geometry::Vector2& drive_A);
   /// As below, of one motion by each of these pulses.
   void judge(const Prediction& predicted, const geometry::Pose2& after, std::vector<double>& out);
 
@@ -54,6 +59,8 @@ class MotionModel {
   IdentificationConfig config_;
   double drive_per_A_;
   std::vector<double> state_, seen_, drive_, log_density_;
+  std::vector<float> weights_;
+  Prediction outcomes_;
   inference::FoldedDynamics::Workspace workspace_;
 };
 

@@ -53,6 +53,7 @@ class Planner final : public Controller {
   Planner(std::shared_ptr<const LearnedSimulator> model, const PlannerConfig& config, std::uint64_t seed);
   void reset() override;
   geometry::Vector2 act(const task::Observation& observation) override;
+  std::unique_ptr<Controller> clone() const override { return std::make_unique<Planner>(*this); }
 
  private:
   using Sequence = std::vector<geometry::Vector2>;  // [horizon]

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -19,6 +20,7 @@ class PolicyController final : public Controller {
   void reset() override;
   /// Throws LogicFault when the network answers with something that is not a finite number.
   geometry::Vector2 act(const task::Observation& observation) override;
+  std::unique_ptr<Controller> clone() const override { return std::make_unique<PolicyController>(*this); }
 
  private:
   inference::Actor actor_;

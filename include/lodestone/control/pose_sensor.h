@@ -3,8 +3,10 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lodestone/geometry/pose2.h"
+#include "lodestone/physics/pulse_outcome.h"
 #include "lodestone/rig/coils.h"
 
 namespace lodestone::control {
@@ -13,6 +15,9 @@ struct PoseEstimate {
   bool valid = false;  ///< false: no pose, and `reason` says why; never a guess
   std::string reason;
   geometry::Pose2 pose;
+  /// Not valid only because head and tail cannot be told apart: the needle lies as the pose says, or the
+  /// other way round.
+  bool either_way = false;
   double position_sigma_m = 0.0;
   double heading_sigma_rad = 0.0;
   double stamp_s = 0.0;  ///< on the rig's clock
@@ -32,8 +37,11 @@ class PoseSensor {
   /// Takes its time to find a needle that it does not know yet: before a run begins, when nothing can be
   /// late.
   virtual void acquire() {}
-  /// What the coils were asked for since the last observation, for a sensor that expects the needle to obey.
-  virtual void pulsed(const std::array<double, rig::kCoilCount>& /*current_A*/) {}
+  /// What the coils were asked for since the last observation, for a sensor that expects the needle to obey;
+  /// and where a learned simulator says that it takes the needle from the pose that was observed, if anybody
+  /// has asked one.
+  virtual void pulsed(const std::array<double, rig::kCoilCount>& /*current_A*/,
+                      const std::vector<physics::PulseOutcome>& /*outcomes*/) {}
   /// The needle was moved in a way that nobody can foresee.
   virtual void expect_nothing() {}
   /// It has been placed elsewhere: a new episode begins.

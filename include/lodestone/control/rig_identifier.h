@@ -24,6 +24,11 @@ class RigIdentifier {
   void expect(const geometry::Pose2& before, const geometry::Vector2& drive_A) {
     filter_.expect(before, drive_A);
   }
+  /// Where it takes the needle, as far as the rig is known.
+  std::vector<physics::PulseOutcome> outcomes(const geometry::Pose2& before,
+                                              const geometry::Vector2& drive_A) {
+    return filter_.outcomes(before, drive_A);
+  }
   /// One more pulse.
   void learn(const SeenPulse& pulse);
   task::DriveGain gain() const { return filter_.gain(); }

@@ -5,6 +5,7 @@
 #include "lodestone/common/config.h"
 #include "lodestone/control/controller.h"
 #include "lodestone/control/dipole_field.h"
+#include "lodestone/control/inner_controller.h"
 
 namespace lodestone::control {
 
@@ -49,12 +50,13 @@ class TurnInPlace final : public Controller {
               double scale_A);
   void reset() override;
   geometry::Vector2 act(const task::Observation& observation) override;
+  std::unique_ptr<Controller> clone() const override { return inner_.clone_of(*this); }
 
   /// Axis drives of size 1 whose field at `position_m` points along `heading_rad`, as nearly as any does.
   geometry::Vector2 drive_along(double heading_rad, const geometry::Vector2& position_m) const;
 
  private:
-  std::unique_ptr<Controller> inner_;
+  InnerController inner_;
   TurnConfig config_;
   double scale_A_;
   DipoleField field_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "lodestone/experiments/deployment.h"
 
@@ -19,10 +20,22 @@ struct BlindDrive {
 /// The baseline drives a virtual rig to a point; from its tenth step on nothing is seen for `steps` steps.
 BlindDrive drive_blind(const DeploymentConfig& config, std::int64_t steps, std::uint64_t seed);
 
+/// What became of a needle that was hidden while something else was seen.
+struct DistractedDrive {
+  std::int64_t taken = 0;  ///< poses that were not the needle's
+  bool found = false;      ///< it was, after it was to be seen again
+};
+
+/// The baseline drives a virtual rig to a point; from its tenth step on the needle is not seen for `steps`
+/// steps, but three scratches like it somewhere in the dish are, and from then on all of them.
+DistractedDrive drive_distracted(const DeploymentConfig& config, std::int64_t steps, std::uint64_t seed);
+
 /// Least RMS spread (m) of the track of a needle that lies still, one image a period, for so long.
 double least_spread_m(const DeploymentConfig& config, double lies_s);
 
-/// Time of the tracker alone, for a pulse and a look.
-double tracker_ms(const DeploymentConfig& config, std::int64_t steps);
+/// Time of the tracker alone, for a pulse and a look; with an identifier, what a learned simulator says of
+/// the pulse included.
+double tracker_ms(const DeploymentConfig& config, std::int64_t steps,
+                  const std::shared_ptr<control::RigIdentifier>& identifier = nullptr);
 
 }  // namespace lodestone::experiments

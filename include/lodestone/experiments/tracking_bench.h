@@ -58,6 +58,8 @@ struct MaskedTape {
 struct TrackedTrials {
   std::int64_t trials = 0, observations = 0;
   std::int64_t unseen = 0;                   ///< observations without a pose
+  std::int64_t undecided = 0;                ///< of these, with the axis seen, but not which end is the head;
+  std::int64_t driven_undecided = 0;         ///< driven on all the same, as both ends asked for much the same
   std::int64_t flipped = 0;                  ///< poses with head and tail exchanged
   std::int64_t lost = 0;                     ///< trials that ended for want of a pose
   std::array<double, 2> lost_interval = {};  ///< 95 %, of the share
@@ -70,6 +72,8 @@ struct TrackedTrials {
     v.field("trials", trials);
     v.field("observations", observations);
     v.field("unseen", unseen);
+    v.field("undecided", undecided);
+    v.field("driven_undecided", driven_undecided);
     v.field("flipped", flipped);
     v.field("lost", lost);
     v.field("lost_interval", lost_interval);

@@ -8,7 +8,7 @@
 #include <ATen/core/Tensor.h>
 
 #include "lodestone/common/random.h"
-#include "lodestone/inference/gemm.h"
+#include "lodestone/inference/gemm_bf16.h"
 #include "lodestone/nets/checkpoint.h"
 
 namespace lodestone::rl {
@@ -23,6 +23,7 @@ class FlatNetwork {
   struct Scratch {
     inference::CacheAligned<Real> panel;
     inference::CacheAligned<Real> transposed;  ///< a layer's gradient, turned for the product with its input
+    inference::Bf16Scratch bf16;
   };
   /// Buffers of one thread for a fixed number of rows.
   struct Workspace {
@@ -41,6 +42,9 @@ class FlatNetwork {
   explicit FlatNetwork(std::vector<std::int64_t> widths);
   /// A copy with storage of its own.
   FlatNetwork clone() const;
+
+  /// From now on products of float matrices round their operands to bfloat16 (inference::multiply_bf16).
+  void round_products() { rounds_ = true; }
 
   /// Uniform in +-1/sqrt(fan in), as torch::nn::Linear does.
   void initialise(common::RandomStream& random);
@@ -64,12 +68,15 @@ class FlatNetwork {
     std::int64_t in, out;
     std::int64_t weight, bias;  ///< where they begin in the parameters
   };
+  void product(const inference::LeftSide<Real>& a, const inference::RightSide<Real>& b, Workspace& workspace,
+               Real* out, const inference::Epilogue<Real>& epilogue = {}) const;
   void parameter_gradient(const Layer& layer, const Real* input, const Real* delta,
                           Workspace& workspace) const;
 
   std::vector<std::int64_t> widths_;
   std::vector<Layer> layers_;
   at::Tensor parameters_;
+  bool rounds_ = false;
 };
 
 extern template class FlatNetwork<float>;

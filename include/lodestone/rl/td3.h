@@ -89,6 +89,9 @@ class Td3 {
   at::Tensor noise_;
 };
 
+/// What products are computed in here: what was asked for, or float32 where that is the faster one.
+Td3Products products_here(Td3Products asked);
+
 /// Networks are drawn from `seed`, the same ones for both backends. float32 for training, float64 for checks.
 /// The fused backend uses up to two threads, with the same result at any number of them.
 std::unique_ptr<Td3> make_td3(const Td3Config& config, std::int64_t observation_size,

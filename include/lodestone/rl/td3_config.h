@@ -10,9 +10,14 @@ namespace lodestone::rl {
 enum class Td3Backend { kFused, kAutograd };
 inline std::vector<std::string> names_of(Td3Backend) { return {"fused", "autograd"}; }
 
+/// What the matrix products of the fused backend are computed in.
+enum class Td3Products { kFloat32, kBfloat16 };
+inline std::vector<std::string> names_of(Td3Products) { return {"float32", "bfloat16"}; }
+
 /// Hyperparameters of TD3; defaults are those of Fujimoto et al. (2018), learning rate as the paper (IV-B2).
 struct Td3Config {
   Td3Backend backend = Td3Backend::kFused;
+  Td3Products products = Td3Products::kFloat32;
   double discount = 0.99;
   double polyak_tau = 0.005;
   double learning_rate = 3e-4;
@@ -28,6 +33,10 @@ struct Td3Config {
             "who computes an update: written-out passes on up to two threads, or plain LibTorch with "
             "autograd, the "
             "readable reference; both agree to rounding");
+    v.field(
+        "products", products, "",
+        "matrix products of the fused backend; bfloat16: operands are rounded to 8 bits of mantissa, sums "
+        "are float32, where this processor is at least 1.5 times as fast so, else float32");
     v.field("discount", discount, "", "discount per step", {0.0, 1.0});
     v.field("polyak_tau", polyak_tau, "",
             "fraction of the network that moves into its target per policy update", {0.0, 1.0});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -33,8 +34,13 @@ void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const st
 
 /// The same as a run of `verb` in the plan's folder, which holds one plan with the same `settings` and rig:
 /// the same call goes on where it was. It is finished once all cells are. Throws ConfigError, too, where the
-/// folder holds something else.
-void run_plan_in_folder(const Plan& plan, const PlanPlace& place, Engine& engine, const std::string& verb,
-                        common::Json settings, const std::string& only);
+/// folder holds something else. `prepare` is called once the folder is this run's, before any cell.
+void run_plan_in_folder(
+    const Plan& plan, const PlanPlace& place, Engine& engine, const std::string& verb, common::Json settings,
+    const std::string& only, const std::function<void()>& prepare = [] {});
+
+/// Asks the process that runs a plan in this folder to stop, as Ctrl-C there would; on any machine that
+/// shares the folder. Throws IoError.
+void ask_to_stop(const std::string& folder);
 
 }  // namespace lodestone::runs

@@ -14,12 +14,12 @@ namespace lodestone::runs {
 struct Cell {
   std::string id;  ///< also its folder
   std::string verb;
-  std::string config;                              ///< preset under configs/; empty: none
-  std::vector<std::string> settings;               ///< key=value
-  std::optional<std::int64_t> seed;                ///< without: the plan's
-  std::int64_t seed_offset = 0;                    ///< added to it
-  bool all_threads = false;                        ///< may use every processor
-  std::int64_t drawn_trials = 0;                   ///< so many of its trials' trajectories stay in its record
+  std::string config;                 ///< preset under configs/, or a file by its whole path; empty: none
+  std::vector<std::string> settings;  ///< key=value
+  std::optional<std::int64_t> seed;   ///< without: the plan's
+  std::int64_t seed_offset = 0;       ///< added to it
+  bool all_threads = false;           ///< may use every processor
+  std::int64_t drawn_trials = 0;      ///< so many of its trials' trajectories stay in its record
   std::optional<std::int64_t> memory_mb, minutes;  ///< most it takes, for a cluster; without: the plan's
 
   template <class Visitor>
@@ -80,6 +80,8 @@ struct PlanPlace {
   std::vector<std::string> last_command = {};
 };
 
+/// The file of a cell's preset.
+std::string preset_file(const PlanPlace& place, const Cell& cell);
 std::string cell_folder(const Plan& plan, const PlanPlace& place, const std::string& id);
 /// The command line of a cell, without the program. It goes on with what was interrupted and finds what is
 /// finished.

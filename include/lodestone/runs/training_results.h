@@ -62,6 +62,9 @@ struct PolicyResult : PolicyFacts {
   std::optional<PolicyScore> best_evaluation;
   /// The same policy in as many episodes that nothing was chosen by, after training: the figure to quote.
   std::optional<PolicyScore> fresh_evaluation;
+  std::optional<double> success_rate;  ///< of fresh_evaluation
+  std::optional<std::string>
+      products;  ///< of TD3: what was computed in ("float32", "bfloat16"); absent in older runs
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -71,6 +74,8 @@ struct PolicyResult : PolicyFacts {
     v.field("peak_memory_mb", peak_memory_mb);
     v.field("best_evaluation", best_evaluation);
     v.field("fresh_evaluation", fresh_evaluation);
+    v.field("success_rate", success_rate);
+    v.field("products", products);
   }
 };
 

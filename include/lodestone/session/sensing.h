@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lodestone/imaging/scene_renderer.h"
 #include "lodestone/rig/free_running_camera.h"
@@ -64,7 +65,8 @@ class RigSensor final : public control::PoseSensor {
 
   control::PoseEstimate observe() override;
   void acquire() override { tracked_->acquire(); }
-  void pulsed(const std::array<double, rig::kCoilCount>& current_A) override;
+  void pulsed(const std::array<double, rig::kCoilCount>& current_A,
+              const std::vector<physics::PulseOutcome>& outcomes) override;
   void expect_nothing() override { tracked_->expect_nothing(); }
   void forget() override;
   /// Null when the sensor is simulated.

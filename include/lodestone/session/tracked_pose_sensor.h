@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <utility>
+#include <vector>
 
 #include "lodestone/common/clock.h"
 #include "lodestone/control/pose_sensor.h"
@@ -25,7 +26,10 @@ class TrackedPoseSensor final : public control::PoseSensor {
   /// Throws HardwareError where the detector does.
   control::PoseEstimate observe() override;
   void acquire() override;
-  void pulsed(const std::array<double, rig::kCoilCount>& current_A) override { tracker_.pulse(current_A); }
+  void pulsed(const std::array<double, rig::kCoilCount>& current_A,
+              const std::vector<physics::PulseOutcome>& outcomes) override {
+    tracker_.pulse(current_A, outcomes);
+  }
   void expect_nothing() override { tracker_.forget(); }
   void forget() override;
 

@@ -2,6 +2,9 @@
 
 #include <array>
 #include <optional>
+#include <vector>
+
+#include "lodestone/physics/pulse_outcome.h"
 
 namespace lodestone::vision {
 
@@ -19,6 +22,9 @@ class HeadingFilter {
   /// The coils made a field of this direction where the needle lies; with the probability `sticks` it did not
   /// stir.
   void pulse(double field_rad, double sticks = 0.4);
+  /// The same where a learned simulator says where the head may be now; `known` is the probability that it
+  /// was where that took it to be.
+  void pulse(const std::vector<physics::PulseOutcome>& outcomes, double known);
 
   /// The axis as an image shows it, `angle_rad` towards the end that the tape speaks for with `tape_log_odds`
   /// >= 0 (0: no tape was seen). Returns the probability that the head is there. Images between two pulses
@@ -33,6 +39,7 @@ class HeadingFilter {
   using Histogram = std::array<double, kBins>;
   static int bin_of(double angle_rad);
   static void add_peak(Histogram& to, double angle_rad, double sigma_rad, double mass);
+  void expect(const Histogram& after);
   void start_over();
   void remember_tape(double angle_rad, double log_odds);
   static double mass_near(const Histogram& of, double angle_rad, double sigma_rad);

@@ -8,6 +8,7 @@
 
 #include "lodestone/common/config.h"
 #include "lodestone/physics/rig_description.h"
+#include "lodestone/vision/background.h"
 #include "lodestone/vision/commanded_field.h"
 #include "lodestone/vision/heading_filter.h"
 #include "lodestone/vision/sighting.h"
@@ -53,6 +54,8 @@ struct Track {
   bool search = false;   ///< the next look should be of the whole dish
   std::string reason;    ///< why not
   geometry::Pose2 pose;
+  /// The needle may as well lie the other way round: located, but which end is the head is not told.
+  bool either_way = false;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of x_m, y_m, heading_rad
 };
 
@@ -66,15 +69,19 @@ struct Track {
 /// repeat while the needle lies still, so that certainty has a floor. What is seen outside the gate
 /// (chi-square, 99.9 %) is not believed until three looks in a row agree that the needle is there: somebody
 /// has moved it. Two have to agree on a needle that is new, or further from every expected place than 3 mm.
-/// Where several things look like a needle that was never seen alone, it is the one that a pulse moves.
+/// What pulses leave where it was is background (Background), and never the needle but where that is
+/// expected; and what is seen so far away after a pulse that no slip explains it is the needle once a pulse
+/// has stirred it. What was taken for it elsewhere than expected is given up when it stays put through pulses
+/// that hardly any needle would.
 class PoseTracker {
  public:
   PoseTracker(const TrackerConfig& config, const physics::RigDescription& rig);
 
   /// The needle may be anywhere.
   void forget();
-  /// The coils were asked for a pulse.
-  void pulse(const physics::Currents& current_A);
+  /// The coils were asked for a pulse, which takes the needle to one of these outcomes from the pose that was
+  /// seen; as far as field and friction tell where nobody says.
+  void pulse(const physics::Currents& current_A, const std::vector<physics::PulseOutcome>& outcomes = {});
   Track see(const Sighting& sighting);
 
   /// Where it may be now, heaviest first; empty before it was seen.
@@ -92,20 +99,29 @@ class PoseTracker {
 
   struct Pulse {
     double field_rad;
-    double sticks;  ///< probability that the needle has not stirred
+    double sticks;                                ///< probability that the needle has not stirred,
+    double slip_m;                                ///< and how far it is expected to have come where it has
+    std::vector<physics::PulseOutcome> outcomes;  ///< where a learned simulator knows better
   };
 
   std::vector<Rod> in_the_dish(const std::vector<Rod>& candidates) const;
+  std::vector<Rod> foreground(const std::vector<Rod>& candidates) const;
   std::optional<std::size_t> choose(const std::vector<Rod>& candidates) const;
-  std::optional<std::size_t> only_one_moved(const std::vector<Rod>& candidates) const;
   double likelihood(const Rod& candidate) const;
   bool gated(const Rod& candidate) const;
+  bool within(double distance_m, const Rod& candidate) const;
+  bool may_be_still(const Rod& candidate) const;
   int looks_needed(const Rod& candidate) const;
   bool confirmed(const Rod& candidate);
+  void lose();
   void start(const Rod& candidate);
   void update(const Rod& seen);
+  bool gives_away(const Rod& seen);
   double learn(const geometry::Vector2& now_m, const Eigen::Matrix2d& noise_m2);
   void merge();
+  std::vector<Place> after_slip(const Place& place, const physics::Currents& current_A) const;
+  std::vector<Place> after_outcomes(const std::vector<physics::PulseOutcome>& outcomes,
+                                    const Slip& likeliest) const;
   Slip slip_from(const geometry::Vector2& from_m, const physics::Currents& current_A) const;
   Eigen::Matrix2d spread_m2(const Slip& slip) const;
   Eigen::Matrix2d wild_spread_m2(const Slip& slip) const;
@@ -114,6 +130,7 @@ class PoseTracker {
   physics::RigDescription rig_;
   CommandedField field_;
   HeadingFilter heading_;
+  double head_ = 0.0;  // probability that it is where the last look said
   std::vector<Place> places_;
   std::optional<Slip> slip_;        // of the one pulse since the needle was seen
   std::vector<Pulse> pulses_;       // since it was seen
@@ -122,8 +139,10 @@ class PoseTracker {
   double scatter_ = 1.0;            // of the slip about what is expected, as a factor on its variance
   std::optional<Rod> doubtful_;     // what was seen last, believed or not,
   int agreeing_ = 0;                // there by so many looks in a row
-  std::vector<Rod> unplaced_;       // what was seen last while nobody knew which of it is the needle,
-  std::vector<Rod> before_pulse_;   // and before the last pulse
+  Background background_;
+  std::optional<Rod>
+      on_trial_;        // what was believed to be the needle outside the gate, and has not moved yet;
+  double trial_ = 1.0;  // and the probability that a needle would have stuck so often
   std::optional<double> innovation_;
 };
 

@@ -1,0 +1,206 @@
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <sstream>
+
+#include "common_options.h"
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/config_layers.h"
+#include "lodestone/common/files.h"
+#include "lodestone/common/shown.h"
+#include "lodestone/common/thread_pool.h"
+#include "lodestone/report/sweep_report.h"
+#include "lodestone/runs/engines.h"
+#include "lodestone/runs/sweep.h"
+#include "models.h"
+#include "verbs.h"
+
+namespace lodestone::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLogLines = 20;
+
+struct SweepOptions {
+  std::string file;
+  std::string out;
+  std::string engine = "ninja";
+  std::int64_t threads = 0;
+  std::string rig_file;
+};
+
+std::string preset_path(const std::string& name) {
+  if (fs::exists(name)) return name;
+  const std::string shipped = shipped_folder("configs") + "/" + name;
+  if (fs::exists(shipped)) return shipped;
+  throw common::ConfigError("config: there is neither a file " + name +
+                            " nor one of that name below configs/");
+}
+
+/// The presets as one file in the sweep's folder; empty: there are none.
+std::string write_preset(const runs::Sweep& sweep, const std::string& folder) {
+  if (sweep.config.empty()) return "";
+  common::ConfigLayers layers;
+  for (const std::string& name : sweep.config) layers.add_file(preset_path(name));
+  common::make_folders(folder);
+  const std::string path = fs::absolute(folder + "/preset.json").lexically_normal().string();
+  common::write_json(path, layers.json());
+  return path;
+}
+
+/// A key or value that the verb does not take is told before anything is run.
+void check_settings(const runs::Sweep& sweep, const std::vector<runs::SweepPoint>& points,
+                    const SweepOptions& options) {
+  for (const runs::SweepPoint& point : points) {
+    std::vector<std::string> words = {sweep.verb};
+    for (const std::string& name : sweep.config) words.insert(words.end(), {"--config", preset_path(name)});
+    if (!options.rig_file.empty()) words.insert(words.end(), {"--rig", options.rig_file});
+    for (const auto& settings : {sweep.settings, point.settings})
+      for (const std::string& setting : settings) words.insert(words.end(), {"--set", setting});
+    if (sweep.halving)
+      words.insert(words.end(), {"--set", sweep.halving->key + "=" + std::to_string(sweep.halving->first)});
+    configuration_rows(words, options.file + ": ");
+  }
+}
+
+runs::SweepResult result_of(const runs::Sweep& sweep, const std::vector<std::vector<runs::SweepRow>>& rungs) {
+  runs::SweepResult result{sweep.verb, sweep.score, sweep.lower_is_better, {}};
+  std::vector<std::string> told;
+  for (auto rung = rungs.rbegin(); rung != rungs.rend(); ++rung)
+    for (const runs::SweepRow& row : *rung) {
+      if (std::find(told.begin(), told.end(), row.point.name) != told.end()) continue;  // it came further
+      told.push_back(row.point.name);
+      result.rows.push_back(row);
+    }
+  return result;
+}
+
+std::int64_t rungs_of(const runs::Sweep& sweep) { return sweep.halving ? sweep.halving->rungs : 1; }
+
+void write_result(const runs::Sweep& sweep, const std::vector<std::vector<runs::SweepRow>>& rungs,
+                  const std::string& folder) {
+  const runs::SweepResult result = result_of(sweep, rungs);
+  common::write_artefact(folder + "/" + runs::SweepResult::kFile, result);
+  std::printf("%s", report::write_sweep_report(result, folder).c_str());
+  std::printf("report   %s/report.html\n", folder.c_str());
+}
+
+void run_sweep(const SweepOptions& options) {
+  if (options.file.empty()) throw common::ConfigError("sweep: name a JSON file, or status, cancel or logs");
+  if (options.out.empty())
+    throw common::ConfigError("sweep: --out DIR is missing; name the folder to write into");
+  const runs::Sweep sweep = runs::read_sweep(options.file);
+  std::vector<runs::SweepPoint> points = runs::points_of(sweep);
+  check_settings(sweep, points, options);
+  const runs::PlanPlace place{options.out, own_path(), shipped_folder("configs"), options.rig_file,
+                              common::thread_count(options.threads)};
+  runs::Plan plan;
+  plan.name = fs::path(options.file).stem().string();
+  plan.keep_checkpoints = false;
+  std::vector<std::vector<runs::SweepRow>> rungs;
+  std::string preset;
+  for (std::int64_t rung = 1; rung <= rungs_of(sweep); ++rung) {
+    if (rung > 1) points = runs::promoted(sweep, rungs.back());
+    preset =
+        sweep.config.empty() ? "" : fs::absolute(options.out + "/preset.json").lexically_normal().string();
+    for (runs::Cell& cell : runs::sweep_cells(sweep, points, rung, preset))
+      plan.cells.push_back(std::move(cell));
+    plan.validate();
+    const std::unique_ptr<runs::Engine> engine = runs::make_engine(options.engine);
+    runs::run_plan_in_folder(plan, place, *engine, "sweep", common::artefact_to_json(sweep), "",
+                             [&] { write_preset(sweep, options.out); });
+    rungs.push_back(runs::rung_results(sweep, points, rung, plan, place));
+  }
+  write_result(sweep, rungs, options.out);
+}
+
+/// The sweep that is run in a folder.
+runs::Sweep sweep_in(const std::string& folder) {
+  const common::Json config = common::read_json_if_there(folder + "/config.json");
+  if (!config.is_object() || !config.contains("score") || !config.contains("grid"))
+    throw common::ConfigError(folder + " holds no sweep: name the --out of one");
+  return common::artefact_from_json<runs::Sweep>(config, folder + "/config.json");
+}
+
+void sweep_status(const std::string& folder) {
+  const runs::Sweep sweep = sweep_in(folder);
+  const runs::Plan plan = runs::find_plan(folder);
+  std::size_t finished = 0, running = 0;
+  for (const runs::StatusRow& row : runs::status_of(folder)) {
+    finished += row.state && row.state->finished ? 1 : 0;
+    running += row.running ? 1 : 0;
+  }
+  std::printf("%zu of %zu runs are finished, %zu are running\n", finished, plan.cells.size(), running);
+  std::vector<std::vector<runs::SweepRow>> rungs;
+  std::vector<runs::SweepPoint> points = runs::points_of(sweep);
+  const runs::PlanPlace place{folder, "", ""};
+  for (std::int64_t rung = 1; rung <= rungs_of(sweep); ++rung) {
+    if (rung > 1) points = runs::promoted(sweep, rungs.back());
+    if (plan.find(runs::sweep_cell_id(sweep, points.front(), rung, sweep.first_seed)) == nullptr) break;
+    rungs.push_back(runs::rung_results(sweep, points, rung, plan, place));
+  }
+  write_result(sweep, rungs, folder);
+}
+
+void sweep_cancel(const std::string& folder) {
+  runs::find_plan(folder);
+  runs::ask_to_stop(folder);
+  std::printf("asked to stop; what was done stays, and the same sweep goes on where it was\n");
+}
+
+void sweep_logs(const std::string& folder, const std::string& id) {
+  const runs::Plan plan = runs::find_plan(folder);
+  const runs::PlanPlace place{folder, "", ""};
+  if (!id.empty() && plan.find(id) == nullptr)
+    throw common::ConfigError("sweep logs: there is no run \"" + id + "\" in " + folder);
+  for (const runs::Cell& cell : plan.cells) {
+    const std::string log = runs::log_file(plan, place, cell.id);
+    if (!fs::exists(log) || (!id.empty() && cell.id != id)) continue;
+    const auto state = runs::find_run(runs::cell_folder(plan, place, cell.id));
+    if (id.empty() && state && state->finished) continue;
+    std::istringstream stream(common::read_file(log));
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(stream, line);)
+      lines.push_back(line.substr(line.find_last_of('\r') + 1));
+    std::printf("== %s (%s)\n", cell.id.c_str(), log.c_str());
+    const std::size_t first = id.empty() && lines.size() > kLogLines ? lines.size() - kLogLines : 0;
+    for (std::size_t i = first; i < lines.size(); ++i) std::printf("%s\n", common::escaped(lines[i]).c_str());
+  }
+}
+
+}  // namespace
+
+void add_sweep(Verb& program) {
+  Verb& verb = program.add_verb(
+      "sweep", "seeds x settings of any verb, with intervals; the same command goes on where it was");
+  const auto options = std::make_shared<SweepOptions>();
+  verb.add_option("sweep", &options->file,
+                  "JSON file with a verb, presets, values by key, seeds and a score; docs/sweep.md")
+      .named("FILE");
+  verb.add_option("--out", &options->out, "folder to write the runs, the table and the picture into")
+      .named("DIR");
+  verb.add_option("--threads", &options->threads, "runs at the same time; 0 means one per processor")
+      .within(0, 1024);
+  verb.add_option("--rig", &options->rig_file, "rig.json of every run").named("FILE");
+  add_engine_option(verb, options->engine);
+  verb.run = [options] { run_sweep(*options); };
+
+  const auto folder = std::make_shared<std::string>();
+  const auto id = std::make_shared<std::string>();
+  const auto add = [&](const char* name, const char* help) -> Verb& {
+    Verb& added = verb.add_verb(name, help);
+    added.add_option("folder", folder.get(), "the --out of a sweep").named("DIR").required();
+    return added;
+  };
+  add("status", "how far it is, and the scores so far").run = [folder] { sweep_status(*folder); };
+  add("cancel", "stops the runs of a sweep that another process works on, wherever that is").run = [folder] {
+    sweep_cancel(*folder);
+  };
+  Verb& logs = add("logs", "the last lines of every run that is not finished");
+  logs.add_option("--run", id.get(), "all of this one").named("ID");
+  logs.run = [folder, id] { sweep_logs(*folder, *id); };
+}
+
+}  // namespace lodestone::apps
