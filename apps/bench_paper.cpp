@@ -1,14 +1,16 @@
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "common_options.h"
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/experiments/paper_plan.h"
 #include "lodestone/report/paper_report.h"
+#include "lodestone/runs/engines.h"
 #include "lodestone/runs/kept_results.h"
-#include "lodestone/runs/ninja_engine.h"
 #include "lodestone/runs/open_cells.h"
 #include "models.h"
 #include "verbs.h"
@@ -21,6 +23,7 @@ struct PaperOptions : CommonOptions {
   std::string only;
   std::string results;
   std::string from;
+  std::string engine = "ninja";
   bool list = false;
   bool report = false;
 };
@@ -44,6 +47,18 @@ void write_page(const std::string& results, const std::string& folder) {
   std::printf("report   %s/report.html\n", folder.c_str());
 }
 
+/// Keeps what is finished, and writes the page of it.
+std::vector<std::string> report_command(const PaperOptions& given, const runs::PlanPlace& place) {
+  std::vector<std::string> words = {"bench",      "paper",     "--report",    "--out",
+                                    place.folder, "--results", place.results, "--threads",
+                                    "1",          "--scale",   given.scale};
+  for (const std::string& file : given.config_files) words.insert(words.end(), {"--config", file});
+  for (const Override& value : given.overrides) words.insert(words.end(), {"--set", value.assignment});
+  if (given.seed) words.insert(words.end(), {"--seed", std::to_string(*given.seed)});
+  if (!given.rig_file.empty()) words.insert(words.end(), {"--rig", given.rig_file});
+  return words;
+}
+
 void bench_paper(const PaperOptions& given) {
   PaperOptions options = given;
   if (options.from.empty() && options.scale != "smoke" && options.scale != "quick" && options.scale != "full")
@@ -60,7 +75,7 @@ void bench_paper(const PaperOptions& given) {
   const auto scale = resolve_config<experiments::PaperScale>(options);
   runs::Plan plan = experiments::paper_plan(scale);
   plan.name = options.scale;
-  const runs::PlanPlace place{
+  runs::PlanPlace place{
       options.out,    own_path(), shipped_folder("configs"), rig_file, common::thread_count(scale.threads),
       options.results};
   if (options.list) return list_cells(plan, place);
@@ -70,8 +85,10 @@ void bench_paper(const PaperOptions& given) {
   if (options.report) {
     runs::KeptResults(options.results).keep(plan, place);
   } else {
-    runs::NinjaEngine engine;
-    runs::run_plan_in_folder(plan, place, engine, "bench paper", common::config_to_json(scale), options.only);
+    if (options.only.empty()) place.last_command = report_command(given, place);
+    const std::unique_ptr<runs::Engine> engine = runs::make_engine(options.engine);
+    runs::run_plan_in_folder(plan, place, *engine, "bench paper", common::config_to_json(scale),
+                             options.only);
     if (!options.only.empty()) return;
   }
   write_page(options.results, options.out);
@@ -94,6 +111,7 @@ void add_bench_paper(Verb& bench) {
   verb.add_option("--from", &options.from, "run nothing; write the report of results that were kept in DIR")
       .named("DIR");
   verb.add_option("--only", &options.only, "run this cell, and what it needs").named("ID");
+  add_engine_option(verb, options.engine);
 }
 
 }  // namespace lodestone::apps

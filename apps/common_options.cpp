@@ -1,5 +1,7 @@
 #include "common_options.h"
 
+#include "lodestone/runs/engines.h"
+
 namespace lodestone::apps {
 
 common::ConfigLayers CommonOptions::layers() const {
@@ -32,6 +34,13 @@ void add_common_options(Verb& verb, CommonOptions& options, bool with_resume) {
   verb.add_option("--threads", &options.threads,
                   "threads; 0 means one per processor. Results do not depend on it");
   if (with_resume) verb.add_option("--resume", &options.resume, "go on with the interrupted run in --out");
+}
+
+void add_engine_option(Verb& verb, std::string& engine) {
+  verb.add_option("--engine", &engine, "ninja: on this machine; slurm: on a cluster (docs/scale.md)")
+      .named("NAME")
+      .one_of(runs::engine_names())
+      .with_default();
 }
 
 void add_shorthand(Verb& verb, CommonOptions& options, const std::string& flag, const std::string& key,

@@ -37,6 +37,9 @@ struct CommonOptions {
 /// live as long as the verb, here and below.
 void add_common_options(Verb& verb, CommonOptions& options, bool with_resume = false);
 
+/// Adds --engine to a verb that runs a plan.
+void add_engine_option(Verb& verb, std::string& engine);
+
 /// How the text behind a shorthand option is read.
 enum class Shorthand { kText, kValue };
 

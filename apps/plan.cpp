@@ -1,8 +1,9 @@
 #include <memory>
 
+#include "common_options.h"
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/thread_pool.h"
-#include "lodestone/runs/ninja_engine.h"
+#include "lodestone/runs/engines.h"
 #include "models.h"
 #include "verbs.h"
 
@@ -15,16 +16,29 @@ struct PlanOptions {
   std::optional<std::int64_t> seed;
   std::int64_t threads = 0;
   std::string only;
+  std::string engine = "ninja";
   std::string rig_file;
 };
+
+/// What the results depend on: a cell that was given too little may be given more.
+runs::Plan without_limits(runs::Plan plan) {
+  plan.memory_mb.reset();
+  plan.minutes.reset();
+  for (runs::Cell& cell : plan.cells) {
+    cell.memory_mb.reset();
+    cell.minutes.reset();
+  }
+  return plan;
+}
 
 void run_plan(const PlanOptions& options) {
   runs::Plan plan = runs::read_plan(options.file);
   if (options.seed) plan.seed = *options.seed;
   const runs::PlanPlace place{options.out, own_path(), shipped_folder("configs"), options.rig_file,
                               common::thread_count(options.threads)};
-  runs::NinjaEngine engine;
-  runs::run_plan_in_folder(plan, place, engine, "plan run", common::artefact_to_json(plan), options.only);
+  const std::unique_ptr<runs::Engine> engine = runs::make_engine(options.engine);
+  runs::run_plan_in_folder(plan, place, *engine, "plan run", common::artefact_to_json(without_limits(plan)),
+                           options.only);
 }
 
 }  // namespace
@@ -44,6 +58,7 @@ void add_plan(Verb& program) {
       .within(0, 1024);
   verb.add_option("--rig", &options->rig_file, "rig.json of every cell").named("FILE");
   verb.add_option("--only", &options->only, "run this cell, and what it needs").named("ID");
+  add_engine_option(verb, options->engine);
   verb.run = [options] { run_plan(*options); };
 }
 

@@ -4,13 +4,14 @@
 #include <memory>
 #include <sstream>
 
+#include "common_options.h"
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/config_layers.h"
 #include "lodestone/common/files.h"
 #include "lodestone/common/shown.h"
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/report/sweep_report.h"
-#include "lodestone/runs/ninja_engine.h"
+#include "lodestone/runs/engines.h"
 #include "lodestone/runs/sweep.h"
 #include "models.h"
 #include "verbs.h"
@@ -25,6 +26,7 @@ constexpr std::size_t kLogLines = 20;
 struct SweepOptions {
   std::string file;
   std::string out;
+  std::string engine = "ninja";
   std::int64_t threads = 0;
   std::string rig_file;
 };
@@ -106,8 +108,8 @@ void run_sweep(const SweepOptions& options) {
     for (runs::Cell& cell : runs::sweep_cells(sweep, points, rung, preset))
       plan.cells.push_back(std::move(cell));
     plan.validate();
-    runs::NinjaEngine engine;
-    runs::run_plan_in_folder(plan, place, engine, "sweep", common::artefact_to_json(sweep), "",
+    const std::unique_ptr<runs::Engine> engine = runs::make_engine(options.engine);
+    runs::run_plan_in_folder(plan, place, *engine, "sweep", common::artefact_to_json(sweep), "",
                              [&] { write_preset(sweep, options.out); });
     rungs.push_back(runs::rung_results(sweep, points, rung, plan, place));
   }
@@ -182,6 +184,7 @@ void add_sweep(Verb& program) {
   verb.add_option("--threads", &options->threads, "runs at the same time; 0 means one per processor")
       .within(0, 1024);
   verb.add_option("--rig", &options->rig_file, "rig.json of every run").named("FILE");
+  add_engine_option(verb, options->engine);
   verb.run = [options] { run_sweep(*options); };
 
   const auto folder = std::make_shared<std::string>();

@@ -14,8 +14,7 @@
 namespace lodestone::common {
 namespace {
 
-constexpr std::size_t kLargestConfig = 4 << 20;  // bytes of a file
-constexpr std::ptrdiff_t kDeepestKey = 32;       // steps of a dotted path
+constexpr std::ptrdiff_t kDeepestKey = 32;  // steps of a dotted path
 
 std::string bounds_text(const Bounds& bounds) {
   if (std::isinf(bounds.min) && std::isinf(bounds.max)) return "";
@@ -182,12 +181,12 @@ Json config_to_json(const std::vector<ConfigRow>& rows) {
   return json;
 }
 
-Json read_json_file(const std::string& path) {
+Json read_json_file(const std::string& path, std::size_t largest_bytes) {
   if (!std::filesystem::exists(path))
     throw ConfigError("configuration file " + path +
                       " does not exist: check the path, or list presets under configs/");
   try {
-    return parse_json(read_file(path, kLargestConfig), path, JsonComments::kAllowed);
+    return parse_json(read_file(path, largest_bytes), path, JsonComments::kAllowed);
   } catch (const DataError& error) {
     throw ConfigError(error.what());
   } catch (const IoError& error) {

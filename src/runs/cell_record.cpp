@@ -26,10 +26,6 @@ double rounded(double value) {
 
 double hundredth(double value) { return std::round(100.0 * value) / 100.0; }
 
-Json preset_of(const PlanPlace& place, const Cell& cell) {
-  return cell.config.empty() ? Json() : common::read_json_if_there(preset_file(place, cell));
-}
-
 std::int64_t seed_of(const Plan& plan, const Cell& cell) {
   return cell.seed.value_or(plan.seed) + cell.seed_offset;
 }
@@ -100,6 +96,10 @@ KeptTrials kept_trials(const std::vector<TrialRecord>& trials, std::int64_t draw
 
 }  // namespace
 
+Json preset_of(const PlanPlace& place, const Cell& cell) {
+  return cell.config.empty() ? Json() : common::read_json_if_there(preset_file(place, cell));
+}
+
 CellRecord record_of(const Plan& plan, const PlanPlace& place, const Cell& cell) {
   const std::string folder = cell_folder(plan, place, cell.id);
   CellRecord record;
@@ -134,9 +134,9 @@ CellRecord record_of(const Plan& plan, const PlanPlace& place, const Cell& cell)
   return record;
 }
 
-bool is_record_of(const CellRecord& record, const Plan& plan, const PlanPlace& place, const Cell& cell) {
+bool is_record_of(const CellRecord& record, const Plan& plan, const Cell& cell, const Json& preset) {
   return record.verb == cell.verb && record.settings == cell.settings && record.seed == seed_of(plan, cell) &&
-         record.preset == preset_of(place, cell);
+         record.preset == preset;
 }
 
 }  // namespace lodestone::runs

@@ -19,6 +19,11 @@ namespace lodestone::runs {
 namespace {
 
 namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kBetweenLooks{2};
+constexpr int kMostOfTime = 10;  // a look that takes long, at a great many cells, is followed by a rest
+constexpr int kMostRunning = 8;  // named at a time
 
 constexpr const char* kStopFile = "/stop";
 
@@ -40,17 +45,16 @@ class Watch {
         place_(place),
         all_(static_cast<std::int64_t>(wanted.size())),
         left_(unfinished_cells(plan, place, wanted)),
+        results_(place.results),
         progress_(label, all_) {}
 
-  /// Shows how far the cells are, and keeps what has been finished since.
-  void look() {
-    std::string running;
-    const std::size_t before = left_.size();
-    left_.erase(std::remove_if(left_.begin(), left_.end(),
-                               [&](const Cell* cell) { return finished(*cell, running); }),
-                left_.end());
-    if (left_.size() < before) keep();
-    progress_.update(all_ - static_cast<std::int64_t>(left_.size()), running);
+  /// Shows how far the cells are, and keeps what has been finished since; now and then.
+  void look_sometimes() {
+    if (Clock::now() < next_look_) return;
+    const Clock::time_point begin = Clock::now();
+    look();
+    const auto rest = std::max<Clock::duration>(kBetweenLooks, kMostOfTime * (Clock::now() - begin));
+    next_look_ = Clock::now() + rest;
   }
   void finish() {
     look();
@@ -61,14 +65,26 @@ class Watch {
   std::int64_t all() const { return all_; }
 
  private:
-  void keep() const {
-    if (!place_.results.empty()) KeptResults(place_.results).keep(plan_, place_);
+  void look() {
+    std::string running;
+    int count = 0;
+    const std::size_t before = left_.size();
+    left_.erase(std::remove_if(left_.begin(), left_.end(),
+                               [&](const Cell* cell) { return finished(*cell, running, count); }),
+                left_.end());
+    if (left_.size() < before) keep();
+    if (count > kMostRunning) running += ", and " + std::to_string(count - kMostRunning) + " more";
+    progress_.update(all_ - static_cast<std::int64_t>(left_.size()), running);
   }
-  bool finished(const Cell& cell, std::string& running) const {
+  void keep() {
+    if (!place_.results.empty()) results_.keep(plan_, place_);
+  }
+  /// Otherwise it is told where it is running.
+  bool finished(const Cell& cell, std::string& running, int& count) const {
     const std::string folder = cell_folder(plan_, place_, cell.id);
     const std::optional<RunState> state = find_run(folder);
     if (state && state->finished) return true;
-    if (!state || !is_running(folder)) return false;
+    if (!state || !is_running(folder) || ++count > kMostRunning) return false;
     running += (running.empty() ? "" : ", ") + cell.id;
     if (state->total > 0) running += " " + std::to_string(100 * state->done / state->total) + " %";
     return false;
@@ -78,7 +94,9 @@ class Watch {
   const PlanPlace& place_;
   std::int64_t all_;
   std::vector<const Cell*> left_;
+  KeptResults results_;
   common::Progress progress_;
+  Clock::time_point next_look_{};
 };
 
 /// What went wrong, in one line.
@@ -119,8 +137,9 @@ void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const st
   common::make_folders(place.folder);
   write_plan(plan, place.folder);
   if (!place.results.empty()) {
-    KeptResults(place.results).keep(plan, place);
-    KeptResults(place.results).restore(plan, place);
+    KeptResults results(place.results);
+    results.keep(plan, place);
+    results.restore(plan, place);
   }
   const std::vector<const Cell*> cells = cells_to_run(plan, place, wanted);
   if (cells.empty()) return;
@@ -130,10 +149,10 @@ void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const st
   engine.start(plan, place, cells);
   Watch watch(plan, place, wanted, label);
   bool stopping = false;
-  for (int ticks = 0; !engine.ended(); ++ticks) {
+  while (!engine.ended()) {
     const bool stop = common::interrupted() || fs::exists(place.folder + kStopFile);
     if (stop && !std::exchange(stopping, true)) engine.stop();
-    if (ticks % 20 == 0) watch.look();
+    watch.look_sometimes();
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   watch.finish();

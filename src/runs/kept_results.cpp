@@ -1,7 +1,10 @@
 #include "lodestone/runs/kept_results.h"
 
+#include <unistd.h>
+
 #include <filesystem>
-#include <set>
+#include <system_error>
+#include <unordered_map>
 #include <utility>
 
 #include "lodestone/common/artefact.h"
@@ -22,22 +25,25 @@ bool finished_in(const std::string& folder) {
   return state && state->finished;
 }
 
-/// In one step, so that a kill leaves all of it or nothing.
+/// In one step, so that a kill leaves all of it or nothing. Another process may be doing the same.
 void copy_needed(const std::string& from, const std::string& to) {
-  const std::string staged = to + ".part";
+  const std::string staged = to + ".part" + std::to_string(::getpid());
   fs::remove_all(staged);
   common::make_folders(staged);
   for (const char* name : kNeeded)
     if (fs::exists(from + "/" + name))
       fs::copy(from + "/" + name, staged + "/" + name, fs::copy_options::recursive);
-  fs::rename(staged, to);
+  std::error_code error;
+  fs::rename(staged, to, error);
+  if (error) fs::remove_all(staged);
+  if (error && !fs::exists(to)) throw common::IoError("cannot write " + to + ": " + error.message());
 }
 
-/// Ids of cells that others need which have no record.
-std::set<std::string> needed(const Plan& plan, const std::map<std::string, CellRecord>& records) {
-  std::set<std::string> ids;
+/// Ids of cells that others need which are not finished.
+std::unordered_set<std::string> needed(const Plan& plan, const std::unordered_set<std::string>& finished) {
+  std::unordered_set<std::string> ids;
   for (const Cell& cell : plan.cells) {
-    if (records.count(cell.id) > 0) continue;
+    if (finished.count(cell.id) > 0) continue;
     for (const std::string& need : cell.needs()) ids.insert(need);
   }
   return ids;
@@ -47,29 +53,35 @@ std::set<std::string> needed(const Plan& plan, const std::map<std::string, CellR
 
 KeptResults::KeptResults(std::string folder) : folder_(std::move(folder)) {}
 
-std::map<std::string, CellRecord> KeptResults::records(const Plan& plan, const PlanPlace& place) const {
-  std::map<std::string, CellRecord> found;
-  for (const Cell& cell : plan.cells) {  // each after those it needs
-    auto record = common::find_artefact<CellRecord>(record_file(cell.id));
-    if (!record || !is_record_of(*record, plan, place, cell)) continue;
+std::unordered_set<std::string> KeptResults::finished(const Plan& plan, const PlanPlace& place) const {
+  std::unordered_set<std::string> found;
+  std::unordered_map<std::string, common::Json> presets;  // a few, of a great many cells
+  for (const Cell& cell : plan.cells) {                   // each after those it needs
+    const auto record = common::find_artefact<CellRecord>(record_file(cell.id));
+    if (!record) continue;
+    const auto [preset, first] = presets.try_emplace(cell.config);
+    if (first) preset->second = preset_of(place, cell);
+    if (!is_record_of(*record, plan, cell, preset->second)) continue;
     bool holds = true;
     for (const std::string& need : cell.needs()) holds = holds && found.count(need) > 0;
-    if (holds) found.emplace(cell.id, std::move(*record));
+    if (holds) found.insert(cell.id);
   }
   return found;
 }
 
-void KeptResults::keep(const Plan& plan, const PlanPlace& place) const {
-  write_plan(plan, folder_);
-  std::map<std::string, CellRecord> known = records(plan, place);
+void KeptResults::keep(const Plan& plan, const PlanPlace& place) {
+  if (!filed_) {
+    write_plan(plan, folder_);
+    filed_ = finished(plan, place);
+  }
   for (const Cell& cell : plan.cells) {
-    if (known.count(cell.id) > 0 || !finished_in(cell_folder(plan, place, cell.id))) continue;
+    if (filed_->count(cell.id) > 0 || !finished_in(cell_folder(plan, place, cell.id))) continue;
     const CellRecord record = record_of(plan, place, cell);
     common::make_folders(fs::path(record_file(cell.id)).parent_path().string());
     common::write_file_atomically(record_file(cell.id), common::artefact_to_json(record).dump() + "\n");
-    known.emplace(cell.id, record);
+    filed_->insert(cell.id);
   }
-  const std::set<std::string> wanted = needed(plan, known);
+  const std::unordered_set<std::string> wanted = needed(plan, *filed_);
   for (const Cell& cell : plan.cells) {
     const std::string kept = weights_folder(cell.id);
     if (wanted.count(cell.id) == 0) {
@@ -83,7 +95,7 @@ void KeptResults::keep(const Plan& plan, const PlanPlace& place) const {
 }
 
 void KeptResults::restore(const Plan& plan, const PlanPlace& place) const {
-  for (const std::string& id : needed(plan, records(plan, place))) {
+  for (const std::string& id : needed(plan, filed_ ? *filed_ : finished(plan, place))) {
     const std::string run = cell_folder(plan, place, id);
     if (fs::exists(run) || !finished_in(weights_folder(id))) continue;
     common::make_folders(fs::path(run).parent_path().string());

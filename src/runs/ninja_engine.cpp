@@ -14,18 +14,13 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/common/shell.h"
 
 namespace lodestone::runs {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// For the shell that ninja starts.
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
+using common::shell_quoted;
 
 /// For ninja: in values and, with spaces and colons, in paths.
 std::string escaped(const std::string& text, bool path = false) {
@@ -84,13 +79,13 @@ std::string ninja_text(const Plan& plan, const PlanPlace& place, const std::vect
     for (const std::string& need : cell->needs())
       if (ids.count(need) > 0) needs += " " + stamp(place, need);
     if (!needs.empty()) text += " |" + needs;
-    std::string run = quoted(place.program);
-    for (const std::string& argument : cell_arguments(plan, place, *cell)) run += " " + quoted(argument);
+    const std::string run =
+        shell_quoted(place.program) + " " + shell_quoted(cell_arguments(plan, place, *cell));
     const std::string training = cell_folder(plan, place, cell->id) + "/training";
     text += "\n  id = " + escaped(cell->id) + "\n  run = " + escaped(run) +
-            "\n  log = " + escaped(quoted(log_file(plan, place, cell->id))) +
-            "\n  stamp = " + escaped(quoted(place.folder + "/stamps/" + cell->id)) +
-            "\n  after = " + (plan.keep_checkpoints ? "" : escaped("rm -rf " + quoted(training) + " &&")) +
+            "\n  log = " + escaped(shell_quoted(log_file(plan, place, cell->id))) +
+            "\n  stamp = " + escaped(shell_quoted(place.folder + "/stamps/" + cell->id)) + "\n  after = " +
+            (plan.keep_checkpoints ? "" : escaped("rm -rf " + shell_quoted(training) + " &&")) +
             (cell->all_threads ? "\n  pool = wide" : "") + "\n\n";
   }
   return text;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "lodestone/common/error.h"
 #include "lodestone/runs/kept_results.h"
@@ -50,8 +51,8 @@ std::vector<const Cell*> wanted_cells(const Plan& plan, const std::string& only)
 
 std::vector<const Cell*> unfinished_cells(const Plan& plan, const PlanPlace& place,
                                           const std::vector<const Cell*>& cells) {
-  const auto kept = place.results.empty() ? std::map<std::string, CellRecord>{}
-                                          : KeptResults(place.results).records(plan, place);
+  const auto kept = place.results.empty() ? std::unordered_set<std::string>{}
+                                          : KeptResults(place.results).finished(plan, place);
   std::vector<const Cell*> left;
   for (const Cell* cell : cells)
     if (kept.count(cell->id) == 0 && !finished(plan, place, *cell)) left.push_back(cell);

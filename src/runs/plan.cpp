@@ -17,6 +17,8 @@ using common::ConfigError;
 using common::Json;
 
 constexpr const char* kPlanFile = "/plan.json";
+constexpr std::size_t kLargestPlan = 256 << 20;  // bytes of a file: a million cells
+constexpr std::int64_t kLeastMinutes = 3;        // a cell is told to save one minute before its time is up
 const std::set<std::string> kVerbs = {"collect", "train-segmenter", "train-dynamics", "train-policy",
                                       "deploy"};
 
@@ -33,18 +35,33 @@ std::string with_folders(std::string text, Use use) {
   return text;
 }
 
-/// A cell as written by hand: what is left out has its default, and a key that is not known is refused.
-Json completed(const Json& cell, const std::string& where) {
-  Cell defaults;
-  defaults.seed = 1;
-  const Json known = common::artefact_to_json(defaults);
-  if (!cell.is_object()) throw ConfigError(where + " must be a JSON object {...}");
-  for (const auto& [key, value] : cell.items())
+/// All keys of a cell.
+Json known_of_cell() {
+  Cell cell;
+  cell.seed = cell.memory_mb = cell.minutes = 1;
+  return common::artefact_to_json(cell);
+}
+
+/// All keys of a plan.
+Json known_of_plan() {
+  Plan plan;
+  plan.memory_mb = plan.minutes = 1;
+  return common::artefact_to_json(plan);
+}
+
+void refuse_unknown(const Json& object, const Json& known, const std::string& where) {
+  for (const auto& [key, value] : object.items())
     if (!known.contains(key))
       throw ConfigError(where + ": unknown key " + key + " = " + common::shown_json(value));
-  Json whole = common::artefact_to_json(Cell{});
-  whole.update(cell);
-  return whole;
+}
+
+void check_limits(const std::optional<std::int64_t>& memory_mb, const std::optional<std::int64_t>& minutes,
+                  const std::string& what) {
+  if (memory_mb.value_or(1) < 1)
+    throw ConfigError(what + ": memory_mb = " + std::to_string(*memory_mb) + " must be at least 1");
+  if (minutes.value_or(kLeastMinutes) < kLeastMinutes)
+    throw ConfigError(what + ": minutes = " + std::to_string(*minutes) + " must be at least " +
+                      std::to_string(kLeastMinutes));
 }
 
 }  // namespace
@@ -67,6 +84,7 @@ const Cell* Plan::find(const std::string& id) const {
 
 void Plan::validate() const {
   if (cells.empty()) throw ConfigError("a plan needs at least one cell");
+  check_limits(memory_mb, minutes, "the plan");
   std::set<std::string> before;
   for (const Cell& cell : cells) {
     const std::string what = "cell \"" + cell.id + "\"";
@@ -78,19 +96,26 @@ void Plan::validate() const {
         throw ConfigError(what + " needs {" + need + "}, which is no cell before it in the plan");
     if (cell.id.empty() || cell.id.front() == '/' || cell.id.find("..") != std::string::npos)
       throw ConfigError(what + ": an id is the name of a folder below the plan's");
+    check_limits(cell.memory_mb, cell.minutes, what);
     if (!before.insert(cell.id).second) throw ConfigError(what + " is in the plan twice");
   }
 }
 
 Plan read_plan(const std::string& path) {
-  Json json = common::read_json_file(path);
+  Json json = common::read_json_file(path, kLargestPlan);
   Json whole = common::artefact_to_json(Plan{});
   if (!json.is_object() || !json.contains("cells") || !json["cells"].is_array())
     throw ConfigError(path + ": a plan is an object with a list \"cells\"");
-  for (const auto& [key, value] : json.items())
-    if (!whole.contains(key))
-      throw ConfigError(path + ": unknown key " + key + " = " + common::shown_json(value));
-  for (Json& cell : json["cells"]) cell = completed(cell, path + ": a cell");
+  refuse_unknown(json, known_of_plan(), path);
+  const Json known = known_of_cell();
+  const Json defaults = common::artefact_to_json(Cell{});
+  for (Json& cell : json["cells"]) {
+    if (!cell.is_object()) throw ConfigError(path + ": a cell must be a JSON object {...}");
+    refuse_unknown(cell, known, path + ": a cell");
+    Json completed = defaults;
+    completed.update(cell);
+    cell = std::move(completed);
+  }
   whole.update(json);
   return common::artefact_from_json<Plan>(whole, path);
 }

@@ -22,10 +22,10 @@ TEST_CASE("what is kept of a plan is finished anywhere, with the weights that th
   const Plan made = plan({cell("a"), cell("b", {"dynamics={a}/checkpoint"}),
                           cell("c", {"dynamics={b}/checkpoint"}), cell("d", {"dynamics={a}/checkpoint"})});
   const runs::PlanPlace here{folder / "here", "lodestone", "configs", "", 1, folder / "kept"};
-  const runs::KeptResults kept(here.results);
+  runs::KeptResults kept(here.results);
   for (const char* id : {"a", "b"}) finish(made, here, id);
   kept.keep(made, here);
-  CHECK(kept.records(made, here).size() == 2);
+  CHECK(kept.finished(made, here).size() == 2);
   CHECK(common::read_file(folder / "kept/weights/a/checkpoint/weights") == "of a");
   CHECK_FALSE(std::filesystem::exists(folder / "kept/weights/a/log"));
 
@@ -51,20 +51,20 @@ TEST_CASE("a record holds no more once the cell, its preset or what it needs is 
   Plan made = plan({cell("a"), cell("b", {"dynamics={a}/checkpoint"})});
   made.cells[1].config = "preset.json";
   const runs::PlanPlace place{folder / "out", "lodestone", folder.path(), "", 1, folder / "kept"};
-  const runs::KeptResults kept(place.results);
+  runs::KeptResults kept(place.results);
   for (const char* id : {"a", "b"}) finish(made, place, id);
   kept.keep(made, place);
-  REQUIRE(kept.records(made, place).size() == 2);
+  REQUIRE(kept.finished(made, place).size() == 2);
 
   Plan other = made;
   other.cells[0].seed = 7;
-  CHECK(kept.records(other, place).empty());  // b was made from another a
+  CHECK(kept.finished(other, place).empty());  // b was made from another a
   other = made;
   other.cells[1].settings.push_back("epochs=4");
-  CHECK(kept.records(other, place).count("a") == 1);
-  CHECK(kept.records(other, place).count("b") == 0);
+  CHECK(kept.finished(other, place).count("a") == 1);
+  CHECK(kept.finished(other, place).count("b") == 0);
   common::write_file_atomically(folder / "preset.json", "{\"epochs\": 4}");
-  CHECK(kept.records(made, place).count("b") == 0);
+  CHECK(kept.finished(made, place).count("b") == 0);
 }
 
 TEST_CASE("a folder of results without a plan, and a damaged record, are named") {

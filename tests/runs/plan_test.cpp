@@ -27,6 +27,11 @@ TEST_CASE("a plan read from a file has defaults, and says what is wrong with it"
   CHECK_THROWS_WITH(read(R"({"cells": [{"id": "a", "verb": "collect", "sedd": 1}]})"),
                     Catch::Contains("sedd"));
   CHECK_THROWS_WITH(read(R"({"cells": []})"), Catch::Contains("at least one cell"));
+  CHECK(read(R"({"minutes": 90, "cells": [{"id": "a", "verb": "collect", "memory_mb": 500}]})")
+            .cells[0]
+            .memory_mb == 500);
+  CHECK_THROWS_WITH(read(R"({"minutes": 2, "cells": [{"id": "a", "verb": "collect"}]})"),
+                    Catch::Contains("minutes = 2 must be at least 3"));
   CHECK_THROWS_WITH(read(R"({"cells": [{"id": "a", "verb": "dance"}]})"), Catch::Contains("dance"));
   CHECK_THROWS_WITH(plan({cell("b", {"data={a}/x"}), cell("a")}).validate(), Catch::Contains("{a}"));
   CHECK_THROWS_WITH(plan({cell("a"), cell("a")}).validate(), Catch::Contains("twice"));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
@@ -202,9 +203,11 @@ class ConfigDescriber {
   std::vector<ConfigRow> rows_;
 };
 
-/// Reads a JSON file (comments allowed). Throws ConfigError with line and column when it is missing or
-/// malformed.
-Json read_json_file(const std::string& path);
+constexpr std::size_t kLargestConfig = 4 << 20;  ///< bytes of a file
+
+/// Reads a JSON file (comments allowed). Throws ConfigError, with line and column where it is malformed, and
+/// when it is missing or too large.
+Json read_json_file(const std::string& path, std::size_t largest_bytes = kLargestConfig);
 
 /// Applies one "a.b.c=value" to `config`. The value is read as JSON, and as text when it is not JSON.
 /// Throws ConfigError when there is no '=' or a step of the path is not an object.

@@ -88,7 +88,10 @@ struct CellRecord {
 /// The record of a cell that is finished in its folder. Throws DataError where a file of the run is damaged.
 CellRecord record_of(const Plan& plan, const PlanPlace& place, const Cell& cell);
 
-/// Whether it is of a cell with the same verb, preset, settings and seed.
-bool is_record_of(const CellRecord& record, const Plan& plan, const PlanPlace& place, const Cell& cell);
+/// Content of a cell's preset; null where it has none. Throws DataError where the file is damaged.
+common::Json preset_of(const PlanPlace& place, const Cell& cell);
+
+/// Whether it is of a cell with the same verb, settings, seed and content of its preset.
+bool is_record_of(const CellRecord& record, const Plan& plan, const Cell& cell, const common::Json& preset);
 
 }  // namespace lodestone::runs

@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "lodestone/runs/cell_record.h"
@@ -24,11 +25,11 @@ class KeptResults {
   explicit KeptResults(std::string folder);
 
   const std::string& folder() const { return folder_; }
-  /// Records of the plan's cells that still hold, by id. Throws DataError where one is damaged.
-  std::map<std::string, CellRecord> records(const Plan& plan, const PlanPlace& place) const;
-  /// Files what is finished in the plan's own folder, and drops weights that nothing needs any more. Throws
-  /// IoError.
-  void keep(const Plan& plan, const PlanPlace& place) const;
+  /// Ids of the plan's cells whose records are here and still hold. Throws DataError where one is damaged.
+  std::unordered_set<std::string> finished(const Plan& plan, const PlanPlace& place) const;
+  /// Files what is finished in the plan's own folder, and drops weights that nothing needs any more. A second
+  /// call, with the same plan, only looks at what was not finished at the first. Throws IoError.
+  void keep(const Plan& plan, const PlanPlace& place);
   /// Puts kept weights where unfinished cells look for them. Throws IoError.
   void restore(const Plan& plan, const PlanPlace& place) const;
 
@@ -37,6 +38,7 @@ class KeptResults {
   std::string weights_folder(const std::string& id) const { return folder_ + "/weights/" + id; }
 
   std::string folder_;
+  std::optional<std::unordered_set<std::string>> filed_;  ///< after the first keep()
 };
 
 /// Records in such a folder as they are, by id, of the cells of the plan in it: for a page, on a machine that

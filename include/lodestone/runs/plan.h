@@ -20,6 +20,7 @@ struct Cell {
   std::int64_t seed_offset = 0;       ///< added to it
   bool all_threads = false;           ///< may use every processor
   std::int64_t drawn_trials = 0;      ///< so many of its trials' trajectories stay in its record
+  std::optional<std::int64_t> memory_mb, minutes;  ///< most it takes, for a cluster; without: the plan's
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -31,6 +32,8 @@ struct Cell {
     v.field("seed_offset", seed_offset);
     v.field("all_threads", all_threads);
     v.field("drawn_trials", drawn_trials);
+    v.field("memory_mb", memory_mb);
+    v.field("minutes", minutes);
   }
   /// Ids in its settings, in order.
   std::vector<std::string> needs() const;
@@ -44,6 +47,7 @@ struct Plan {
   std::int64_t seed = 1;
   std::string subfolder;  ///< of the plan's folder that the cells' folders lie in; empty: directly in it
   bool keep_checkpoints = true;  ///< else what only training on would need goes when a cell is finished
+  std::optional<std::int64_t> memory_mb, minutes;  ///< of a cell that says none; without: the cluster's way
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -51,10 +55,12 @@ struct Plan {
     v.field("seed", seed);
     v.field("subfolder", subfolder);
     v.field("keep_checkpoints", keep_checkpoints);
+    v.field("memory_mb", memory_mb);
+    v.field("minutes", minutes);
     v.field("cells", cells);
   }
   /// Throws ConfigError: no cell, two of one id, a need that is no cell or comes later, a verb that cannot be
-  /// a cell.
+  /// a cell, a limit that leaves no room.
   void validate() const;
   const Cell* find(const std::string& id) const;
 };
@@ -70,6 +76,8 @@ struct PlanPlace {
   std::string rig_file = "";  ///< of every cell; empty: the paper's rig
   std::int64_t threads = 1;
   std::string results = "";  ///< where finished cells are kept (KeptResults); empty: nowhere
+  /// Arguments of the program, once no cell runs any more: for engines whose cells outlive this process.
+  std::vector<std::string> last_command = {};
 };
 
 /// The file of a cell's preset.
