@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <system_error>
 #include <unordered_map>
@@ -106,9 +107,14 @@ void KeptResults::restore(const Plan& plan, const PlanPlace& place) const {
 KeptPlan read_kept_plan(const std::string& folder) {
   KeptPlan kept;
   kept.plan = find_plan(folder);
-  for (const Cell& cell : kept.plan.cells)
-    if (auto record = common::find_artefact<CellRecord>(folder + "/records/" + cell.id + ".json"))
+  for (const Cell& cell : kept.plan.cells) {
+    auto record = common::find_artefact<CellRecord>(folder + "/records/" + cell.id + ".json");
+    if (!record || !is_record_of(*record, kept.plan, cell, record->preset)) continue;
+    const std::vector<std::string> needs = cell.needs();
+    if (std::all_of(needs.begin(), needs.end(),
+                    [&](const std::string& id) { return kept.records.count(id) > 0; }))
       kept.records.emplace(cell.id, std::move(*record));
+  }
   return kept;
 }
 

@@ -65,6 +65,9 @@ TEST_CASE("a record holds no more once the cell, its preset or what it needs is 
   CHECK(kept.finished(other, place).count("b") == 0);
   common::write_file_atomically(folder / "preset.json", "{\"epochs\": 4}");
   CHECK(kept.finished(made, place).count("b") == 0);
+  runs::write_plan(other, folder / "kept");  // the page, too, has only what still holds
+  CHECK(runs::read_kept_plan(folder / "kept").records.count("a") == 1);
+  CHECK(runs::read_kept_plan(folder / "kept").records.count("b") == 0);
 }
 
 TEST_CASE("a folder of results without a plan, and a damaged record, are named") {

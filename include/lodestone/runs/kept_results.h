@@ -41,8 +41,8 @@ class KeptResults {
   std::optional<std::unordered_set<std::string>> filed_;  ///< after the first keep()
 };
 
-/// Records in such a folder as they are, by id, of the cells of the plan in it: for a page, on a machine that
-/// runs nothing. Throws ConfigError where there is no plan, and DataError.
+/// Records in such a folder, by id, of the cells of the plan in it as that has them now: for a page, on a
+/// machine that runs nothing. Throws ConfigError where there is no plan, and DataError.
 struct KeptPlan {
   Plan plan;
   std::map<std::string, CellRecord> records;
