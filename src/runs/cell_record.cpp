@@ -94,6 +94,16 @@ KeptTrials kept_trials(const std::vector<TrialRecord>& trials, std::int64_t draw
   return kept;
 }
 
+/// Whether a configuration has all that was asked for; null asks for nothing.
+bool holds_all(const Json& config, const Json& asked) {
+  if (asked.is_null()) return true;
+  if (!asked.is_object()) return config == asked;
+  for (const auto& [key, value] : asked.items())
+    if (!value.is_null() && (!config.is_object() || !config.contains(key) || !holds_all(config[key], value)))
+      return false;
+  return true;
+}
+
 }  // namespace
 
 Json preset_of(const PlanPlace& place, const Cell& cell) {
@@ -132,6 +142,20 @@ CellRecord record_of(const Plan& plan, const PlanPlace& place, const Cell& cell)
   if (record.policy) record.curve = read_curve(folder + "/metrics.jsonl");
   if (const auto trials = find_trials(folder)) record.trials = kept_trials(*trials, cell.drawn_trials);
   return record;
+}
+
+bool is_run_of(const Json& config, const Cell& cell, const Json& preset) {
+  Json asked = preset.is_object() ? preset : Json::object();
+  for (const std::string& setting : cell.settings) {
+    const std::size_t equals = setting.find('=');
+    const std::string value = setting.substr(equals + 1);
+    Json* at = &asked;
+    std::istringstream parts(setting.substr(0, equals));
+    for (std::string part; std::getline(parts, part, '.');) at = &(*at)[part];
+    // Folders of other cells may be anywhere.
+    *at = value.find('{') != std::string::npos ? Json() : common::find_json(value).value_or(Json(value));
+  }
+  return holds_all(config, asked);
 }
 
 bool is_record_of(const CellRecord& record, const Plan& plan, const Cell& cell, const Json& preset) {

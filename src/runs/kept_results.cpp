@@ -78,6 +78,8 @@ void KeptResults::keep(const Plan& plan, const PlanPlace& place) {
   for (const Cell& cell : plan.cells) {
     if (filed_->count(cell.id) > 0 || !finished_in(cell_folder(plan, place, cell.id))) continue;
     const CellRecord record = record_of(plan, place, cell);
+    const std::string config = cell_folder(plan, place, cell.id) + "/config.json";
+    if (!is_run_of(common::read_json_if_there(config), cell, record.preset)) continue;
     common::make_folders(fs::path(record_file(cell.id)).parent_path().string());
     common::write_file_atomically(record_file(cell.id), common::artefact_to_json(record).dump() + "\n");
     filed_->insert(cell.id);
@@ -85,7 +87,8 @@ void KeptResults::keep(const Plan& plan, const PlanPlace& place) {
   const std::unordered_set<std::string> wanted = needed(plan, *filed_);
   for (const Cell& cell : plan.cells) {
     const std::string kept = weights_folder(cell.id);
-    if (wanted.count(cell.id) == 0) {
+    const bool holds = filed_->count(cell.id) > 0;
+    if (wanted.count(cell.id) == 0 || !holds) {
       fs::remove_all(kept);
     } else if (const std::string run = cell_folder(plan, place, cell.id);
                !fs::exists(kept) && finished_in(run)) {
@@ -96,9 +99,10 @@ void KeptResults::keep(const Plan& plan, const PlanPlace& place) {
 }
 
 void KeptResults::restore(const Plan& plan, const PlanPlace& place) const {
-  for (const std::string& id : needed(plan, filed_ ? *filed_ : finished(plan, place))) {
+  const std::unordered_set<std::string> hold = filed_ ? *filed_ : finished(plan, place);
+  for (const std::string& id : needed(plan, hold)) {
     const std::string run = cell_folder(plan, place, id);
-    if (fs::exists(run) || !finished_in(weights_folder(id))) continue;
+    if (hold.count(id) == 0 || fs::exists(run) || !finished_in(weights_folder(id))) continue;
     common::make_folders(fs::path(run).parent_path().string());
     copy_needed(weights_folder(id), run);
   }

@@ -39,6 +39,20 @@ TEST_CASE("a training's record holds its result and its curve, to six digits") {
   CHECK(artefact_to_json(again) == artefact_to_json(record));
 }
 
+TEST_CASE("a run is one of a cell when it has its preset's values and its settings, whatever else it has") {
+  const common::Json config = {
+      {"task", {{"goal", "point"}, {"alpha", -10.0}}}, {"dynamics", "/x/y"}, {"steps", 3}, {"on", "unseen"}};
+  const common::Json preset = {{"task", {{"goal", "point"}, {"alpha", -5}}}, {"steps", 3}};
+  const auto is = [&](std::vector<std::string> settings) {
+    return runs::is_run_of(config, cell("a", std::move(settings)), preset);
+  };
+  CHECK(is({"task.alpha=-10", "dynamics={other}/checkpoint", "on=unseen"}));
+  CHECK_FALSE(is({}));  // the preset's alpha
+  CHECK_FALSE(is({"task.alpha=-10", "steps=4"}));
+  CHECK_FALSE(is({"task.alpha=-10", "gone=1"}));
+  CHECK_FALSE(is({"task.alpha=-10", "on=explored"}));
+}
+
 TEST_CASE("a deployment's record holds every trial's figures, and as many drawings as asked for") {
   const tests::TemporaryFolder folder;
   runs::Plan made = plan({cell("a")});

@@ -53,6 +53,7 @@ TEST_CASE("a record holds no more once the cell, its preset or what it needs is 
   const runs::PlanPlace place{folder / "out", "lodestone", folder.path(), "", 1, folder / "kept"};
   runs::KeptResults kept(place.results);
   for (const char* id : {"a", "b"}) finish(made, place, id);
+  common::write_file_atomically(folder / "out/b/config.json", "{\"epochs\": 3}");
   kept.keep(made, place);
   REQUIRE(kept.finished(made, place).size() == 2);
 
@@ -68,6 +69,25 @@ TEST_CASE("a record holds no more once the cell, its preset or what it needs is 
   runs::write_plan(other, folder / "kept");  // the page, too, has only what still holds
   CHECK(runs::read_kept_plan(folder / "kept").records.count("a") == 1);
   CHECK(runs::read_kept_plan(folder / "kept").records.count("b") == 0);
+}
+
+TEST_CASE("what was run with other settings is neither kept nor restored as what it is not") {
+  const tests::TemporaryFolder folder;
+  Plan made = plan({cell("a", {"epochs=3"}), cell("b", {"dynamics={a}/checkpoint"})});
+  const runs::PlanPlace place{folder / "out", "lodestone", "configs", "", 1, folder / "kept"};
+  finish(made, place, "a");
+  common::write_file_atomically(folder / "out/a/config.json", "{\"epochs\": 3, \"rate\": 0.5}");
+  runs::KeptResults(place.results).keep(made, place);
+  CHECK(std::filesystem::exists(folder / "kept/weights/a"));
+
+  made.cells[0].settings = {"epochs=4"};
+  runs::KeptResults later(place.results);
+  later.keep(made, place);
+  CHECK(later.finished(made, place).empty());
+  CHECK_FALSE(std::filesystem::exists(folder / "kept/weights/a"));
+  common::write_file_atomically(folder / "out/a/config.json", "{\"epochs\": 4, \"rate\": 0.5}");
+  runs::KeptResults(place.results).keep(made, place);
+  CHECK(later.finished(made, place).count("a") == 1);
 }
 
 TEST_CASE("a folder of results without a plan, and a damaged record, are named") {

@@ -204,7 +204,7 @@ printf '{"finished": true}' > "$out/run.json"
   CHECK_FALSE(std::filesystem::exists(place.folder + "/a/training"));
   CHECK(run("b").first == 0);
   const auto late = run("slow", "sleep 1; kill -USR1 $!;");
-  CHECK(late.first == 143);
+  CHECK(late.first > 128);  // of the cell, or of the wait that the signal ended
   CHECK(late.second.find("asked: requeue 99") != std::string::npos);
   Plan lines = plan({cell("a", {"x=1\n2"})});
   SlurmArray array;

@@ -91,6 +91,10 @@ CellRecord record_of(const Plan& plan, const PlanPlace& place, const Cell& cell)
 /// Content of a cell's preset; null where it has none. Throws DataError where the file is damaged.
 common::Json preset_of(const PlanPlace& place, const Cell& cell);
 
+/// Whether a run with this configuration (config.json) is one of a cell with this preset and its settings: a
+/// folder may hold what was run before they were changed.
+bool is_run_of(const common::Json& config, const Cell& cell, const common::Json& preset);
+
 /// Whether it is of a cell with the same verb, settings, seed and content of its preset.
 bool is_record_of(const CellRecord& record, const Plan& plan, const Cell& cell, const common::Json& preset);
 
