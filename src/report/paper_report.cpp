@@ -356,7 +356,7 @@ class PaperReport {
                 "</b><br>share of pulses of at least " + text_of("%.1f A", mobility.strong_A) +
                 " that moved the needle; " + std::to_string(empty) + " of " +
                 std::to_string(mobility.cells.size()) + " squares had none</div>" + "<div class=\"panel\">" +
-                draw(ways, 15.0, "mean way of a pulse, mm", "zones_way_" + suffix) + "<b>" + escape(name) +
+                draw(ways, 30.0, "mean way of a pulse, mm", "zones_way_" + suffix) + "<b>" + escape(name) +
                 "</b><br>how far they took it</div>";
     }
     if (panels.empty()) return;
