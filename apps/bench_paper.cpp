@@ -102,7 +102,7 @@ void add_bench_paper(Verb& bench) {
   auto& options = configure<experiments::PaperScale>(verb, bench_paper);
   add_common_options(verb, options);
   verb.add_option("--scale", &options.scale,
-                  "smoke (about 4 min on 2 cores), quick (an hour), or full (the paper's own sizes: days)");
+                  "smoke (about 5 min on 2 cores), quick, or full (the paper's own sizes)");
   verb.add_option("--list", &options.list, "print the cells, what is done of them, and the command of each");
   verb.add_option("--report", &options.report, "run nothing; write the report of what is done so far");
   verb.add_option("--results", &options.results,
