@@ -1,5 +1,4 @@
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -126,21 +125,7 @@ void add_deploy(Verb& program) {
   const auto set = [&options](const std::string& assignment, const char* flag) {
     options.overrides.push_back({assignment, flag});
   };
-  const auto models = [&options, set](const std::string& folder) {
-    const auto manifest = common::read_json_if_there(folder + "/manifest.json");
-    const bool simulator = manifest.is_object() && manifest.value("kind", common::Json()) == "dynamics";
-    set((simulator ? "dynamics=" : "policy=") + common::Json(folder).dump(), "--models");
-    options.config_files.insert(options.config_files.begin(), folder + "/deploy.json");
-    const auto preset = common::read_json_if_there(folder + "/deploy.json");
-    if (!preset.is_object() || !preset.contains("dynamics") || !preset["dynamics"].is_string()) return;
-    const std::filesystem::path dynamics(preset["dynamics"].get<std::string>());  // as seen from that folder
-    const std::string there = (std::filesystem::path(folder) / dynamics).lexically_normal().string();
-    options.overrides.insert(options.overrides.begin(), {"dynamics=" + common::Json(there).dump(),
-                                                         folder + "/deploy.json: dynamics"});  // others win
-  };
-  verb.add_option("--models", models,
-                  "folder of a released model, with its deploy.json before any --config: a policy, or a "
-                  "simulator to plan in");
+  add_models_option(verb, options);
   const auto text = [&](const char* flag, const char* key, const char* meaning) {
     add_shorthand(verb, options, flag, key, Shorthand::kText, meaning);
   };

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
 
 namespace lodestone::apps {
@@ -32,6 +33,27 @@ void choose_segmenter(session::SensingConfig& sensor) {
         "sensor.segmenter is empty and models/segmenter is not here: name a checkpoint with --set "
         "sensor.segmenter=DIR (lodestone train-segmenter makes one), or use --sensor simulated");
   }
+}
+
+void use_models(CommonOptions& options, const std::string& folder) {
+  const auto manifest = common::read_json_if_there(folder + "/manifest.json");
+  const bool simulator = manifest.is_object() && manifest.value("kind", common::Json()) == "dynamics";
+  options.overrides.push_back(
+      {(simulator ? "dynamics=" : "policy=") + common::Json(folder).dump(), "--models"});
+  options.config_files.insert(options.config_files.begin(), folder + "/deploy.json");
+  const auto preset = common::read_json_if_there(folder + "/deploy.json");
+  if (!preset.is_object() || !preset.contains("dynamics") || !preset["dynamics"].is_string()) return;
+  const std::filesystem::path dynamics(preset["dynamics"].get<std::string>());  // as seen from that folder
+  const std::string there = (std::filesystem::path(folder) / dynamics).lexically_normal().string();
+  options.overrides.insert(options.overrides.begin(), {"dynamics=" + common::Json(there).dump(),
+                                                       folder + "/deploy.json: dynamics"});  // others win
+}
+
+void add_models_option(Verb& verb, CommonOptions& options) {
+  verb.add_option(
+      "--models", [&options](const std::string& folder) { use_models(options, folder); },
+      "folder of a released model, with its deploy.json before any --config: a policy, or a simulator to "
+      "plan in");
 }
 
 }  // namespace lodestone::apps

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "common_options.h"
 #include "lodestone/session/sensing.h"
 
 namespace lodestone::apps {
@@ -13,6 +14,12 @@ std::string shipped_folder(const std::string& name);
 /// Names the segmenter that is shipped (models/segmenter) when a camera is used and none is named. Throws
 /// ConfigError when there is none.
 void choose_segmenter(session::SensingConfig& sensor);
+
+/// Uses a released model: its folder is the policy or the simulator, its deploy.json comes before any
+/// --config.
+void use_models(CommonOptions& options, const std::string& folder);
+/// --models
+void add_models_option(Verb& verb, CommonOptions& options);
 
 /// Path of this program, for the processes that a plan starts.
 std::string own_path();

@@ -245,7 +245,7 @@ TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& c
                             &config.rig, identifier.get());
   const std::unique_ptr<control::Controller> controller = source.make(trial_seed(config, plan));
   TrialResult result = run_trial(plan, loop, *controller, truth, config.score, watch,
-                                 [&bench] { return bench.coils().temperature_C(); });
+                                 [&bench] { return bench.coils().reported(); });
   if (!result.samples.empty() && result.samples.front().step.estimate.valid)
     result.plan.start = result.samples.front().step.estimate.pose;
   result.rig = to_string(RigKind::kReal);
@@ -311,7 +311,7 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   };
   TrialResult result = run_trial(
       plan, loop, *controller, [&rig] { return rig.true_pose(); }, config_.score, watch,
-      [&coils] { return coils.temperature_C(); });
+      [&coils] { return coils.reported(); });
   if (video) video->finish();
   result.rig = to_string(kind);
   result.controller = source.name;

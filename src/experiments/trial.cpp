@@ -88,7 +88,7 @@ runs::TrialFigures score_trial(const TrialResult& result, const Aftermath& after
 
 TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control::Controller& controller,
                       const TruePose& true_pose, const ScoreConfig& score, const TrialWatch& watch,
-                      const CoilTemperatures& temperatures) {
+                      const CoilReport& report) {
   TrialResult result;
   result.plan = plan;
   control::PointReference point(plan.target_m, plan.duration_s, plan.target_heading_rad);
@@ -98,7 +98,8 @@ TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control
   const auto truth = [&true_pose] { return true_pose ? std::optional(true_pose()) : std::nullopt; };
   const control::LoopOutcome outcome = loop.run(controller, reference, [&](const control::StepRecord& step) {
     result.samples.push_back({step, truth(), path && path->approaching(), {}});
-    if (temperatures) result.samples.back().temperature_C = temperatures();
+    if (const auto reported = report ? report() : std::nullopt)
+      result.samples.back().temperature_C = reported->temperature_C;
     if (watch) watch(result.samples.back());
   });
   result.completed = outcome.completed;

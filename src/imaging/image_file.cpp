@@ -13,15 +13,14 @@ namespace lodestone::imaging {
 namespace {
 
 constexpr std::size_t kLargestImage = 256 << 20;  // bytes of a file
-constexpr int kJpegQuality = 85;
 
 }  // namespace
 
-std::string encoded_image(const cv::Mat& image, const std::string& extension) {
+std::string encoded_image(const cv::Mat& image, const std::string& extension, int jpeg_quality) {
   std::vector<unsigned char> bytes;
   bool encoded = false;
   try {
-    encoded = cv::imencode(extension, image, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+    encoded = cv::imencode(extension, image, bytes, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
   } catch (const cv::Exception&) {  // says no more than that it failed
   }
   if (!encoded) throw common::IoError("the image cannot be encoded as " + extension);

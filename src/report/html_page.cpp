@@ -1,5 +1,6 @@
 #include "lodestone/report/html_page.h"
 
+#include "lodestone/report/chart_js.h"
 #include "lodestone/report/html.h"
 #include "page_assets.h"
 

@@ -81,6 +81,7 @@ CoilStatus SerialCoils::status() {
     const double rise = state.resistance_ohm[i] / coils_.resistance_20C_ohm[i] - 1.0;
     status.temperature_C[i] = kResistance_C + rise / coils_.temperature_coefficient_per_K;
   }
+  status.supply_V = *std::min_element(state.supply_V.begin(), state.supply_V.end());
   status.faults = state.faults;
   return status;
 }

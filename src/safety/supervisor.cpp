@@ -75,6 +75,25 @@ void Supervisor::request_stop(const std::string& reason) {
   coils_.stop();
 }
 
+void Supervisor::check_cause_is_gone() {
+  operator_.check();
+  rig::CoilPulse nothing;
+  PulseContext asked = context();
+  asked.status = coils_.status();
+  reported_ = asked.status;
+  last_ = nothing;
+  last_s_ = clock_.now_s();
+  for (const auto& check : pulse_checks_) check->check(nothing, asked);
+}
+
+void Supervisor::rearm() {
+  check_cause_is_gone();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  requested_.clear();
+  reason_.clear();
+  latched_ = false;
+}
+
 std::string Supervisor::reason() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return reason_;
@@ -101,22 +120,28 @@ void Supervisor::apply(const rig::CoilPulse& pulse) { give(pulse, /*probe=*/fals
 
 void Supervisor::probe(const rig::CoilPulse& pulse) { give(pulse, /*probe=*/true); }
 
+/// Time since the last pulse is accounted for.
+PulseContext Supervisor::context() {
+  PulseContext context;
+  context.last = last_;
+  context.passed_s = std::max(0.0, clock_.now_s() - last_s_);
+  context.on_s = std::min(last_.duration_s, context.passed_s);
+  thermal_.advance(last_.current_A, context.on_s, context.passed_s);
+  return context;
+}
+
 void Supervisor::give(const rig::CoilPulse& pulse, bool probe) {
   rig::CoilPulse safe = pulse;
   guarded([&] {
     operator_.check();
-    PulseContext context;
-    context.last = last_;
-    context.passed_s = std::max(0.0, clock_.now_s() - last_s_);
-    context.on_s = std::min(last_.duration_s, context.passed_s);
-    thermal_.advance(last_.current_A, context.on_s, context.passed_s);
+    PulseContext asked = context();
     if (probe)
       needle_seen_.check_probe(safe);
     else if (needle_required_)
-      needle_seen_.check(safe, context);
-    context.status = coils_.status();
-    temperature_C_ = context.status.temperature_C;
-    for (const auto& check : pulse_checks_) check->check(safe, context);
+      needle_seen_.check(safe, asked);
+    asked.status = coils_.status();
+    reported_ = asked.status;
+    for (const auto& check : pulse_checks_) check->check(safe, asked);
   });
   if (safe.current_A != pulse.current_A || safe.duration_s != pulse.duration_s) ++limited_;
   last_ = safe;

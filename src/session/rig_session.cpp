@@ -118,6 +118,7 @@ std::unique_ptr<RigSession> make_serial_session(const rig::RigConfig& rig, const
   };
   parts.camera = &*made->detector;
   parts.watched = made->watched;
+  parts.clear_faults = [device = made->device.get()] { device->clear_faults(); };
   if (!folder.empty())
     common::log_info("bench connected on " + rig.serial.port + "; Ctrl-C" + (at_terminal ? ", any key" : "") +
                      " or the file " + safety.stop_file + " stops it");

@@ -20,6 +20,7 @@ control::PoseEstimate TrackedPoseSensor::look() {
   estimate.reason = track.reason;
   estimate.pose = track.pose;
   estimate.either_way = track.either_way;
+  estimate.position_covariance_m2 = track.covariance.topLeftCorner<2, 2>();
   estimate.position_sigma_m = std::sqrt(track.covariance(0, 0) + track.covariance(1, 1));
   estimate.heading_sigma_rad = std::sqrt(track.covariance(2, 2));
   estimate.innovation = tracker_.innovation();

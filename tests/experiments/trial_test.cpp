@@ -26,7 +26,7 @@ struct Bench {
     control::ControlLoop loop({}, action, session->coils(), session->sensor(), session->clock());
     control::DipolePullController controller(rig, {});
     return experiments::run_trial(plan, loop, controller, true_pose, {}, {},
-                                  [this] { return session->coils().temperature_C(); });
+                                  [this] { return session->coils().reported(); });
   }
   rig::RigConfig rig;
   std::unique_ptr<session::RigSession> session;

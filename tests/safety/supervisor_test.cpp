@@ -130,6 +130,60 @@ TEST_CASE("the supervisor stops the coils, keeps the reason and refuses what fol
   CHECK(bench.device.pulses.empty());
 }
 
+TEST_CASE("an operator who has seen the reason takes pulses again, once its cause is gone") {
+  Bench bench;
+  bench.step(kPulse);
+  SECTION("a fault of the device") {
+    bench.device.state.faults = {"undervoltage"};
+    CHECK_THROWS_AS(bench.step(kPulse), common::HardwareError);
+    CHECK_THROWS_WITH(bench.coils->rearm(), Catch::Contains("undervoltage"));
+    CHECK(bench.coils->latched());
+    bench.device.state.faults.clear();
+  }
+  SECTION("a coil that is too hot") {
+    bench.device.state.temperature_C[1] = 95.0;
+    CHECK_THROWS_AS(bench.step(kPulse), common::HardwareError);
+    CHECK_THROWS_WITH(bench.coils->check_cause_is_gone(), Catch::Contains("coil -x is at 95 C"));
+    CHECK_THROWS_AS(bench.coils->rearm(), common::HardwareError);
+    bench.device.state.temperature_C[1] = 30.0;
+    bench.wait(60.0);
+  }
+  SECTION("somebody has said stop") {
+    bench.coils->request_stop("the operator");
+    CHECK_THROWS_AS(bench.step(kPulse), common::HardwareError);
+  }
+  SECTION("somebody has said stop while nothing was driven") { bench.coils->request_stop("the operator"); }
+  const std::size_t before = bench.device.pulses.size();
+  bench.coils->rearm();
+  CHECK_FALSE(bench.coils->latched());
+  CHECK(bench.coils->reason().empty());
+  CHECK_THROWS_AS(bench.coils->apply(kPulse), common::HardwareError);  // nobody has seen the needle since
+  bench.coils->rearm();
+  bench.step(kPulse);
+  CHECK(bench.device.pulses.size() == before + 1);
+}
+
+TEST_CASE("a stop does not let a coil have more than its share of the time") {
+  Bench bench;
+  const auto use_up = [&] {
+    for (int step = 0; step < 100; ++step) {
+      bench.coils->begin_step(bench.clock.now_s());
+      bench.coils->observe(bench.pose());
+      bench.coils->apply({{0.5, 0.0, 0.0, 0.0}, 0.25});
+      bench.wait(0.25);
+    }
+  };
+  CHECK_THROWS_WITH(use_up(), Catch::Contains("60 %"));
+  bench.coils->rearm();
+  bench.coils->begin_step(bench.clock.now_s());
+  bench.coils->observe(bench.pose());
+  CHECK_THROWS_WITH(bench.coils->apply({{0.5, 0.0, 0.0, 0.0}, 0.25}), Catch::Contains("60 %"));
+  bench.coils->rearm();
+  bench.wait(10.0);
+  bench.step(kPulse);
+  CHECK_FALSE(bench.coils->latched());
+}
+
 TEST_CASE("no pulse without a pose that is new, young and inside the fence") {
   Bench bench;
   bench.step(kPulse);

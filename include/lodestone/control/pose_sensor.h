@@ -26,6 +26,7 @@ struct PoseEstimate {
   /// How far from where it was expected, squared and in units of the spread that was expected (normalised
   /// innovation of 2 degrees of freedom: 2 on average); nothing where nothing was expected.
   std::optional<double> innovation;
+  Eigen::Matrix2d position_covariance_m2 = Eigen::Matrix2d::Zero();
 };
 
 /// Where the needle is. Implementations: simulated (true pose plus the localiser's measured error);

@@ -51,11 +51,11 @@ using TrialWatch = std::function<void(const TrialSample&)>;
 using TruePose = std::function<geometry::Pose2()>;
 
 /// What the coils reported last; nothing before they did.
-using CoilTemperatures = std::function<std::optional<std::array<double, rig::kCoilCount>>()>;
+using CoilReport = std::function<std::optional<rig::CoilStatus>()>;
 
-/// Runs one trial and scores it. `temperatures`, when given, is asked at every sample.
+/// Runs one trial and scores it. `report`, when given, is asked at every sample.
 TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control::Controller& controller,
                       const TruePose& true_pose, const ScoreConfig& score, const TrialWatch& watch = {},
-                      const CoilTemperatures& temperatures = {});
+                      const CoilReport& report = {});
 
 }  // namespace lodestone::experiments

@@ -5,8 +5,9 @@
 
 namespace lodestone::imaging {
 
-/// The bytes of an image file: `extension` ".png" or ".jpg". Throws IoError.
-std::string encoded_image(const cv::Mat& image, const std::string& extension);
+/// The bytes of an image file: `extension` ".png" or ".jpg", the latter of this quality (0 to 100). Throws
+/// IoError.
+std::string encoded_image(const cv::Mat& image, const std::string& extension, int jpeg_quality = 85);
 
 /// Writes an image by its file's ending, whole or not at all. Throws IoError (disk full, no permission).
 void write_image(const std::string& path, const cv::Mat& image);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct CoilPulse {
 struct CoilStatus {
   std::array<double, kCoilCount> current_A{};      ///< measured
   std::array<double, kCoilCount> temperature_C{};  ///< measured or estimated
+  std::optional<double> supply_V;                  ///< the lowest, where it is measured
   std::vector<std::string> faults;                 ///< empty when healthy
 };
 

@@ -87,16 +87,25 @@ class Supervisor final : public rig::Coils, public control::Guard {
   /// Switches off now and for good: whoever drives is told `reason` at its next call.
   void request_stop(const std::string& reason);
 
+  /// Throws HardwareError while something that can be asked without a pulse still says stop: the file, a
+  /// device, the temperature of a coil. For the thread that drives.
+  void check_cause_is_gone();
+  /// Takes pulses again after a stop, on the word of an operator who has seen its reason. Throws as
+  /// check_cause_is_gone(), and stays stopped then. What it knows of heat and duty is kept. For the thread
+  /// that drives.
+  void rearm();
+
   bool latched() const { return latched_; }
   std::string reason() const;
   /// What the coils reported before the last pulse; nothing before the first. For the thread that drives.
-  const std::optional<std::array<double, rig::kCoilCount>>& temperature_C() const { return temperature_C_; }
+  const std::optional<rig::CoilStatus>& reported() const { return reported_; }
   /// Pulses that were cut to a limit.
   std::int64_t limited() const { return limited_; }
 
  private:
   [[noreturn]] void latch(const std::string& reason);
   void refuse_if_stopped();
+  PulseContext context();
   void give(const rig::CoilPulse& pulse, bool probe);
   template <class Action>
   void guarded(const Action& action);
@@ -110,7 +119,7 @@ class Supervisor final : public rig::Coils, public control::Guard {
   std::vector<std::unique_ptr<PoseCheck>> pose_checks_;
   std::vector<std::unique_ptr<PulseCheck>> pulse_checks_;
   bool needle_required_;
-  std::optional<std::array<double, rig::kCoilCount>> temperature_C_;
+  std::optional<rig::CoilStatus> reported_;
   rig::CoilPulse last_;
   double last_s_ = 0.0;
   std::atomic<std::int64_t> limited_{0};

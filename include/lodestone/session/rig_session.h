@@ -29,7 +29,8 @@ class RigSession {
     std::function<bool(const geometry::Pose2&)> fits;
     const CameraDetector* camera = nullptr;           ///< null where there are no images
     const rig::FreeRunningCamera* watched = nullptr;  ///< null where images come only when the sensor asks
-    GroundTruth* truth = nullptr;  ///< null on a real or emulated rig: nobody knows it there
+    GroundTruth* truth = nullptr;             ///< null on a real or emulated rig: nobody knows it there
+    std::function<void()> clear_faults = {};  ///< empty where the coils latch none
   };
   explicit RigSession(Parts parts) : parts_(std::move(parts)) {}
 
@@ -42,6 +43,11 @@ class RigSession {
   /// it was.
   void place(const geometry::Pose2& pose);
   const CameraDetector* camera() const { return parts_.camera; }
+  /// Has the coil controller forget the faults that it has latched; those that persist come back at once. An
+  /// operator's decision, never a program's. Throws HardwareError.
+  void clear_faults() {
+    if (parts_.clear_faults) parts_.clear_faults();
+  }
   /// The newest image, at once, from any thread; null where there is none, or where images come only when the
   /// sensor asks.
   std::shared_ptr<const imaging::Frame> latest_image() const {

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lodestone/geometry/path.h"
+#include "lodestone/physics/rig_description.h"
+#include "lodestone/task/region.h"
+
+namespace lodestone::console {
+
+/// A line as a hand has drawn it, made fit to be followed: points a millimetre apart along it, each the mean
+/// of its neighbours, weighted by a Gaussian of 1.5 mm. Open ends stay where they are. Throws DataError where
+/// all points are one.
+geometry::Path smoothed(const std::vector<geometry::Vector2>& points_m, bool closed);
+
+/// Where a needle may be driven: inside the dish and the fence and, where it is known, where needles have
+/// been seen to come and go.
+struct Reachable {
+  physics::RigDescription rig;
+  double fence_m = 0.0;  ///< from the dish centre
+  std::optional<task::Region> region;
+
+  /// Why the middle of the needle cannot or may not be there; empty: it may.
+  std::string why_not(const geometry::Vector2& point_m) const;
+};
+
+/// What keeps a path from being followed: its first point's reason, and all such points.
+struct PathObjection {
+  std::string why_not;  ///< empty: nothing
+  std::vector<geometry::Vector2> bad_m;
+};
+PathObjection object_to(const geometry::Path& path, const Reachable& reachable);
+
+}  // namespace lodestone::console

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <deque>
+#include <mutex>
+#include <optional>
+
+#include "lodestone/common/clock.h"
+#include "lodestone/control/guard.h"
+
+namespace lodestone::console {
+
+/// Stands between the control loop and what guards its coils, and remembers the pulses of the last seconds:
+/// what is on, how much of the time each coil was, how evenly pulses come. What it remembers may be asked for
+/// from any thread.
+class PulseLog final : public control::Guard {
+ public:
+  static constexpr double kWindow_s = 10.0;
+
+  /// Both must outlive the log. `period_s`: how far apart pulses should be.
+  PulseLog(control::Guard& guard, const common::Clock& clock, double period_s)
+      : guard_(guard), clock_(clock), period_s_(period_s) {}
+
+  void begin_step(double due_s) override { guard_.begin_step(due_s); }
+  void observe(const control::PoseEstimate& estimate) override { guard_.observe(estimate); }
+  void apply(const rig::CoilPulse& pulse) override;
+  void probe(const rig::CoilPulse& pulse) override;
+  void stop() noexcept override;
+
+  /// What is on now, as asked.
+  std::array<double, rig::kCoilCount> on_A(double now_s) const;
+  /// Fraction of the last kWindow_s that each coil was on.
+  std::array<double, rig::kCoilCount> duty(double now_s) const;
+  /// By how much the time between the last two pulses was off; nothing before there are two of one run.
+  std::optional<double> jitter_s() const;
+  /// A run begins: what follows is no interval.
+  void begin_run();
+
+ private:
+  struct Logged {
+    rig::CoilPulse pulse;
+    double start_s;
+  };
+  void note(const rig::CoilPulse& pulse, double start_s);
+
+  control::Guard& guard_;
+  const common::Clock& clock_;
+  double period_s_;
+  mutable std::mutex mutex_;
+  std::deque<Logged> pulses_;
+  std::optional<double> last_s_, interval_s_;
+};
+
+}  // namespace lodestone::console

@@ -1,0 +1,47 @@
+#include "lodestone/console/drawn_path.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "lodestone/common/error.h"
+#include "paper_rig.h"
+
+using namespace lodestone;
+using geometry::Vector2;
+
+TEST_CASE("a line drawn by hand is smoothed, and its ends stay") {
+  std::vector<Vector2> shaky;
+  for (int i = 0; i <= 60; ++i) shaky.emplace_back(0.0005 * i - 0.015, (i % 2 == 0 ? 1.0 : -1.0) * 0.0004);
+  const geometry::Path path = console::smoothed(shaky, false);
+  CHECK((path.points_m().front() - shaky.front()).norm() < 1e-9);
+  CHECK((path.points_m().back() - shaky.back()).norm() < 1e-9);
+  CHECK(path.length_m() < 0.033);  // drawn: 56 mm
+  for (const Vector2& point_m : path.points_m())
+    if (std::abs(point_m.x()) < 0.01) CHECK(std::abs(point_m.y()) < 0.0002);
+}
+
+TEST_CASE("a closed line stays closed, and a straight one straight") {
+  const geometry::Path ring = console::smoothed(geometry::Path::circle(0.015).points_m(), true);
+  CHECK(ring.closed());
+  for (const Vector2& point_m : ring.points_m()) CHECK(point_m.norm() == Approx(0.015).margin(0.0003));
+  const geometry::Path line = console::smoothed({{0.0, 0.0}, {0.01, 0.0}}, false);
+  CHECK(line.points_m().size() == 11);
+  CHECK(line.at(0.005).x() == Approx(0.005));
+  CHECK_THROWS_AS(console::smoothed({{0.0, 0.0}, {0.0, 0.0}}, false), common::DataError);
+}
+
+TEST_CASE("a path is only followed where the needle can and may be") {
+  console::Reachable reachable{tests::paper_rig(), 0.03, std::nullopt};
+  const double radius_m = reachable.rig.dish.radius_m;
+  CHECK(console::object_to(geometry::Path::square(0.02), reachable).why_not.empty());
+  const console::PathObjection fence =
+      console::object_to(geometry::Path({{0.0, 0.0}, {0.0, 0.031}}, false), reachable);
+  CHECK_THAT(fence.why_not, Catch::Contains("fence of 30.0 mm"));
+  CHECK(fence.bad_m.size() == 1);
+  CHECK_THAT(reachable.why_not({radius_m, 0.0}), Catch::Contains("outside the dish"));
+  std::vector<task::Move> moves(50, task::Move{{-0.002, 0.0}, {0.002, 0.0}});
+  moves.insert(moves.end(), 50, task::Move{{0.002, 0.0}, {-0.002, 0.0}});
+  reachable.region = task::Region(moves, task::RegionConfig{});
+  CHECK(reachable.why_not({0.002, 0.0}).empty());
+  CHECK_THAT(reachable.why_not({0.015, 0.01}), Catch::Contains("no needle was seen"));
+}

@@ -1,0 +1,77 @@
+#include "lodestone/console/recording.h"
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <filesystem>
+#include <mutex>
+#include <thread>
+
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+#include "temporary_folder.h"
+
+using namespace lodestone;
+using console::Recording;
+
+namespace {
+
+console::BenchState state_at(double time_s, std::int64_t samples) {
+  console::BenchState state;
+  state.now_s = time_s;
+  console::BenchSample sample;
+  sample.time_s = time_s;
+  sample.pose = geometry::Pose2{0.001, -0.002, 0.5};
+  if (samples > 1) sample.target_m = geometry::Vector2(0.004, -0.002);
+  sample.current_A = {1.5, 0.0, 0.0, 0.0};
+  state.sample = sample;
+  state.samples = samples;
+  return state;
+}
+
+void wait_until(const std::function<bool()>& there) {
+  for (int i = 0; i < 500 && !there(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  REQUIRE(there());
+}
+
+}  // namespace
+
+TEST_CASE("a recording holds each sample once, as soon as it was there, and a film") {
+  const tests::TemporaryFolder folder;
+  std::mutex mutex;
+  console::BenchState now = state_at(100.0, 1);
+  const auto frame = std::make_shared<imaging::Frame>();
+  frame->image = cv::Mat(480, 640, CV_8UC3, cv::Scalar(80, 120, 160));
+  Recording::Source source;
+  source.state = [&] {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return now;
+  };
+  source.image = [&] { return frame; };
+  source.failed = [](const std::string& why) { FAIL(why); };
+  const auto rows = [&] {
+    const std::string text = common::read_file(folder / "a-1.csv");
+    return std::count(text.begin(), text.end(), '\n') - 1;
+  };
+  {
+    const Recording recording(folder.path(), "a-1", source);
+    wait_until([&] { return rows() == 1; });
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      now = state_at(100.3, 2);
+    }
+    wait_until([&] { return rows() == 2; });
+  }
+  const auto found = console::recordings_in(folder.path());
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].name == "a-1");
+  CHECK(found[0].seconds == Approx(0.3));
+  const common::Json samples = console::read_recording(folder.path(), "a-1");
+  REQUIRE(samples.size() == 2);
+  CHECK(samples[0]["x_mm"] == 1.0);
+  CHECK(samples[0]["target_mm"].is_null());
+  CHECK(samples[1]["target_mm"][0] == 4.0);
+  CHECK(samples[1]["current_A"][0] == 1.5);
+  CHECK(std::filesystem::exists(folder / "a-1.mp4") != std::filesystem::exists(folder / "a-1.avi"));
+  for (const char* name : {"../a-1", "", "a/1", "b"})
+    CHECK_THROWS_AS(console::read_recording(folder.path(), name), common::Error);
+}
