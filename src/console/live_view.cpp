@@ -166,6 +166,7 @@ Json LiveView::json(const BenchState& state) const {
                {"controller", state.controller},
                {"unattended", state.unattended},
                {"attended", state.attended},
+               {"on_A", state.on_A},
                {"run", nullptr},
                {"pose", pose(state, map)},
                {"sample", nullptr},
