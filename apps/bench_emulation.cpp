@@ -4,7 +4,6 @@
 
 #include "bounds.h"
 #include "common_options.h"
-#include "lodestone/common/artefact.h"
 #include "lodestone/experiments/emulation_bench.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/runs/run_folder.h"
@@ -58,16 +57,12 @@ void print_long_run(const EmulationResult& result) {
               result.long_run->faults.size(), result.long_run->largest_current_A);
 }
 
-/// What is measured, and how that is printed.
-struct Part {
-  void (EmulationBench::*measure)();
-  void (*print)(const EmulationResult&);
-};
-constexpr Part kParts[] = {{&EmulationBench::time_round_trips, print_round_trips},
-                           {&EmulationBench::drive_in_real_time, print_real_time},
-                           {&EmulationBench::compare_squares, print_square},
-                           {&EmulationBench::inject_every_fault, print_faults},
-                           {&EmulationBench::inject_for_long, print_long_run}};
+constexpr MeasuredPart<EmulationBench, EmulationResult> kEmulationParts[] = {
+    {&EmulationBench::time_round_trips, print_round_trips},
+    {&EmulationBench::drive_in_real_time, print_real_time},
+    {&EmulationBench::compare_squares, print_square},
+    {&EmulationBench::inject_every_fault, print_faults},
+    {&EmulationBench::inject_for_long, print_long_run}};
 
 void bench_emulation(const CommonOptions& options) {
   auto config = resolve_config<EmulationBenchConfig>(options);
@@ -76,17 +71,7 @@ void bench_emulation(const CommonOptions& options) {
   runs::RunFolder run(
       {options.out, "bench emulation", common::config_to_json(config), config.deployment.seed});
   EmulationBench bench(config, options.out);
-  run.begin();
-  const EmulationResult& result = bench.result();
-  for (const Part& part : kParts) {
-    const std::size_t before = result.figures.size();
-    (bench.*part.measure)();
-    part.print(result);
-    print_bounds(result.figures, before);
-  }
-  common::write_artefact(run.file(EmulationResult::kFile), result);
-  run.finish();
-  check_bounds("bench emulation", result.figures);
+  measure(bench, kEmulationParts, run);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ void add_train_dynamics(Verb& program);
 void add_train_policy(Verb& program);
 void add_adapt(Verb& program);
 void add_deploy(Verb& program);
+void add_console(Verb& program);
 void add_evaluate(Verb& program);
 void add_calibrate(Verb& program);
 void add_rig(Verb& program);
@@ -29,6 +30,7 @@ void add_config(Verb& program);
 /// configuration; written from their declarations.
 void add_completion(Verb& program);
 
+void add_bench_console(Verb& bench);
 void add_bench_emulation(Verb& bench);
 void add_bench_paper(Verb& bench);
 void add_bench_rigs(Verb& bench);

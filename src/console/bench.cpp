@@ -1,4 +1,5 @@
 #include "lodestone/console/bench.h"
+#include "lodestone/common/thread_name.h"
 
 #include <algorithm>
 #include <atomic>
@@ -92,6 +93,7 @@ struct Bench::State {
   // ---- The thread of the bench ----
 
   void drive_bench() {
+    common::name_thread("bench");
     for (;;) {
       std::function<void()> order;
       std::optional<Goal> run;
@@ -392,6 +394,7 @@ struct Bench::State {
 
   void watch() {
     const common::RealtimeThread realtime;
+    common::name_thread("dead-man");
     for (;;) {
       std::optional<std::string> stopped, ended;
       std::shared_ptr<session::RigSession> of;

@@ -1,4 +1,5 @@
 #include "lodestone/console/feed.h"
+#include "lodestone/common/thread_name.h"
 
 #include <chrono>
 #include <condition_variable>
@@ -44,6 +45,7 @@ struct Feed::State {
   std::thread thread;  // last: uses what is above
 
   void run() {
+    common::name_thread("feed");
     std::shared_ptr<const imaging::Frame> frame;
     std::shared_ptr<const std::string> encoded;
     std::unique_lock<std::mutex> lock(mutex);

@@ -1,4 +1,5 @@
 #include "lodestone/console/recording.h"
+#include "lodestone/common/thread_name.h"
 
 #include <fmt/core.h>
 
@@ -96,6 +97,7 @@ struct Recording::State {
   std::thread thread;
 
   void run() {
+    common::name_thread("recording");
     common::SteadyClock wall;
     try {
       for (double next_s = wall.now_s(); !over; next_s += kFrame_s) {

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "lodestone/common/thread_name.h"
+
 namespace lodestone::console {
 
 Worker::~Worker() {
@@ -22,6 +24,7 @@ bool Worker::ask(std::function<void()> action) {
 }
 
 void Worker::run() {
+  common::name_thread("clerk");
   std::unique_lock<std::mutex> lock(mutex_);
   for (;;) {
     changed_.wait(lock, [this] { return over_ || !waiting_.empty(); });

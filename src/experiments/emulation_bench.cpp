@@ -1,11 +1,8 @@
 #include "lodestone/experiments/emulation_bench.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <memory>
-#include <mutex>
-#include <thread>
 #include <utility>
 
 #include "lodestone/common/build_facts.h"
@@ -15,7 +12,9 @@
 #include "lodestone/common/progress.h"
 #include "lodestone/common/statistics.h"
 #include "lodestone/emulation/lockstep_port.h"
+#include "lodestone/experiments/busy_processors.h"
 #include "lodestone/experiments/emulated_rig.h"
+#include "lodestone/experiments/pulse_watch.h"
 #include "lodestone/rig/serial_coils.h"
 
 namespace lodestone::experiments {
@@ -46,74 +45,6 @@ std::vector<TrialPlan> square_plans(const EmulationBenchConfig& config, const De
                                [&](const geometry::Pose2& pose) { return deployment.fits(pose); }));
   return plans;
 }
-
-/// When each pulse began, by the motor controllers' duty.
-class PulseWatch {
- public:
-  explicit PulseWatch(emulation::LiveBench& live) : live_(live) {
-    live_.with([this](emulation::EmulatedBench& bench) {
-      bench.watch = [this, &bench, was_on = false](double now_s, const auto&) mutable {
-        bool on = false;
-        for (int i = 0; i < 2; ++i)
-          for (const double duty : bench.controller(i).duty()) on = on || duty != 0.0;
-        if (on && !was_on) {
-          const std::lock_guard<std::mutex> lock(mutex_);
-          begun_s_.push_back(now_s);
-        }
-        was_on = on;
-      };
-    });
-  }
-  ~PulseWatch() {
-    live_.with([](emulation::EmulatedBench& bench) { bench.watch = nullptr; });
-  }
-  PulseWatch(const PulseWatch&) = delete;
-  PulseWatch& operator=(const PulseWatch&) = delete;
-
-  std::int64_t pulses() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return static_cast<std::int64_t>(begun_s_.size());
-  }
-  /// How far the time between two pulses is from whole periods.
-  std::vector<double> deviations_ms(double period_s) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    std::vector<double> deviations;
-    for (std::size_t i = 1; i < begun_s_.size(); ++i) {
-      const double between_s = begun_s_[i] - begun_s_[i - 1];
-      const double periods = std::round(between_s / period_s);
-      if (periods >= 1.0)  // a step without a pose or with a drive of zero gives no pulse
-        deviations.push_back(1e3 * std::abs(between_s - periods * period_s));
-    }
-    return deviations;
-  }
-
- private:
-  emulation::LiveBench& live_;
-  std::mutex mutex_;
-  std::vector<double> begun_s_;
-};
-
-/// A machine with other things to do: one thread per processor that never rests.
-class BusyProcessors {
- public:
-  BusyProcessors() {
-    for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i)
-      threads_.emplace_back([this] {
-        while (!over_.load(std::memory_order_relaxed)) {
-        }
-      });
-  }
-  ~BusyProcessors() {
-    over_ = true;
-    for (std::thread& thread : threads_) thread.join();
-  }
-  BusyProcessors(const BusyProcessors&) = delete;
-  BusyProcessors& operator=(const BusyProcessors&) = delete;
-
- private:
-  std::atomic<bool> over_{false};
-  std::vector<std::thread> threads_;
-};
 
 ControllerSource source_of(const EmulationBenchConfig& config) {
   std::optional<SimulatorSource> simulator;

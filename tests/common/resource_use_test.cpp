@@ -1,7 +1,11 @@
 #include "lodestone/common/resource_use.h"
 
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <thread>
 #include <vector>
+
+#include "lodestone/common/thread_name.h"
 
 TEST_CASE("the peak of memory rises with what is held, in MB, and does not fall again") {
   const double before_mb = lodestone::common::peak_memory_mb();
@@ -20,4 +24,21 @@ TEST_CASE("processor_seconds grows with work") {
   for (int i = 0; i < 20000000; ++i) sum = sum + 1.0 / (1.0 + i);
   CHECK(before_s > 0.0);
   CHECK(lodestone::common::processor_seconds() > before_s);
+}
+
+TEST_CASE("what threads have used is told by their names") {
+  std::atomic<bool> worked{false}, over{false};
+  std::thread worker([&] {
+    lodestone::common::name_thread("hard-worker");
+    volatile double sum = 0.0;
+    for (int i = 0; i < 20000000; ++i) sum = sum + 1.0 / (1.0 + i);
+    worked = true;
+    while (!over) std::this_thread::yield();
+  });
+  while (!worked) std::this_thread::yield();
+  const auto used_s = lodestone::common::processor_seconds_by_thread();
+  over = true;
+  worker.join();
+  REQUIRE(used_s.count("hard-worker") == 1);
+  CHECK(used_s.size() >= 2);
 }

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <map>
+#include <string>
+
 namespace lodestone::common {
 
 /// Most memory this program has held at a time so far (resident set), in MB of 10^6 bytes.
@@ -8,5 +11,8 @@ double peak_memory_mb();
 /// Processor time that all threads of this program have used so far, in s. Unlike the time on the clock it
 /// hardly grows where other programs want the processors, too.
 double processor_seconds();
+
+/// The same of each thread that is there now, by its name (common/thread_name.h); those of one name together.
+std::map<std::string, double> processor_seconds_by_thread();
 
 }  // namespace lodestone::common

@@ -1,0 +1,211 @@
+#include "lodestone/console/console.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+#include "common_options.h"
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/build_facts.h"
+#include "lodestone/common/files.h"
+#include "lodestone/common/interrupt.h"
+#include "lodestone/common/log.h"
+#include "lodestone/common/shell.h"
+#include "lodestone/experiments/deployment_job.h"
+#include "lodestone/experiments/emulated_rig.h"
+#include "lodestone/nets/blas.h"
+#include "models.h"
+#include "verbs.h"
+
+namespace lodestone::apps {
+namespace {
+
+/// Keys are those of deploy, so that its presets fit, and where the page is served.
+struct ConsoleConfig : experiments::DeployConfig {
+  std::string listen = "127.0.0.1";
+  std::int64_t port = 8642;
+  std::string runs = "runs";
+
+  ConsoleConfig() {
+    deployment.loop.rest_s = 0.2333;  // a period of a third of a second, with pulses that come evenly
+    deployment.loop.decide_s = 0.12;
+    deployment.turn.current_A = 1.5;  // a target that is dragged has a heading
+    deployment.turn.max_current_A = 4.0;
+    deployment.turn.lead_deg = 110.0;
+  }
+  template <class Visitor>
+  void visit(Visitor& v) {
+    DeployConfig::visit(v);
+    v.field(
+        "listen", listen, "",
+        "address that the page is served on; beyond this machine's own only with a token that is printed");
+    v.field("port", port, "", "TCP port of the page; 0: any that is free", {0, 65535});
+    v.field("runs", runs, "", "folder whose runs the page lists");
+  }
+  void validate() const {
+    DeployConfig::validate();
+    if (deployment.sensor.kind != "camera")
+      throw common::ConfigError("sensor.kind = \"" + deployment.sensor.kind +
+                                "\": the console shows what a camera sees; use \"camera\"");
+  }
+};
+
+struct ConsoleOptions : CommonOptions {
+  bool emulate = false;
+  bool virtual_rig = false;
+  bool no_open = false;
+};
+
+std::vector<experiments::ControllerSource> sources(const ConsoleConfig& config,
+                                                   std::optional<task::Region>& region) {
+  const experiments::DeploymentConfig& deployment = config.deployment;
+  std::vector<experiments::ControllerSource> found;
+  std::optional<experiments::SimulatorSource> simulator;
+  if (!config.dynamics.empty()) simulator = experiments::load_simulator(deployment, config.dynamics);
+  const experiments::SimulatorSource* identified_by = simulator ? &*simulator : nullptr;
+  if (simulator) found.push_back(experiments::planner_source(deployment, *simulator));
+  if (!config.policy.empty()) {
+    const inference::Policy policy = inference::load_policy(config.policy);
+    region = policy.region;
+    found.push_back(experiments::policy_source(deployment, policy, config.policy, identified_by));
+  }
+  found.push_back(experiments::baseline_source(deployment, identified_by));
+  return found;
+}
+
+/// A rig that can be connected, and how; again after it was gone.
+struct Connected {
+  rig::RigConfig rig;
+  std::function<std::unique_ptr<session::RigSession>()> connect;
+};
+
+Connected emulated(const experiments::DeploymentConfig& config) {
+  const auto made = std::make_shared<experiments::EmulatedRig>(
+      experiments::make_emulated_rig(config.rig, static_cast<std::uint64_t>(config.rig_seed),
+                                     &config.sensor.scene, static_cast<std::uint64_t>(config.sensor_seed)));
+  return {made->description, [made, config] {
+            return session::make_serial_session(
+                made->description, config.sensor, config.safety,
+                [made](const geometry::Pose2& pose) { made->bench->place(pose); });
+          }};
+}
+
+Connected connected(const experiments::DeploymentConfig& config) {
+  if (config.rig.real())
+    return {config.rig, [config] {
+              // Whoever places the needle is at the bench: its place is forgotten, and looked for.
+              return session::make_serial_session(config.rig, config.sensor, config.safety,
+                                                  [](const geometry::Pose2&) {});
+            }};
+  return {config.rig, [config] {
+            session::VirtualSeeds seeds;
+            seeds.rig = static_cast<std::uint64_t>(config.rig_seed);
+            seeds.scene = static_cast<std::uint64_t>(config.sensor_seed);
+            seeds.sensor_noise =
+                common::RandomStream(static_cast<std::uint64_t>(config.seed), "sensor noise of the console");
+            return session::make_virtual_session(config.rig, config.sensor, config.safety, seeds, true);
+          }};
+}
+
+/// The rig as other runs of this program have it.
+std::string write_job_config(const ConsoleConfig& config, const rig::RigConfig& rig,
+                             const std::string& folder) {
+  const experiments::DeploymentConfig& deployment = config.deployment;
+  common::make_folders(folder);
+  const std::string file = folder + "/job.json";
+  common::write_json(file, {{"rig", common::config_to_json(rig)},
+                            {"safety", common::config_to_json(deployment.safety)},
+                            {"sensor", common::config_to_json(deployment.sensor)}});
+  return file;
+}
+
+/// What can be started from the page. A rig that is there is let go of meanwhile; of a virtual one each has
+/// its own.
+std::vector<console::JobKind> jobs(const ConsoleConfig& config, const rig::RigConfig& rig,
+                                   const std::string& folder) {
+  const std::string file = write_job_config(config, rig, folder);
+  const auto run = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), own_path());
+    words.insert(words.end(), {"--config", file, "--out", "{out}"});
+    return words;
+  };
+  const bool real = rig.real();
+  std::vector<console::JobKind> kinds = {
+      {"collect",
+       run({"collect", "--set", "transitions=1000", "--set", "explorer.self_reset=true"}),
+       {},
+       real}};
+  if (!config.dynamics.empty())
+    kinds.push_back({"adapt", run({"adapt", "--models", config.dynamics, "--pulses", "1000"}), {}, real});
+  if (!real) return kinds;
+  kinds.push_back({"calibrate", run({"calibrate"}), {}, true});
+  session::RigCheckConfig check;
+  check.rig = rig;
+  check.safety = config.deployment.safety;
+  check.safety.max_current_A = std::min(check.safety.max_current_A, rig.coils.max_current_A);
+  check.sensor = config.deployment.sensor;
+  kinds.push_back({"rig check",
+                   {},
+                   [check](session::Dialogue& dialogue) { session::check_rig(check, {}, dialogue); },
+                   true});
+  return kinds;
+}
+
+void open_in_browser(const std::string& url) {
+  if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
+  const std::string command = "xdg-open " + common::shell_quoted(url) + " >/dev/null 2>&1 &";
+  if (std::system(command.c_str()) != 0) common::log_info("no browser was found: open " + url + " in one");
+}
+
+void console(const ConsoleOptions& given) {
+  ConsoleOptions options = given;
+  if (options.virtual_rig || options.emulate)
+    options.overrides.push_back({"rig.backend=virtual", options.emulate ? "--emulate" : "--virtual"});
+  auto config = resolve_config<ConsoleConfig>(options);
+  if (config.policy.empty() && config.dynamics.empty()) {
+    use_models(options, shipped_folder("models") + "/any_rig");
+    config = resolve_config<ConsoleConfig>(options);
+  }
+  nets::use_one_blas_thread();
+  choose_segmenter(config.deployment.sensor);
+  console::ConsoleParts parts;
+  parts.bench.config = config.deployment;
+  parts.bench.sources = sources(config, parts.region);
+  parts.rig_kind = options.emulate ? "emulated" : config.deployment.rig.real() ? "serial" : "virtual";
+  parts.rig_name = options.rig_file.empty() ? parts.rig_kind + " rig" : options.rig_file;
+  parts.runs = config.runs;
+  parts.folder = options.out.empty() ? config.runs + "/console/" + common::utc_now() : options.out;
+  Connected rig = options.emulate ? emulated(config.deployment) : connected(config.deployment);
+  parts.bench.connect = rig.connect;
+  parts.jobs = jobs(config, rig.rig, parts.folder);
+  parts.address = config.listen;
+  parts.port = static_cast<std::uint16_t>(config.port);
+  const console::Console served(std::move(parts));
+  std::printf("%s\n", served.url().c_str());
+  std::fflush(stdout);
+  if (!options.no_open) open_in_browser(served.url());
+  common::log_info("the console is served there until Ctrl-C");
+  common::SteadyClock clock;
+  while (!common::interrupted()) clock.sleep_until(clock.now_s() + 0.1);
+}
+
+}  // namespace
+
+void add_console(Verb& program) {
+  Verb& verb = program.add_verb("console", "serve a page that shows the rig, drives it, and stops it");
+  auto& options = configure<ConsoleConfig>(verb, console);
+  add_common_options(verb, options);
+  add_virtual_rig_options(verb, options);
+  add_models_option(verb, options);
+  verb.add_option("--virtual", &options.virtual_rig, "on a simulated rig, whatever rig.json says");
+  verb.add_option("--emulate", &options.emulate,
+                  "on an emulated bench: the real firmware, a GigE Vision camera");
+  verb.add_option("--no-open", &options.no_open, "do not open the page in a browser");
+  add_shorthand(verb, options, "--port", "port", Shorthand::kValue, "TCP port of the page");
+  add_shorthand(verb, options, "--listen", "listen", Shorthand::kText,
+                "address to serve on, such as 0.0.0.0; the page then needs the token that is printed");
+}
+
+}  // namespace lodestone::apps

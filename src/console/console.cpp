@@ -1,0 +1,531 @@
+#include "lodestone/console/console.h"
+
+#include <fmt/chrono.h>
+#include <fmt/core.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <future>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "lodestone/common/build_facts.h"
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+#include "lodestone/common/log.h"
+#include "lodestone/console/access.h"
+#include "lodestone/console/drawn_path.h"
+#include "lodestone/console/feed.h"
+#include "lodestone/console/jobs.h"
+#include "lodestone/console/live_view.h"
+#include "lodestone/console/messages.h"
+#include "lodestone/console/recording.h"
+#include "lodestone/console/seat.h"
+#include "lodestone/console/served_files.h"
+#include "lodestone/console/session_log.h"
+#include "lodestone/console/web_server.h"
+#include "lodestone/console/worker.h"
+#include "lodestone/rig/rendered_camera.h"
+#include "lodestone/runs/plan.h"
+#include "page_files.h"
+
+namespace lodestone::console {
+namespace {
+
+using common::Json;
+using geometry::Vector2;
+
+constexpr const char* kRecordings = "/recordings/";
+constexpr const char* kRuns = "/runs/";
+
+std::string text_of(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);  // names of files are any bytes
+}
+
+std::string name_of_now() {
+  return fmt::format("{:%Y%m%d-%H%M%S}",
+                     fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
+}
+
+}  // namespace
+
+struct Console::State {
+  explicit State(ConsoleParts given)
+      : parts(std::move(given)),
+        recordings(parts.folder + "/recordings"),
+        log(parts.folder),
+        view(parts.bench.config.rig, parts.bench.config.safety),
+        token(is_loopback(parts.address) ? "" : draw_token()),
+        files({{kRuns, parts.runs}, {kRecordings, recordings}}) {
+    common::make_folders(recordings);
+    parts.bench.tell = [this](const BenchEvent& event) { tell(event); };
+    bench = std::make_unique<Bench>(parts.bench);
+    jobs = std::make_unique<Jobs>(*bench, parts.jobs, parts.runs,
+                                  [this](const std::string& text) { tell(BenchEvent::Level::kInfo, text); });
+    Feed::Source source;
+    source.image = [this] { return bench->image(); };
+    source.now_s = [this] { return bench->state().now_s; };
+    source.send_image = [this](PageId page, const auto& image) { send(page, image); };
+    source.send_state = [this](PageId page) { send_state(page); };
+    feed = std::make_unique<Feed>(std::move(source));
+    WebServerHandlers handlers;
+    handlers.pages = [this](const RequestHead& head) { return page(head); };
+    handlers.opened = [this](PageId page) { opened(page); };
+    handlers.text = [this](PageId page, const std::string& text) { heard(page, text); };
+    handlers.closed = [this](PageId page) { closed(page); };
+    handlers.farewell = [](const std::string& why) { return text_of({{"kind", "bye"}, {"text", why}}); };
+    WebServerConfig config;
+    config.address = parts.address;
+    config.port = parts.port;
+    config.max_message_bytes = kMostMessageBytes;
+    server = std::make_unique<WebServer>(config, Access(!token.empty(), token), std::move(handlers));
+    ready = true;
+    constructed.set_value();
+  }
+
+  ~State() {
+    clerk.reset();
+    recording.reset();
+    jobs.reset();
+    bench.reset();   // stops a run; what it tells is on record,
+    server.reset();  // and sent
+    feed.reset();
+  }
+
+  ConsoleParts parts;
+  std::string recordings;
+  SessionLog log;
+  LiveView view;
+  std::string token;  // empty on the loopback
+  ServedFiles files;
+  common::SteadyClock wall;
+  std::mutex mutex;  // of what follows
+  Seat seat;
+  std::map<PageId, bool> pages;
+  std::optional<geometry::Path> planned;
+  std::unique_ptr<Recording> recording;
+  std::atomic<bool> ready{false};
+  std::promise<void> constructed;
+  std::shared_future<void> is_constructed{constructed.get_future()};
+  std::unique_ptr<Bench> bench;
+  std::unique_ptr<Jobs> jobs;
+  std::unique_ptr<Feed> feed;
+  std::unique_ptr<WebServer> server;
+  std::unique_ptr<Worker> clerk = std::make_unique<Worker>();  // reads and writes files
+
+  // ---- What pages are told ----
+
+  void tell(const BenchEvent& event) {
+    const Json json = log.add(event);
+    if (ready) broadcast(json);
+  }
+  void tell(BenchEvent::Level level, const std::string& text) { tell({level, bench->state().now_s, text}); }
+
+  /// Nothing before the server is there.
+  template <class Content>
+  void send(PageId page, const Content& content) {
+    if (ready) server->send(page, content);
+  }
+
+  void broadcast(const Json& json) {
+    std::vector<PageId> all;
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      for (const auto& [page, unused] : pages) all.push_back(page);
+    }
+    const std::string text = text_of(json);
+    for (const PageId page : all) send(page, text);
+  }
+
+  void answer(PageId page, const char* to, const std::string& why_not) {
+    send(page, text_of({{"kind", "answer"}, {"to", to}, {"ok", why_not.empty()}, {"text", why_not}}));
+  }
+  Bench::Done answer_to(PageId page, const char* to) {
+    return [this, page, to](const std::string& why_not) { answer(page, to, why_not); };
+  }
+
+  Json hello(PageId page) const {
+    const experiments::DeploymentConfig& config = parts.bench.config;
+    Json controllers = Json::array();
+    for (const auto& source : parts.bench.sources) controllers.push_back(source.name);
+    Json samples = Json::array();
+    for (const BenchSample& sample : bench->samples()) samples.push_back(LiveView::json(sample));
+    const auto image = bench->image();
+    return {
+        {"kind", "hello"},
+        {"you", page},
+        {"version", common::build_and_host_facts()["lodestone"]},
+        {"rig", {{"name", parts.rig_name}, {"kind", parts.rig_kind}}},
+        {"image",
+         {{"width_px", image ? image->image.cols : 1280}, {"height_px", image ? image->image.rows : 1024}}},
+        {"controllers", controllers},
+        {"shapes", {"centre", "square", "circle"}},
+        {"jobs", jobs->verbs()},
+        {"period_s", config.loop.period_s()},
+        {"max_current_A", config.rig.coils.max_current_A},
+        {"dish_radius_mm", geometry::kMmPerM * config.rig.dish.radius_m},
+        {"samples", samples},
+        {"events", log.last()}};
+  }
+
+  void send_state(PageId page) {
+    Json json = view.json(bench->state());
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      settle();
+      const auto number = [](const std::optional<PageId>& id) { return id ? Json(*id) : Json(); };
+      json["you_operate"] = seat.operates(page);
+      json["operator"] = number(seat.operating());
+      json["asking"] = number(seat.asking());
+      json["asking_left_s"] = seat.asking() ? Json(seat.answer_left_s(wall.now_s())) : Json();
+      json["viewers"] = pages.size();
+      json["recording"] = recording != nullptr;
+      json["job"] = jobs->now();
+      json["question"] = jobs->question();
+    }
+    send(page, text_of(json));
+  }
+
+  /// Under the mutex: who asked for the seat and waited long enough has it.
+  void settle() {
+    if (seat.settle(wall.now_s())) bench->handed_over(seat.operating().has_value());
+  }
+
+  // ---- What pages ask for ----
+
+  Response page(const RequestHead& head) {
+    if (auto file = files.find(head)) return *std::move(file);
+    const std::string path = head.target.substr(0, head.target.find('?'));
+    for (const PageFile& file : page_files())
+      if (path == file.path || (path == "/" && std::string(file.path) == "/index.html")) {
+        Response response;
+        response.content_type = file.content_type;
+        response.body = file.content;
+        return response;
+      }
+    return told(404, "there is nothing here");
+  }
+
+  void opened(PageId page) {
+    is_constructed.wait();  // a page may be quicker than our constructor
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      pages[page] = true;
+    }
+    send(page, text_of(hello(page)));
+  }
+
+  void closed(PageId page) {
+    feed->forget(page);
+    const std::lock_guard<std::mutex> lock(mutex);
+    pages.erase(page);
+    const bool operated = seat.operates(page);
+    seat.leave(page, wall.now_s());
+    if (operated) bench->handed_over(seat.operating().has_value());
+  }
+
+  void heard(PageId page, const std::string& text) {
+    std::optional<Message> message;
+    try {
+      message = parse_message(text);
+    } catch (const common::DataError& error) {
+      if (ready) server->close(page, text_of({{"kind", "bye"}, {"text", error.what()}}));
+      return;
+    }
+    if (needs_the_seat(*message)) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (!seat.operates(page)) {
+        answer(page, name_of(*message), "another page operates: ask for it first");
+        return;
+      }
+    }
+    std::visit([this, page](const auto& said) { obey(page, said); }, *message);
+  }
+
+  void obey(PageId page, const WantsImage&) {
+    bench->watched();
+    feed->want_image(page);
+  }
+  void obey(PageId page, const WantsState&) {
+    bench->watched();
+    feed->want_state(page);
+  }
+  void obey(PageId page, const Beat& beat) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      seat.beat(page, wall.now_s());
+      if (!seat.operates(page)) return;
+    }
+    bench->beat(beat.visible, beat.focused);
+  }
+  void obey(PageId page, const StopAsked& stop) {
+    bench->stop(fmt::format("page {} said stop ({})", page, stop.by));
+    jobs->end();
+    answer(page, StopAsked::kWord, "");
+  }
+  void obey(PageId page, const Operate&) {
+    bool granted = false;
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      const bool before = seat.operates(page);
+      granted = seat.ask(page, wall.now_s());
+      if (granted && !before) bench->handed_over(true);
+    }
+    answer(page, Operate::kWord, granted ? "" : "the operator is asked");
+    if (granted) tell(BenchEvent::Level::kInfo, fmt::format("page {} operates", page));
+  }
+  void obey(PageId page, const Yield&) {
+    std::optional<PageId> next;
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      seat.yield(page, wall.now_s());
+      next = seat.operating();
+      bench->handed_over(next.has_value());
+    }
+    tell(BenchEvent::Level::kInfo, next ? fmt::format("page {} operates: page {} handed over", *next, page)
+                                        : fmt::format("page {} operates no longer", page));
+  }
+  void obey(PageId page, const Refuse&) {
+    std::optional<PageId> asked;
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      asked = seat.asking();
+      seat.refuse(page);
+    }
+    if (asked) answer(*asked, Operate::kWord, "the operator keeps the seat");
+  }
+  void obey(PageId page, const Arm&) { bench->arm(answer_to(page, Arm::kWord)); }
+  void obey(PageId page, const Disarm&) { bench->disarm(answer_to(page, Disarm::kWord)); }
+  void obey(PageId page, const Rearm& rearm) { bench->rearm(rearm.reason, answer_to(page, Rearm::kWord)); }
+  void obey(PageId page, const ChooseController& choice) {
+    answer(page, ChooseController::kWord, bench->choose(choice.name));
+  }
+  void obey(PageId page, const Unattended& wish) {
+    answer(page, Unattended::kWord, bench->set_unattended(wish.on));
+  }
+
+  void obey(PageId page, const Go& go) {
+    const BenchState now = bench->state();
+    if (!now.camera)
+      return answer(page, Go::kWord, "the camera is not calibrated yet: nobody knows where that is");
+    const ImageMap map(*now.camera);
+    Goal goal;
+    goal.task = "point";
+    goal.target_m = map.to_dish(go.to);
+    if (go.towards) {
+      const Vector2 along_m = map.to_dish(*go.towards) - goal.target_m;
+      goal.heading_rad = std::atan2(along_m.y(), along_m.x());
+    }
+    begin(page, Go::kWord, goal);
+  }
+
+  void begin(PageId page, const char* word, const Goal& goal) {
+    if (!goal.path)
+      if (const std::string why_not = reachable().why_not(goal.target_m); !why_not.empty())
+        return answer(page, word, why_not);
+    answer(page, word, bench->drive(goal));
+  }
+
+  Reachable reachable() const {
+    const experiments::DeploymentConfig& config = parts.bench.config;
+    return {config.rig, config.safety.geofence * config.rig.dish.radius_m, parts.region};
+  }
+
+  void obey(PageId page, const DrawnStroke& stroke) {
+    const BenchState now = bench->state();
+    if (!now.camera)
+      return answer(page, DrawnStroke::kWord, "the camera is not calibrated yet: nobody knows where that is");
+    const ImageMap map(*now.camera);
+    std::vector<Vector2> points_m;
+    for (const ImagePlace& place : stroke.points) points_m.push_back(map.to_dish(place));
+    plan(page, [&] { return smoothed(points_m, stroke.closed); });
+  }
+  void obey(PageId page, const DrawnCsv& csv) {
+    const std::string file = parts.folder + "/drawn.csv";
+    plan(page, [&] {
+      common::write_file_atomically(file, csv.text);
+      return geometry::Path::from_csv(file);
+    });
+  }
+  void obey(PageId page, const DrawnShape& shape) {
+    const experiments::TrialsConfig& trials = parts.bench.config.trials;
+    if (shape.name == "centre") {
+      Goal goal;
+      goal.task = "centre";
+      return begin(page, DrawnShape::kWord, goal);
+    }
+    if (shape.name == "square")
+      return plan(page, [&] { return geometry::Path::square(trials.square_side_m); });
+    if (shape.name == "circle")
+      return plan(page, [&] { return geometry::Path::circle(trials.circle_radius_m); });
+    answer(page, DrawnShape::kWord, "there is no such shape");
+  }
+
+  /// Checks a path and shows it as it would be followed.
+  template <class Make>
+  void plan(PageId page, const Make& make) {
+    Json told = {
+        {"kind", "plan"}, {"ok", false}, {"text", ""}, {"points", Json::array()}, {"bad", Json::array()}};
+    std::optional<geometry::Path> path;
+    try {
+      path = make();
+    } catch (const common::Error& error) {
+      told["text"] = error.what();
+    }
+    if (path) {
+      const PathObjection objection = object_to(*path, reachable());
+      const BenchState now = bench->state();
+      told["ok"] = objection.why_not.empty();
+      told["text"] = objection.why_not;
+      told["length_mm"] = geometry::kMmPerM * path->length_m();
+      told["seconds"] = path->length_m() / parts.bench.config.reference.speed_m_s;
+      if (now.camera) {
+        const ImageMap map(*now.camera);
+        told["points"] = map.json(path->points_m());
+        told["bad"] = map.json(objection.bad_m);
+      }
+      if (!objection.why_not.empty()) path.reset();
+    }
+    bench->show_plan(path ? path->points_m() : std::vector<Vector2>{});
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      planned = std::move(path);
+    }
+    send(page, text_of(told));
+  }
+
+  void obey(PageId page, const Follow&) {
+    Goal goal;
+    goal.task = "path";
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      goal.path = planned;
+    }
+    if (!goal.path) return answer(page, Follow::kWord, "draw a path first");
+    begin(page, Follow::kWord, goal);
+  }
+  void obey(PageId page, const Hand& hand) {
+    if (const std::string why_not = bench->hold(hand.drive); !why_not.empty())
+      answer(page, Hand::kWord, why_not);
+  }
+  void obey(PageId page, const EndRun&) { answer(page, EndRun::kWord, bench->end_run()); }
+  void obey(PageId page, const PlaceNeedle&) { bench->place(answer_to(page, PlaceNeedle::kWord)); }
+
+  void obey(PageId page, const Record& record) {
+    ask_clerk(page, Record::kWord, [this, page, on = record.on] {
+      std::string why_not;
+      try {
+        on ? begin_recording() : end_recording();
+      } catch (const common::Error& error) {
+        why_not = error.what();
+      }
+      answer(page, Record::kWord, why_not);
+    });
+  }
+  void ask_clerk(PageId page, const char* word, std::function<void()> action) {
+    if (!clerk->ask(std::move(action))) answer(page, word, "too much is asked for at once");
+  }
+  void begin_recording() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (recording) return;
+    }
+    auto made = start_recording();
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      recording = std::move(made);
+    }
+    tell(BenchEvent::Level::kInfo, "recording");
+  }
+  void end_recording() {
+    std::unique_ptr<Recording> ended;
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      ended = std::move(recording);
+    }
+    if (!ended) return;
+    ended.reset();  // closes the film
+    tell(BenchEvent::Level::kInfo, "the recording is kept");
+  }
+  std::unique_ptr<Recording> start_recording() {
+    Recording::Source source;
+    source.state = [this] { return bench->state(); };
+    source.image = [this] { return bench->image(); };
+    source.bench = rig::bench_of(parts.bench.config.rig);
+    source.max_current_A = parts.bench.config.rig.coils.max_current_A;
+    source.failed = [this](const std::string& why) {
+      tell(BenchEvent::Level::kWarning, "the recording has ended: " + why);
+    };
+    return std::make_unique<Recording>(recordings, name_of_now(), std::move(source));
+  }
+
+  void obey(PageId page, const ListRuns&) {
+    ask_clerk(page, ListRuns::kWord, [this, page] { list_runs(page); });
+  }
+  void list_runs(PageId page) {
+    Json runs = Json::array();
+    try {
+      for (const runs::StatusRow& row : runs::status_of(parts.runs)) {
+        if (!row.state) continue;
+        const bool report = std::filesystem::exists(parts.runs + "/" + row.name + "/report.html");
+        runs.push_back({{"name", row.name},
+                        {"verb", row.state->verb},
+                        {"state", row.state->finished ? "finished"
+                                  : row.running       ? "running"
+                                                      : "stopped"},
+                        {"done", row.state->done},
+                        {"total", row.state->total},
+                        {"unit", row.state->unit},
+                        {"note", row.state->note},
+                        {"updated_utc", row.state->updated_utc},
+                        {"report", report ? Json(kRuns + row.name + "/report.html") : Json()}});
+      }
+    } catch (const common::Error&) {
+      // A folder without runs.
+    }
+    Json films = Json::array();
+    for (const RecordingInfo& info : recordings_in(recordings))
+      films.push_back({{"name", info.name},
+                       {"video", info.video ? Json(kRecordings + info.name + ".mp4") : Json()},
+                       {"seconds", info.seconds}});
+    send(page, text_of({{"kind", "runs"}, {"runs", runs}, {"recordings", films}}));
+  }
+  void obey(PageId page, const Replay& replay) {
+    ask_clerk(page, Replay::kWord, [this, page, name = replay.name] { send_recording(page, name); });
+  }
+  void send_recording(PageId page, const std::string& name) {
+    try {
+      const Json samples = read_recording(recordings, name);
+      const bool film = std::filesystem::exists(recordings + "/" + name + ".mp4");
+      send(page, text_of({{"kind", "replay"},
+                          {"name", name},
+                          {"video", film ? Json(kRecordings + name + ".mp4") : Json()},
+                          {"samples", samples}}));
+    } catch (const common::Error& error) {
+      answer(page, Replay::kWord, error.what());
+    }
+  }
+  void obey(PageId page, const StartJob& job) {
+    answer(page, StartJob::kWord, job.verb ? jobs->start(*job.verb) : jobs->end());
+  }
+  void obey(PageId page, const Answer& given) { answer(page, Answer::kWord, jobs->answer(given.yes)); }
+};
+
+Console::Console(ConsoleParts parts) : state_(std::make_unique<State>(std::move(parts))) {}
+
+Console::~Console() = default;
+
+std::uint16_t Console::port() const { return state_->server->port(); }
+
+BenchState Console::state() const { return state_->bench->state(); }
+
+std::string Console::url() const {
+  const std::string& token = state_->token;
+  return fmt::format("http://{}:{}/{}", state_->parts.address, state_->server->port(),
+                     token.empty() ? "" : "?token=" + token);
+}
+
+}  // namespace lodestone::console

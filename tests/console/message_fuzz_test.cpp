@@ -1,0 +1,85 @@
+#include <catch2/catch.hpp>
+#include <set>
+
+#include "fuzz/fuzz.h"
+#include "lodestone/console/messages.h"
+
+using namespace lodestone;
+using namespace lodestone::console;
+
+namespace {
+
+const std::vector<std::string> kMessages = {
+    R"({"do": "more", "of": "image"})",
+    R"({"do": "more", "of": "state"})",
+    R"({"do": "beat", "visible": true, "focused": false})",
+    R"({"do": "stop", "by": "space"})",
+    R"({"do": "operate"})",
+    R"({"do": "yield"})",
+    R"({"do": "refuse"})",
+    R"({"do": "arm"})",
+    R"({"do": "disarm"})",
+    R"({"do": "rearm", "reason": "the operator's page is silent"})",
+    R"({"do": "controller", "name": "planner"})",
+    R"({"do": "unattended", "on": true})",
+    R"({"do": "go", "to": [0.5, 0.25], "towards": [0.6, 0.25]})",
+    R"({"do": "draw", "points": [[0.1, 0.1], [0.2, 0.3], [0.5, 0.5]], "closed": true})",
+    R"({"do": "draw", "csv": "x_m,y_m\n0,0\n0.01,0\n"})",
+    R"({"do": "draw", "shape": "square"})",
+    R"({"do": "follow"})",
+    R"({"do": "hand", "drive": [-1, 0.25]})",
+    R"({"do": "end"})",
+    R"({"do": "place"})",
+    R"({"do": "record", "on": false})",
+    R"({"do": "runs"})",
+    R"({"do": "replay", "name": "20260101-120000"})",
+    R"({"do": "job", "verb": "collect"})",
+    R"({"do": "job", "verb": null})",
+    R"({"do": "answer", "yes": true})"};
+
+/// What has to be true of whatever was read.
+struct Sane {
+  void operator()(const Go& go) const {
+    check(go.to.allFinite() && go.to.cwiseAbs().maxCoeff() <= 2.0);
+    if (go.towards) check(go.towards->allFinite());
+  }
+  void operator()(const Hand& hand) const { check(hand.drive.cwiseAbs().maxCoeff() <= 1.0); }
+  void operator()(const DrawnStroke& stroke) const {
+    check(stroke.points.size() >= 2 && stroke.points.size() <= kMostDrawnPoints);
+  }
+  template <class Other>
+  void operator()(const Other&) const {}
+
+ private:
+  static void check(bool sane) {
+    if (!sane) FAIL("a message that was read is out of its range");
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a spoiled message is refused, or read as one that keeps to its range", "[soak]") {
+  const tests::Soak soak("spoiled messages", 20'000, 10'000'000);
+  tests::Spoiler spoiler(soak.seed(), "messages");
+  std::string text;
+  std::set<std::string> words;
+  std::int64_t read = 0;
+  tests::fuzz(
+      soak,
+      [&] {
+        const std::string& good = spoiler.one_of(kMessages);
+        text = spoiler.below(2) == 0 ? spoiler.bytes(good, spoiler.one_of(kMessages))
+                                     : spoiler.json(common::Json::parse(good))
+                                           .dump(-1, ' ', false, common::Json::error_handler_t::replace);
+      },
+      [&] {
+        const Message message = parse_message(text);
+        std::visit(Sane{}, message);
+        words.insert(name_of(message));
+        needs_the_seat(message);
+        ++read;
+      });
+  CHECK(read > soak.count() / 100);
+  CHECK(read < soak.count());
+  CHECK(words.size() > 15);
+}
