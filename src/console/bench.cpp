@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/priority_mutex.h"
 #include "lodestone/common/random.h"
 #include "lodestone/common/realtime.h"
 #include "lodestone/console/attendance.h"
@@ -54,8 +55,8 @@ struct Bench::State {
 
   Parts parts;
   common::SteadyClock wall;
-  mutable std::mutex mutex;  // of what follows; never held while the rig is asked
-  std::condition_variable changed;
+  mutable common::PriorityMutex mutex;  // of what follows; never held while the rig is asked
+  std::condition_variable_any changed;
   BenchState shown;
   std::deque<BenchSample> samples;
   std::deque<std::function<void()>> orders;
@@ -82,7 +83,7 @@ struct Bench::State {
   void tell(Level level, const std::string& text) {
     double now_s = 0.0;
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       now_s = now();
     }
     parts.tell({level, now_s, text});
@@ -99,7 +100,7 @@ struct Bench::State {
       std::optional<Goal> run;
       bool connected = false;
       {
-        std::unique_lock<std::mutex> lock(mutex);
+        std::unique_lock<common::PriorityMutex> lock(mutex);
         if (over) return;
         wake.clear();
         connected = session != nullptr;
@@ -125,14 +126,14 @@ struct Bench::State {
   void connect() {
     bool may = false;
     {
-      std::unique_lock<std::mutex> lock(mutex);
+      std::unique_lock<common::PriorityMutex> lock(mutex);
       may = !released;
       if (released) changed.wait_for(lock, seconds(kLook_s), [this] { return over || !orders.empty(); });
     }
     if (!may) return;
     try {
       std::shared_ptr<session::RigSession> made = parts.connect();
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       session = std::move(made);
       pulses = std::make_shared<PulseLog>(session->coils(), session->clock(), parts.config.loop.period_s());
       shown.mode = stopped_before ? Mode::kStopped : Mode::kDisarmed;
@@ -142,7 +143,7 @@ struct Bench::State {
       seen_s = wall.now_s();
       note_camera();
     } catch (const common::Error& error) {
-      std::unique_lock<std::mutex> lock(mutex);
+      std::unique_lock<common::PriorityMutex> lock(mutex);
       const bool known = shown.reason == error.what();
       shown.reason = error.what();
       lock.unlock();
@@ -163,7 +164,7 @@ struct Bench::State {
   void disconnect(const std::string& reason) {
     std::shared_ptr<session::RigSession> gone;
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       if (shown.mode == Mode::kStopped) stopped_before = shown.reason;
       shown.mode = Mode::kDisconnected;
       shown.reason = reason;
@@ -183,7 +184,7 @@ struct Bench::State {
     bool look = false;
     bool stopped = false;
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       look = now_s - looked_s >= kLook_s && (now_s - watched_s < kWatched_s || shown.mode == Mode::kArmed);
       stopped = shown.mode == Mode::kStopped;
     }
@@ -204,7 +205,7 @@ struct Bench::State {
     }
     if (!estimate.fault) seen_s = wall.now_s();
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       note_camera();
       shown.pose = estimate;
       if (estimate.valid) remember(estimate.pose.position_m());
@@ -221,7 +222,7 @@ struct Bench::State {
       const rig::CoilStatus status = session->coils().status();
       std::string why_not;
       if (stopped) why_not = cause();
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       shown.clears = stopped && !status.faults.empty();
       shown.why_not = shown.clears ? "" : why_not;
       reported = status;
@@ -240,7 +241,7 @@ struct Bench::State {
     } catch (const common::HardwareError& error) {
       return error.what();
     }
-    const std::lock_guard<std::mutex> lock(mutex);
+    const std::lock_guard<common::PriorityMutex> lock(mutex);
     return shown.pose && shown.pose->fault ? shown.pose->reason : "";
   }
 
@@ -289,7 +290,7 @@ struct Bench::State {
     const bool by_hand = to.task == kHand;
     std::string name;
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       name = shown.controller;
     }
     const experiments::ControllerSource& driver = source(name);
@@ -308,7 +309,7 @@ struct Bench::State {
         parts.config.loop, by_hand ? by_hand_action : driver.action, *pulses, session->sensor(),
         session->clock(), by_hand ? nullptr : &parts.config.rig, by_hand ? nullptr : identifier.get());
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       if (shown.mode != Mode::kArmed) return;
       shown.unattended = !by_hand && std::exchange(unattended_next, false);
       const auto driving = by_hand            ? Driving::kByHand
@@ -341,7 +342,7 @@ struct Bench::State {
   }
 
   void note(const control::StepRecord& step) {
-    const std::lock_guard<std::mutex> lock(mutex);
+    const std::lock_guard<common::PriorityMutex> lock(mutex);
     note_camera();
     shown.pose = step.estimate;
     if (step.estimate.valid) remember(step.estimate.pose.position_m());
@@ -357,7 +358,7 @@ struct Bench::State {
     std::string reason = outcome.stop_reason;
     Ending how = Ending::kNone;
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       how = ending;
       attendance.end();
       loop.reset();
@@ -377,7 +378,7 @@ struct Bench::State {
   }
 
   void stop(const std::string& reason) {
-    const std::lock_guard<std::mutex> lock(mutex);
+    const std::lock_guard<common::PriorityMutex> lock(mutex);
     if (shown.mode == Mode::kStopped || !session) return;
     shown.mode = Mode::kStopped;
     shown.reason = reason;
@@ -401,7 +402,7 @@ struct Bench::State {
       std::shared_ptr<control::ControlLoop> running;
       std::shared_ptr<PulseLog> through;  // what the loop stops through
       {
-        std::unique_lock<std::mutex> lock(mutex);
+        std::unique_lock<common::PriorityMutex> lock(mutex);
         changed.wait_for(lock, seconds(kWatch_s), [this] { return over || stop_wanted || end_wanted; });
         if (over && !stop_wanted) return;
         const std::optional<std::string> lapse = loop ? attendance.lapse(wall.now_s()) : std::nullopt;
@@ -447,7 +448,7 @@ struct Bench::State {
 
   /// Something that only the bench's thread may do; `done` is told what it throws.
   void order(Done done, std::function<void()> action) {
-    const std::lock_guard<std::mutex> lock(mutex);
+    const std::lock_guard<common::PriorityMutex> lock(mutex);
     orders.push_back([done = std::move(done), action = std::move(action)] {
       std::string why_not;
       try {
@@ -462,11 +463,11 @@ struct Bench::State {
   }
 
   void need(Mode mode, const char* otherwise) const {
-    const std::lock_guard<std::mutex> lock(mutex);
+    const std::lock_guard<common::PriorityMutex> lock(mutex);
     if (shown.mode != mode) throw common::HardwareError(otherwise);
   }
   void enter(Mode mode) {
-    const std::lock_guard<std::mutex> lock(mutex);
+    const std::lock_guard<common::PriorityMutex> lock(mutex);
     shown.mode = mode;
     if (mode == Mode::kArmed) shown.reason.clear();
   }
@@ -478,7 +479,7 @@ Bench::~Bench() {
   State& state = *state_;
   if (this->state().mode == Mode::kRunning) stop("the console ends");
   {
-    const std::lock_guard<std::mutex> lock(state.mutex);
+    const std::lock_guard<common::PriorityMutex> lock(state.mutex);
     state.over = true;
     state.wake.raise();
     state.changed.notify_all();
@@ -526,7 +527,7 @@ void Bench::place(Done done) {
     if (!state.session) throw common::HardwareError("the rig is not connected");
     state.session->place({});
     state.identifiers.clear();
-    const std::lock_guard<std::mutex> lock(state.mutex);
+    const std::lock_guard<common::PriorityMutex> lock(state.mutex);
     state.shown.trail_m.clear();
     state.shown.pose.reset();
   });
@@ -535,7 +536,7 @@ void Bench::place(Done done) {
 void Bench::let_go(const std::string& reason, Done done) {
   state_->order(std::move(done), [this, reason] {
     {
-      const std::lock_guard<std::mutex> lock(state_->mutex);
+      const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
       state_->released = true;
     }
     if (state_->session) state_->disconnect(reason);
@@ -543,14 +544,14 @@ void Bench::let_go(const std::string& reason, Done done) {
 }
 
 void Bench::take_up() {
-  const std::lock_guard<std::mutex> lock(state_->mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
   state_->released = false;
   state_->changed.notify_all();
 }
 
 std::string Bench::choose(const std::string& controller) {
   State& state = *state_;
-  const std::lock_guard<std::mutex> lock(state.mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state.mutex);
   if (state.shown.mode == Mode::kRunning) return "a run is under way: end it first";
   if (controller != kHand && state.source(controller).name != controller)
     return "there is no controller " + controller;
@@ -560,7 +561,7 @@ std::string Bench::choose(const std::string& controller) {
 
 std::string Bench::set_unattended(bool on) {
   State& state = *state_;
-  const std::lock_guard<std::mutex> lock(state.mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state.mutex);
   if (state.shown.mode == Mode::kRunning) return "a run is under way: it stays as it was begun";
   state.unattended_next = on;
   return "";
@@ -586,7 +587,7 @@ std::string why_not_in(Mode mode) {
 
 std::string Bench::drive(const Goal& goal) {
   State& state = *state_;
-  const std::lock_guard<std::mutex> lock(state.mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state.mutex);
   if (const std::string why_not = why_not_in(state.shown.mode); !why_not.empty()) return why_not;
   if (state.shown.controller == kHand) return "the needle is driven by hand: choose a controller";
   if (state.shown.mode == Mode::kArmed) {
@@ -601,13 +602,13 @@ std::string Bench::drive(const Goal& goal) {
 }
 
 void Bench::show_plan(const std::vector<geometry::Vector2>& points_m) {
-  const std::lock_guard<std::mutex> lock(state_->mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
   if (state_->shown.mode != Mode::kRunning) state_->shown.plan_m = points_m;
 }
 
 std::string Bench::hold(const geometry::Vector2& drive) {
   State& state = *state_;
-  const std::lock_guard<std::mutex> lock(state.mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state.mutex);
   state.hand.hold(drive);
   if (drive.isZero()) {
     state.goal.reset();
@@ -629,7 +630,7 @@ std::string Bench::hold(const geometry::Vector2& drive) {
 
 std::string Bench::end_run() {
   State& state = *state_;
-  const std::lock_guard<std::mutex> lock(state.mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state.mutex);
   state.goal.reset();
   if (!state.loop) return "nothing is running";
   state.end_wanted = "the operator has ended it";
@@ -640,18 +641,18 @@ std::string Bench::end_run() {
 void Bench::stop(const std::string& reason) { state_->stop(reason); }
 
 void Bench::beat(bool visible, bool focused) {
-  const std::lock_guard<std::mutex> lock(state_->mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
   state_->attendance.beat(state_->wall.now_s(), visible, focused);
 }
 
 void Bench::handed_over(bool to_somebody) {
-  const std::lock_guard<std::mutex> lock(state_->mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
   if (to_somebody) state_->attendance.handed_over(state_->wall.now_s());
 }
 
 BenchState Bench::state() const {
   const State& state = *state_;
-  const std::lock_guard<std::mutex> lock(state.mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state.mutex);
   BenchState shown = state.shown;
   shown.now_s = state.now();
   if (state.pulses) shown.on_A = state.pulses->on_A(shown.now_s);
@@ -662,21 +663,21 @@ BenchState Bench::state() const {
 }
 
 std::vector<BenchSample> Bench::samples() const {
-  const std::lock_guard<std::mutex> lock(state_->mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
   return {state_->samples.begin(), state_->samples.end()};
 }
 
 std::shared_ptr<const imaging::Frame> Bench::image() const {
   std::shared_ptr<session::RigSession> of;
   {
-    const std::lock_guard<std::mutex> lock(state_->mutex);
+    const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
     of = state_->session;
   }
   return of ? of->latest_image() : nullptr;
 }
 
 void Bench::watched() {
-  const std::lock_guard<std::mutex> lock(state_->mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
   state_->watched_s = state_->wall.now_s();
 }
 

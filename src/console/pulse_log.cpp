@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 namespace lodestone::console {
 
@@ -19,7 +20,7 @@ void PulseLog::probe(const rig::CoilPulse& pulse) {
 
 void PulseLog::stop() noexcept {
   guard_.stop();
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<common::PriorityMutex> lock(mutex_);
   if (!pulses_.empty()) {
     Logged& last = pulses_.back();
     last.pulse.duration_s = std::min(last.pulse.duration_s, clock_.now_s() - last.start_s);
@@ -27,7 +28,7 @@ void PulseLog::stop() noexcept {
 }
 
 void PulseLog::note(const rig::CoilPulse& pulse, double start_s) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<common::PriorityMutex> lock(mutex_);
   while (!pulses_.empty() && pulses_.front().start_s < start_s - 2.0 * kWindow_s) pulses_.pop_front();
   pulses_.push_back({pulse, start_s});
   if (last_s_) interval_s_ = start_s - *last_s_;
@@ -35,13 +36,13 @@ void PulseLog::note(const rig::CoilPulse& pulse, double start_s) {
 }
 
 std::array<double, rig::kCoilCount> PulseLog::on_A(double now_s) const {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<common::PriorityMutex> lock(mutex_);
   if (pulses_.empty() || now_s - pulses_.back().start_s >= pulses_.back().pulse.duration_s) return {};
   return pulses_.back().pulse.current_A;
 }
 
 std::array<double, rig::kCoilCount> PulseLog::duty(double now_s) const {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<common::PriorityMutex> lock(mutex_);
   std::array<double, rig::kCoilCount> duty{};
   for (const Logged& logged : pulses_) {
     const double from_s = std::max(logged.start_s, now_s - kWindow_s);
@@ -53,13 +54,13 @@ std::array<double, rig::kCoilCount> PulseLog::duty(double now_s) const {
 }
 
 std::optional<double> PulseLog::jitter_s() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<common::PriorityMutex> lock(mutex_);
   if (!interval_s_) return std::nullopt;
   return std::abs(*interval_s_ - period_s_ * std::max(1.0, std::round(*interval_s_ / period_s_)));
 }
 
 void PulseLog::begin_run() {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<common::PriorityMutex> lock(mutex_);
   last_s_.reset();
   interval_s_.reset();
 }

@@ -9,6 +9,7 @@
 #include "lodestone/common/clock.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/log.h"
+#include "lodestone/common/priority_mutex.h"
 #include "lodestone/common/random.h"
 #include "lodestone/common/realtime.h"
 #include "pseudo_terminal.h"
@@ -30,7 +31,7 @@ struct LiveBench::State {
   PseudoTerminal line;
   std::shared_ptr<const imaging::SceneRenderer> renderer;
   common::RandomStream noise;
-  std::mutex mutex;
+  common::PriorityMutex mutex;
   double lost_s = 0.0;
   std::atomic<bool> ending{false};
   std::unique_ptr<GigeCamera> camera;
@@ -45,7 +46,7 @@ struct LiveBench::State {
       std::vector<std::uint8_t> bytes(256);
       while (!ending) {
         const std::size_t count = line.read(bytes.data(), bytes.size(), kLook_s);
-        const std::lock_guard<std::mutex> lock(mutex);
+        const std::lock_guard<common::PriorityMutex> lock(mutex);
         if (count > 0) bench.host_write(bytes.data(), count);
         const double behind_s = clock.now_s() - offset_s - bench.now_s();
         if (behind_s > kTooLate_s) {
@@ -66,7 +67,7 @@ struct LiveBench::State {
   cv::Mat image() {
     imaging::NeedleView needle;
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       needle.pose = rig.true_pose();
     }
     return renderer->render({needle}, noise).image;
@@ -97,22 +98,22 @@ const std::string& LiveBench::camera_serial() const {
 }
 
 geometry::Pose2 LiveBench::true_pose() {
-  const std::lock_guard<std::mutex> lock(state_->mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
   return state_->rig.true_pose();
 }
 
 void LiveBench::place(const geometry::Pose2& pose) {
-  const std::lock_guard<std::mutex> lock(state_->mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
   state_->rig.place(pose);
 }
 
 void LiveBench::with(const std::function<void(EmulatedBench& bench)>& action) {
-  const std::lock_guard<std::mutex> lock(state_->mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
   action(state_->bench);
 }
 
 double LiveBench::lost_s() {
-  const std::lock_guard<std::mutex> lock(state_->mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
   return state_->lost_s;
 }
 

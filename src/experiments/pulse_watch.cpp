@@ -1,6 +1,7 @@
 #include "lodestone/experiments/pulse_watch.h"
 
 #include <cmath>
+#include <mutex>
 
 #include "lodestone/common/clock.h"
 
@@ -13,7 +14,7 @@ PulseWatch::PulseWatch(emulation::LiveBench& live) : live_(live) {
       for (int i = 0; i < 2; ++i)
         for (const double duty : bench.controller(i).duty()) on = on || duty != 0.0;
       if (on && !was_on) {
-        const std::lock_guard<std::mutex> lock(mutex_);
+        const std::lock_guard<common::PriorityMutex> lock(mutex_);
         begun_s_.push_back(now_s);
         last_wall_s_ = common::SteadyClock().now_s();
       }
@@ -27,17 +28,17 @@ PulseWatch::~PulseWatch() {
 }
 
 std::int64_t PulseWatch::pulses() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<common::PriorityMutex> lock(mutex_);
   return static_cast<std::int64_t>(begun_s_.size());
 }
 
 double PulseWatch::last_wall_s() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<common::PriorityMutex> lock(mutex_);
   return last_wall_s_;
 }
 
 std::vector<double> PulseWatch::deviations_ms(double period_s, std::int64_t from) const {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<common::PriorityMutex> lock(mutex_);
   std::vector<double> deviations;
   for (std::size_t i = static_cast<std::size_t>(from) + 1; i < begun_s_.size(); ++i) {
     const double between_s = begun_s_[i] - begun_s_[i - 1];

@@ -1,6 +1,7 @@
 #include "lodestone/rig/free_running_camera.h"
 
 #include <chrono>
+#include <mutex>
 
 #include "lodestone/common/clock.h"
 #include "lodestone/common/error.h"
@@ -33,7 +34,7 @@ void FreeRunningCamera::run() {
       fault = error.what();
     }
     {
-      const std::lock_guard<std::mutex> lock(mutex_);
+      const std::lock_guard<common::PriorityMutex> lock(mutex_);
       if (frame) {
         latest_ = frame;
         ++arrivals_;
@@ -46,7 +47,7 @@ void FreeRunningCamera::run() {
 }
 
 imaging::Frame FreeRunningCamera::grab(double timeout_s) {
-  std::unique_lock<std::mutex> lock(mutex_);
+  std::unique_lock<common::PriorityMutex> lock(mutex_);
   const std::int64_t before = arrivals_;
   if (arrived_.wait_for(lock, std::chrono::duration<double>(timeout_s),
                         [&] { return arrivals_ != before; })) {
@@ -59,7 +60,7 @@ imaging::Frame FreeRunningCamera::grab(double timeout_s) {
 }
 
 std::shared_ptr<const imaging::Frame> FreeRunningCamera::latest() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<common::PriorityMutex> lock(mutex_);
   return latest_;
 }
 

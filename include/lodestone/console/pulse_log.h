@@ -2,10 +2,10 @@
 
 #include <array>
 #include <deque>
-#include <mutex>
 #include <optional>
 
 #include "lodestone/common/clock.h"
+#include "lodestone/common/priority_mutex.h"
 #include "lodestone/control/guard.h"
 
 namespace lodestone::console {
@@ -46,7 +46,7 @@ class PulseLog final : public control::Guard {
   control::Guard& guard_;
   const common::Clock& clock_;
   double period_s_;
-  mutable std::mutex mutex_;
+  mutable common::PriorityMutex mutex_;
   std::deque<Logged> pulses_;
   std::optional<double> last_s_, interval_s_;
 };

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <mutex>
 #include <vector>
 
+#include "lodestone/common/priority_mutex.h"
 #include "lodestone/emulation/live_bench.h"
 
 namespace lodestone::experiments {
@@ -25,7 +25,7 @@ class PulseWatch {
 
  private:
   emulation::LiveBench& live_;
-  mutable std::mutex mutex_;
+  mutable common::PriorityMutex mutex_;
   std::vector<double> begun_s_;
   double last_wall_s_ = -1e9;
 };

@@ -4,10 +4,10 @@
 #include <condition_variable>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <thread>
 
+#include "lodestone/common/priority_mutex.h"
 #include "lodestone/rig/camera.h"
 
 namespace lodestone::rig {
@@ -34,8 +34,8 @@ class FreeRunningCamera final : public Camera {
   std::unique_ptr<Camera> camera_;
   double timeout_s_;
   double period_s_;
-  mutable std::mutex mutex_;  // of what follows; never held while an image is taken
-  std::condition_variable arrived_;
+  mutable common::PriorityMutex mutex_;  // of what follows; never held while an image is taken
+  std::condition_variable_any arrived_;
   std::shared_ptr<const imaging::Frame> latest_;
   std::int64_t arrivals_ = 0;
   std::string fault_;  // what the last try said; empty when it gave an image
