@@ -123,7 +123,7 @@ std::string write_job_config(const ConsoleConfig& config, const rig::RigConfig& 
 
 /// What can be started from the page. A rig that is there is let go of meanwhile; of a virtual one each has
 /// its own.
-std::vector<console::JobKind> jobs(const ConsoleConfig& config, const rig::RigConfig& rig,
+std::vector<console::JobKind> jobs(const ConsoleConfig& config, const rig::RigConfig& rig, bool emulated,
                                    const std::string& folder) {
   const std::string file = write_job_config(config, rig, folder);
   const auto run = [&](std::vector<std::string> words) {
@@ -149,7 +149,8 @@ std::vector<console::JobKind> jobs(const ConsoleConfig& config, const rig::RigCo
   kinds.push_back({"rig check",
                    {},
                    [check](session::Dialogue& dialogue) { session::check_rig(check, {}, dialogue); },
-                   true});
+                   true,
+                   !emulated});
   return kinds;
 }
 
@@ -179,7 +180,7 @@ void console(const ConsoleOptions& given) {
   parts.folder = options.out.empty() ? config.runs + "/console/" + common::utc_now() : options.out;
   Connected rig = options.emulate ? emulated(config.deployment) : connected(config.deployment);
   parts.bench.connect = rig.connect;
-  parts.jobs = jobs(config, rig.rig, parts.folder);
+  parts.jobs = jobs(config, rig.rig, options.emulate, parts.folder);
   parts.address = config.listen;
   parts.port = static_cast<std::uint16_t>(config.port);
   const console::Console served(std::move(parts));

@@ -68,6 +68,7 @@ struct Bench::State {
   Attendance attendance;
   std::optional<std::string> stop_wanted, end_wanted;
   Ending ending = Ending::kNone;
+  std::optional<std::string> stopped_before;  // the rig was gone
   bool unattended_next = false;
   bool released = false;
   bool over = false;
@@ -177,7 +178,6 @@ struct Bench::State {
     tell(Level::kWarning, "the rig is disconnected: " + reason);
     gone.reset();  // here, in no lock: this may take a while
   }
-  std::optional<std::string> stopped_before;
 
   void idle() {
     const double now_s = wall.now_s();
@@ -379,6 +379,7 @@ struct Bench::State {
 
   void stop(const std::string& reason) {
     const std::lock_guard<common::PriorityMutex> lock(mutex);
+    if (!session && !stopped_before) stopped_before = reason;  // it is stopped when it is back
     if (shown.mode == Mode::kStopped || !session) return;
     shown.mode = Mode::kStopped;
     shown.reason = reason;
@@ -469,7 +470,9 @@ struct Bench::State {
   void enter(Mode mode) {
     const std::lock_guard<common::PriorityMutex> lock(mutex);
     shown.mode = mode;
-    if (mode == Mode::kArmed) shown.reason.clear();
+    if (mode != Mode::kArmed) return;
+    shown.reason.clear();
+    stopped_before.reset();
   }
 };
 
@@ -515,7 +518,6 @@ void Bench::rearm(const std::string& reason, Done done) {
     if (!state.session->coils().status().faults.empty()) state.session->clear_faults();
     if (const std::string why_not = state.cause(); !why_not.empty()) throw common::HardwareError(why_not);
     state.session->coils().rearm();
-    state.stopped_before.reset();
     state.enter(Mode::kArmed);
     state.tell(Level::kInfo, "re-armed after: " + reason);
   });

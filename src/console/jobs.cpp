@@ -46,6 +46,7 @@ struct Jobs::State final : session::Dialogue {
   mutable std::mutex mutex;  // of what follows
   std::condition_variable changed;
   bool busy = false, ending = false;
+  std::atomic<bool> somebody_is_there{true};
   std::string verb, text, out;
   std::optional<std::string> asked;
   std::optional<bool> answered;
@@ -65,7 +66,7 @@ struct Jobs::State final : session::Dialogue {
     text = tail(text + question + (yes ? " yes\n" : " no\n"));
     return yes;
   }
-  bool attended() const override { return true; }
+  bool attended() const override { return somebody_is_there; }
 
   bool to_end() const {
     const std::lock_guard<std::mutex> lock(mutex);
@@ -73,6 +74,7 @@ struct Jobs::State final : session::Dialogue {
   }
 
   void run(const JobKind& kind) {
+    somebody_is_there = kind.attended;
     tell(kind.verb + " begins");
     std::string outcome = "done";
     try {
