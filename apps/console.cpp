@@ -9,7 +9,6 @@
 #include "common_options.h"
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/build_facts.h"
-#include "lodestone/common/files.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
 #include "lodestone/common/shell.h"
@@ -110,22 +109,17 @@ Connected connected(const experiments::DeploymentConfig& config) {
 }
 
 /// The rig as other runs of this program have it.
-std::string write_job_config(const ConsoleConfig& config, const rig::RigConfig& rig,
-                             const std::string& folder) {
+void write_job_config(const ConsoleConfig& config, const rig::RigConfig& rig, const std::string& file) {
   const experiments::DeploymentConfig& deployment = config.deployment;
-  common::make_folders(folder);
-  const std::string file = folder + "/job.json";
   common::write_json(file, {{"rig", common::config_to_json(rig)},
                             {"safety", common::config_to_json(deployment.safety)},
                             {"sensor", common::config_to_json(deployment.sensor)}});
-  return file;
 }
 
 /// What can be started from the page. A rig that is there is let go of meanwhile; of a virtual one each has
 /// its own.
 std::vector<console::JobKind> jobs(const ConsoleConfig& config, const rig::RigConfig& rig, bool emulated,
-                                   const std::string& folder) {
-  const std::string file = write_job_config(config, rig, folder);
+                                   const std::string& file) {
   const auto run = [&](std::vector<std::string> words) {
     words.insert(words.begin(), own_path());
     words.insert(words.end(), {"--config", file, "--out", "{out}"});
@@ -180,10 +174,12 @@ void console(const ConsoleOptions& given) {
   parts.folder = options.out.empty() ? config.runs + "/console/" + common::utc_now() : options.out;
   Connected rig = options.emulate ? emulated(config.deployment) : connected(config.deployment);
   parts.bench.connect = rig.connect;
-  parts.jobs = jobs(config, rig.rig, options.emulate, parts.folder);
-  parts.address = config.listen;
+  const std::string job_file = parts.folder + "/job.json";
+  parts.jobs = jobs(config, rig.rig, options.emulate, job_file);
+  parts.address = config.listen == "localhost" ? "127.0.0.1" : config.listen;
   parts.port = static_cast<std::uint16_t>(config.port);
   const console::Console served(std::move(parts));
+  write_job_config(config, rig.rig, job_file);
   std::printf("%s\n", served.url().c_str());
   std::fflush(stdout);
   if (!options.no_open) open_in_browser(served.url());

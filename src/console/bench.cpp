@@ -256,7 +256,7 @@ struct Bench::State {
     sample.time_s = now();
     if (estimate.valid) {
       sample.pose = estimate.pose;
-      sample.pose_age_ms = 1e3 * (sample.time_s - estimate.stamp_s);
+      sample.pose_age_ms = std::max(0.0, 1e3 * (sample.time_s - estimate.stamp_s));
       if (target_m) sample.error_mm = geometry::kMmPerM * (*target_m - estimate.pose.position_m()).norm();
     }
     sample.target_m = target_m;
@@ -318,7 +318,7 @@ struct Bench::State {
       attendance.begin(driving, wall.now_s());
       shown.attended = !shown.unattended;
       shown.mode = Mode::kRunning;
-      shown.run = BenchRun{to.task, 0.0, std::nullopt, 0};
+      shown.run = BenchRun{to.task};
       aim(to);
       ending = Ending::kNone;
       end_wanted.reset();
@@ -336,6 +336,7 @@ struct Bench::State {
   void aim(const Goal& to) {
     const bool point = !to.path && to.task != kHand;
     shown.run->task = to.task;
+    shown.run->aimed_s = shown.run->time_s;
     shown.target_heading_rad = point ? to.heading_rad : std::nullopt;
     shown.plan_m = to.path ? to.path->points_m() : std::vector<geometry::Vector2>{};
     shown.target_m = point ? std::optional(to.target_m) : std::nullopt;
@@ -659,8 +660,9 @@ BenchState Bench::state() const {
   shown.now_s = state.now();
   if (state.pulses) shown.on_A = state.pulses->on_A(shown.now_s);
   if (shown.mode != Mode::kRunning) shown.unattended = state.unattended_next;
-  if (shown.run && shown.unattended && state.parts.config.trials.point_seconds > 0.0 && shown.plan_m.empty())
-    shown.run->left_s = std::max(0.0, state.parts.config.trials.point_seconds - shown.run->time_s);
+  if (shown.run && shown.unattended && shown.plan_m.empty())
+    shown.run->left_s =
+        std::max(0.0, state.parts.config.trials.point_seconds - (shown.run->time_s - shown.run->aimed_s));
   return shown;
 }
 

@@ -2,7 +2,9 @@
 
 #include <fmt/chrono.h>
 #include <fmt/core.h>
+#include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -56,21 +58,23 @@ struct Console::State {
   explicit State(ConsoleParts given)
       : parts(std::move(given)),
         recordings(parts.folder + "/recordings"),
-        log(parts.folder),
         view(parts.bench.config.rig, parts.bench.config.safety),
         token(is_loopback(parts.address) ? "" : draw_token()),
         files({{kRuns, parts.runs}, {kRecordings, recordings}}) {
-    common::make_folders(recordings);
-    parts.bench.tell = [this](const BenchEvent& event) { tell(event); };
-    bench = std::make_unique<Bench>(parts.bench);
-    jobs = std::make_unique<Jobs>(*bench, parts.jobs, parts.runs,
-                                  [this](const std::string& text) { tell(BenchEvent::Level::kInfo, text); });
-    Feed::Source source;
-    source.image = [this] { return bench->image(); };
-    source.now_s = [this] { return bench->state().now_s; };
-    source.send_image = [this](PageId page, const auto& image) { send(page, image); };
-    source.send_state = [this](PageId page) { send_state(page); };
-    feed = std::make_unique<Feed>(std::move(source));
+    try {
+      serve();  // first: where the port is taken, nothing has been written
+      log = std::make_unique<SessionLog>(parts.folder);
+      common::make_folders(recordings);
+      begin();
+      ready = true;
+    } catch (...) {
+      constructed.set_value();
+      throw;
+    }
+    constructed.set_value();
+  }
+
+  void serve() {
     WebServerHandlers handlers;
     handlers.pages = [this](const RequestHead& head) { return page(head); };
     handlers.opened = [this](PageId page) { opened(page); };
@@ -82,8 +86,19 @@ struct Console::State {
     config.port = parts.port;
     config.max_message_bytes = kMostMessageBytes;
     server = std::make_unique<WebServer>(config, Access(!token.empty(), token), std::move(handlers));
-    ready = true;
-    constructed.set_value();
+  }
+
+  void begin() {
+    parts.bench.tell = [this](const BenchEvent& event) { tell(event); };
+    bench = std::make_unique<Bench>(parts.bench);
+    jobs = std::make_unique<Jobs>(*bench, parts.jobs, parts.runs,
+                                  [this](const std::string& text) { tell(BenchEvent::Level::kInfo, text); });
+    Feed::Source source;
+    source.image = [this] { return bench->image(); };
+    source.now_s = [this] { return bench->state().now_s; };
+    source.send_image = [this](PageId page, const auto& image) { send(page, image); };
+    source.send_state = [this](PageId page) { send_state(page); };
+    feed = std::make_unique<Feed>(std::move(source));
   }
 
   ~State() {
@@ -97,9 +112,9 @@ struct Console::State {
 
   ConsoleParts parts;
   std::string recordings;
-  SessionLog log;
   LiveView view;
   std::string token;  // empty on the loopback
+  std::unique_ptr<SessionLog> log;
   ServedFiles files;
   common::SteadyClock wall;
   std::mutex mutex;  // of what follows
@@ -119,7 +134,7 @@ struct Console::State {
   // ---- What pages are told ----
 
   void tell(const BenchEvent& event) {
-    const Json json = log.add(event);
+    const Json json = log->add(event);
     if (ready) broadcast(json);
   }
   void tell(BenchEvent::Level level, const std::string& text) { tell({level, bench->state().now_s, text}); }
@@ -168,7 +183,7 @@ struct Console::State {
         {"max_current_A", config.rig.coils.max_current_A},
         {"dish_radius_mm", geometry::kMmPerM * config.rig.dish.radius_m},
         {"samples", samples},
-        {"events", log.last()}};
+        {"events", log->last()}};
   }
 
   void send_state(PageId page) {
@@ -211,6 +226,7 @@ struct Console::State {
 
   void opened(PageId page) {
     is_constructed.wait();  // a page may be quicker than our constructor
+    if (!ready) return;
     {
       const std::lock_guard<std::mutex> lock(mutex);
       pages[page] = true;
@@ -219,6 +235,7 @@ struct Console::State {
   }
 
   void closed(PageId page) {
+    if (!ready) return;
     feed->forget(page);
     const std::lock_guard<std::mutex> lock(mutex);
     pages.erase(page);
@@ -228,6 +245,7 @@ struct Console::State {
   }
 
   void heard(PageId page, const std::string& text) {
+    if (!ready) return;
     std::optional<Message> message;
     try {
       message = parse_message(text);
@@ -524,8 +542,13 @@ BenchState Console::state() const { return state_->bench->state(); }
 
 std::string Console::url() const {
   const std::string& token = state_->token;
-  return fmt::format("http://{}:{}/{}", state_->parts.address, state_->server->port(),
-                     token.empty() ? "" : "?token=" + token);
+  const std::string& address = state_->parts.address;
+  std::string name = address.find(':') == std::string::npos ? address : "[" + address + "]";
+  if (address == "0.0.0.0" || address == "::") {  // all of this machine's addresses
+    std::array<char, 256> host{};
+    if (gethostname(host.data(), host.size() - 1) == 0) name = host.data();
+  }
+  return fmt::format("http://{}:{}/{}", name, state_->server->port(), token.empty() ? "" : "?token=" + token);
 }
 
 }  // namespace lodestone::console

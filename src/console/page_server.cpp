@@ -24,7 +24,7 @@ tcp::endpoint endpoint_of(const WebServerConfig& config) {
   const asio::ip::address address = asio::ip::make_address(config.address, failed);
   if (failed)
     throw common::ConfigError("console: " + common::shown(config.address) +
-                              " is no IP address to listen at: give one of this machine with --address");
+                              " is no IP address to listen at: give one of this machine with --listen");
   return {address, config.port};
 }
 
@@ -63,7 +63,7 @@ void PageServer::listen() {
   throw common::IoError(fmt::format("console: cannot listen at {} port {}: {}; {}", config_.address,
                                     config_.port, failed.message(),
                                     taken ? "is another console running? Give another port with --port"
-                                          : "give an address of this machine with --address, and a port "
+                                          : "give an address of this machine with --listen, and a port "
                                             "above 1023 with --port"));
 }
 

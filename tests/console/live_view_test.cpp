@@ -42,7 +42,7 @@ TEST_CASE("a bench's state is told as the page has it, and what is not known is 
   state.pose = seen;
   state.target_m = Vector2(0.0, 0.0);
   state.target_heading_rad = 0.0;
-  state.run = console::BenchRun{"point", 1.0, std::nullopt, 3};
+  state.run = console::BenchRun{"point", 1.0, 3};
   console::BenchSample sample;
   sample.current_A = {0.0, 7.5, 0.0, 0.0};
   sample.temperature_C = {22.0, 22.0, 40.0, 22.0};

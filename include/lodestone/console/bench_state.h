@@ -48,8 +48,9 @@ struct BenchSample {
 struct BenchRun {
   std::string task;
   double time_s = 0.0;
-  std::optional<double> left_s;  ///< where it has an end
   std::int64_t steps = 0;
+  double aimed_s = 0.0;               ///< when it was given the goal that it has now
+  std::optional<double> left_s = {};  ///< where it has an end
 };
 
 /// What a bench shows of itself at one moment.
