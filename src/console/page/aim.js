@@ -48,7 +48,8 @@ export class Aim {
   #show_hint() {
     const { mode, operating } = this.#connection;
     const hint = this.tool === 'path' ? 'Draw in the image.'
-      : !operating || this.#drives ? 'Click in the image; drag to give a heading.'
+      : !operating ? 'Who operates can drive to a target.'
+      : this.#drives ? 'Click in the image; drag to give a heading.'
       : mode === 'disarmed' ? 'Arm to drive to a target.' : 'No target can be taken now.';
     set_text(by_id('hint'), hint);
   }

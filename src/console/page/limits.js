@@ -9,10 +9,11 @@ const kNear = 0.9, kWarm = 0.75;
 export function start_limits(connection) {
   const rows = new Map();
   let shown_ms = 0;
-  connection.on('hello', () => { rows.clear(); by_id('limits').replaceChildren(); });
+  connection.on('hello', () => rows.clear());
   connection.on('state', ({ limits }) => {
     if (!limits?.length || performance.now() - shown_ms < kBetween_ms) return;
     shown_ms = performance.now();
+    if (!rows.size) by_id('limits').replaceChildren();
     for (const limit of limits) {
       if (!rows.has(limit.name)) rows.set(limit.name, add_row(limit.name));
       show(rows.get(limit.name), limit);

@@ -44,3 +44,4 @@ window.lodestone = { lastState: null };
 connection.on('state', state => { window.lodestone.lastState = state; });
 connection.start();
 setInterval(beat, kBeat_ms);
+document.addEventListener('visibilitychange', beat);  // the timers of a hidden page are slow

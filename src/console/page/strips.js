@@ -10,13 +10,13 @@ const kBuckets = 150;  // two points each
 const kAxis_px = 46;
 
 const kStrips = [
-  { title: 'Error', unit: 'mm', digits: 2, of: 'error_mm' },
+  { title: 'Error', unit: 'mm', digits: 2, of: 'error_mm', span: 1 },
   { title: 'Currents', unit: 'A', digits: 1, of: 'current_A', coils: true },
   { title: 'Duty', unit: '%', digits: 0, of: 'duty', coils: true, factor: 100 },
   { title: 'Temperatures', unit: '°C', digits: 1, of: 'temperature_C', coils: true, free: true },
   { title: 'Supply', unit: 'V', digits: 2, of: 'supply_V', free: true },
-  { title: 'Pose age', unit: 'ms', digits: 0, of: 'pose_age_ms' },
-  { title: 'Control jitter', unit: 'ms', digits: 2, of: 'jitter_ms' },
+  { title: 'Pose age', unit: 'ms', digits: 0, of: 'pose_age_ms', span: 10 },
+  { title: 'Control jitter', unit: 'ms', digits: 2, of: 'jitter_ms', span: 1 },
 ];
 
 export class Strips {
@@ -150,7 +150,7 @@ function chart_of(spec, lines) {
   const set = (_, line) => ({ data: [], borderColor: colours[line], borderWidth: 1.4, pointRadius: 0, tension: 0 });
   const x = { type: 'linear', max: 0, grid: { color: grid, tickLength: 3 }, ticks: { color: soft, font, maxRotation: 0, callback: time_label } };
   const y = {
-    beginAtZero: !spec.free, grace: spec.free ? '10%' : 0, grid: { color: grid, tickLength: 3 },
+    beginAtZero: !spec.free, suggestedMax: spec.span, grace: spec.free ? '10%' : 0, grid: { color: grid, tickLength: 3 },
     ticks: { color: soft, font, maxTicksLimit: 4 }, afterFit: scale => { scale.width = kAxis_px; },
   };
   return {
