@@ -479,8 +479,11 @@ struct Bench::State {
 
 Bench::Bench(Parts parts) : state_(std::make_unique<State>(std::move(parts))) {}
 
-Bench::~Bench() {
+Bench::~Bench() { end(); }
+
+void Bench::end() {
   State& state = *state_;
+  if (!state.bench.joinable()) return;
   if (this->state().mode == Mode::kRunning) stop("the console ends");
   {
     const std::lock_guard<common::PriorityMutex> lock(state.mutex);

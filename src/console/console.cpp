@@ -102,12 +102,16 @@ struct Console::State {
   }
 
   ~State() {
+    {
+      const std::lock_guard<std::mutex> lock(hearing);
+      listens = false;
+    }
+    feed->end();  // which asks all that follows
     clerk.reset();
     recording.reset();
     jobs.reset();
-    bench.reset();   // stops a run; what it tells is on record,
-    server.reset();  // and sent
-    feed.reset();
+    bench->end();  // stops a run; what it tells is on record, and sent
+    server.reset();
   }
 
   ConsoleParts parts;
@@ -123,6 +127,8 @@ struct Console::State {
   std::optional<geometry::Path> planned;
   std::unique_ptr<Recording> recording;
   std::atomic<bool> ready{false};
+  std::mutex hearing;  // held while a page is heard
+  bool listens = true;
   std::promise<void> constructed;
   std::shared_future<void> is_constructed{constructed.get_future()};
   std::unique_ptr<Bench> bench;
@@ -226,7 +232,8 @@ struct Console::State {
 
   void opened(PageId page) {
     is_constructed.wait();  // a page may be quicker than our constructor
-    if (!ready) return;
+    const std::lock_guard<std::mutex> hear(hearing);
+    if (!ready || !listens) return;
     {
       const std::lock_guard<std::mutex> lock(mutex);
       pages[page] = true;
@@ -245,7 +252,8 @@ struct Console::State {
   }
 
   void heard(PageId page, const std::string& text) {
-    if (!ready) return;
+    const std::lock_guard<std::mutex> hear(hearing);
+    if (!ready || !listens) return;
     std::optional<Message> message;
     try {
       message = parse_message(text);
@@ -488,8 +496,9 @@ struct Console::State {
     try {
       for (const runs::StatusRow& row : runs::status_of(parts.runs)) {
         if (!row.state) continue;
-        const bool report = std::filesystem::exists(parts.runs + "/" + row.name + "/report.html");
-        runs.push_back({{"name", row.name},
+        const bool report = std::filesystem::exists(row.path + "/report.html");
+        const std::string name = std::filesystem::path(row.path).lexically_relative(parts.runs).string();
+        runs.push_back({{"name", name},
                         {"verb", row.state->verb},
                         {"state", row.state->finished ? "finished"
                                   : row.running       ? "running"
@@ -499,7 +508,7 @@ struct Console::State {
                         {"unit", row.state->unit},
                         {"note", row.state->note},
                         {"updated_utc", row.state->updated_utc},
-                        {"report", report ? Json(kRuns + row.name + "/report.html") : Json()}});
+                        {"report", report ? Json(kRuns + name + "/report.html") : Json()}});
       }
     } catch (const common::Error&) {
       // A folder without runs.

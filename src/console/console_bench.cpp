@@ -15,6 +15,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
+#include "lodestone/common/realtime.h"
 #include "lodestone/common/resource_use.h"
 #include "lodestone/common/statistics.h"
 #include "lodestone/console/console.h"
@@ -101,6 +102,8 @@ class Viewer {
  private:
   void look(std::uint16_t port, bool operates) {
     common::name_thread("viewer");
+    std::optional<common::RealtimeThread> realtime;
+    if (operates) realtime.emplace();  // stands for another machine
     try {
       PageClient page(port);
       if (operates) page.say({{"do", "operate"}});

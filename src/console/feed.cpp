@@ -98,13 +98,15 @@ struct Feed::State {
 
 Feed::Feed(Source source) : state_(std::make_unique<State>(std::move(source))) {}
 
-Feed::~Feed() {
+Feed::~Feed() { end(); }
+
+void Feed::end() {
   {
     const std::lock_guard<std::mutex> lock(state_->mutex);
     state_->over = true;
   }
   state_->asked.notify_all();
-  state_->thread.join();
+  if (state_->thread.joinable()) state_->thread.join();
 }
 
 void Feed::want_image(PageId page) {

@@ -160,7 +160,7 @@ std::vector<StatusRow> status_of(const std::string& folder) {
   std::vector<StatusRow> rows;
   const auto add = [&rows](const std::string& name, const std::string& path) {
     const bool there = fs::is_directory(path);
-    rows.push_back({name, there ? find_run(path) : std::nullopt, there && is_running(path)});
+    rows.push_back({name, there ? find_run(path) : std::nullopt, there && is_running(path), path});
   };
   if (const auto plan = common::find_artefact<Plan>(folder + kPlanFile)) {
     for (const Cell& cell : plan->cells) add(cell.id, cell_folder(*plan, {folder, "", ""}, cell.id));

@@ -195,3 +195,31 @@ TEST_CASE("two consoles cannot have one port, and one folder that cannot be writ
   parts.folder = "/proc/nowhere";
   CHECK_THROWS_AS(Console(parts), common::IoError);
 }
+
+TEST_CASE("a console ends in the middle of whatever its pages ask for") {
+  for (int round = 0; round < 5; ++round) {
+    Room room;
+    PageClient page(room.console->port());
+    CHECK(asked(page, {{"do", "operate"}})["ok"] == true);
+    CHECK(asked(page, {{"do", "arm"}})["ok"] == true);
+    CHECK(asked(page, {{"do", "draw"}, {"shape", "centre"}})["ok"] == true);
+    beat_until(page, *room.console, Mode::kRunning);
+    std::thread asks([&] {
+      try {
+        for (;;) {
+          page.want("state");
+          page.say({{"do", "runs"}});
+          page.beat();
+          page.hear(0.002);
+        }
+      } catch (const common::IoError&) {  // the console is gone
+      }
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    room.console.reset();
+    asks.join();
+    const std::string record = common::read_file(room.folder / "console/events.jsonl");
+    CHECK(record.find("the console ends") != std::string::npos);
+    CHECK(record.find("coils off, as measured") != std::string::npos);
+  }
+}

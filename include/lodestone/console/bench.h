@@ -44,10 +44,12 @@ class Bench {
     std::function<void(const BenchEvent& event)> tell;   ///< from any thread
   };
   explicit Bench(Parts parts);
-  /// Ends a run: coils off.
-  ~Bench();
+  ~Bench();  ///< as end()
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;
+
+  /// Ends a run, coils off, and lets go of the rig: nothing is done any more, and the state stays as it is.
+  void end();
 
   /// Is told why something could not be done; empty: it is.
   using Done = std::function<void(const std::string& why_not)>;

@@ -28,6 +28,9 @@ class Feed {
   Feed(const Feed&) = delete;
   Feed& operator=(const Feed&) = delete;
 
+  /// Nothing is sent any more.
+  void end();
+
   // From any thread.
   void want_image(PageId page);
   void want_state(PageId page);

@@ -92,6 +92,7 @@ struct StatusRow {
   std::string name;               ///< id of the cell, or the folder
   std::optional<RunState> state;  ///< absent: not begun
   bool running = false;           ///< a process works on it right now
+  std::string path = {};          ///< its folder
 };
 
 /// The run in a folder, the cells of the plan in it, or all runs below it. Throws DataError where one is
