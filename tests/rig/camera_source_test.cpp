@@ -24,6 +24,10 @@ TEST_CASE("a build without Aravis names the package") {
   CHECK_THROWS_WITH(rig::open_camera(config), Contains("libaravis-dev"));
 }
 
+TEST_CASE("a camera that nobody has named is asked for by its key") {
+  CHECK_THROWS_WITH(rig::open_camera({}), Catch::Contains("rig.camera.source is empty"));
+}
+
 TEST_CASE("images from disk are the camera where no other kind is named") {
   rig::CameraSourceConfig config;
   config.source = "missing.png";
