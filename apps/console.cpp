@@ -140,10 +140,12 @@ std::vector<console::JobKind> jobs(const ConsoleConfig& config, const rig::RigCo
   check.safety = config.deployment.safety;
   check.safety.max_current_A = std::min(check.safety.max_current_A, rig.coils.max_current_A);
   check.sensor = config.deployment.sensor;
+  check.safety.stop_file = file + ".stop";
   kinds.push_back({"rig check",
                    {},
                    [check](session::Dialogue& dialogue) { session::check_rig(check, {}, dialogue); },
                    true,
+                   check.safety.stop_file,
                    !emulated});
   return kinds;
 }

@@ -2,11 +2,6 @@
 
 namespace lodestone::console {
 
-void Attendance::begin(Driving driving, double now_s) {
-  driving_ = driving;
-  held_s_ = now_s;
-}
-
 void Attendance::beat(double now_s, bool visible, bool focused) {
   beat_s_ = now_s;
   visible_ = visible;

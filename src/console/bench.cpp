@@ -70,6 +70,8 @@ struct Bench::State {
   Ending ending = Ending::kNone;
   std::optional<std::string> stopped_before;  // the rig was gone
   bool unattended_next = false;
+  bool cancelled = true;   // no goal has been taken whose run is about to begin
+  std::int64_t stops = 0;  // how often somebody said stop
   bool released = false;
   bool over = false;
   double watched_s = -1e9;  // on the wall clock
@@ -77,7 +79,8 @@ struct Bench::State {
   control::HeldDrive hand;
   common::Interruption wake;  // the thread of the bench, while it rests
   std::map<std::string, std::shared_ptr<control::RigIdentifier>> identifiers;  // by controller
-  double looked_s = -1e9, asked_s = -1e9, seen_s = 0.0;                        // on the wall clock
+  double looked_s = -1e9, seen_s = 0.0;                                        // on the wall clock
+  std::atomic<double> asked_s{-1e9};  // likewise; stop() asks for another question
   std::uint64_t runs = 0;
   std::thread bench, switch_thread;
 
@@ -111,6 +114,7 @@ struct Bench::State {
         } else if (goal && shown.mode == Mode::kArmed) {
           run = std::move(goal);
           goal.reset();
+          cancelled = false;
         }
       }
       if (order)
@@ -162,6 +166,13 @@ struct Bench::State {
     shown.camera = session->camera()->calibration()->camera;
   }
 
+  /// Under the mutex: what was asked for before is not done later.
+  void forget_goal() {
+    goal.reset();
+    cancelled = true;
+    hand.hold(geometry::Vector2::Zero());
+  }
+
   void disconnect(const std::string& reason) {
     std::shared_ptr<session::RigSession> gone;
     {
@@ -171,6 +182,8 @@ struct Bench::State {
       shown.reason = reason;
       shown.pose.reset();
       shown.camera.reset();
+      forget_goal();
+      unattended_next = false;
       pulses.reset();
       gone = std::exchange(session, nullptr);
     }
@@ -241,8 +254,16 @@ struct Bench::State {
     } catch (const common::HardwareError& error) {
       return error.what();
     }
+    for (std::size_t coil = 0; coil < rig::kCoilCount; ++coil)
+      if (std::abs(session->coils().reported()->current_A[coil]) >= kOff_A)
+        return std::string("coil ") + rig::kCoilNames[coil] + " still measures a current";
     const std::lock_guard<common::PriorityMutex> lock(mutex);
-    return shown.pose && shown.pose->fault ? shown.pose->reason : "";
+    if (!shown.pose) return "";
+    if (shown.pose->fault) return shown.pose->reason;
+    const double fence_m = parts.config.safety.geofence * parts.config.rig.dish.radius_m;
+    return shown.pose->valid && shown.pose->pose.position_m().norm() > fence_m
+               ? "the needle lies outside the fence"
+               : "";
   }
 
   /// Under the mutex.
@@ -308,14 +329,15 @@ struct Bench::State {
     const auto running = std::make_shared<control::ControlLoop>(
         parts.config.loop, by_hand ? by_hand_action : driver.action, *pulses, session->sensor(),
         session->clock(), by_hand ? nullptr : &parts.config.rig, by_hand ? nullptr : identifier.get());
+    running->forget_steps();
     {
       const std::lock_guard<common::PriorityMutex> lock(mutex);
-      if (shown.mode != Mode::kArmed) return;
+      if (std::exchange(cancelled, true) || over || shown.mode != Mode::kArmed) return;
       shown.unattended = !by_hand && std::exchange(unattended_next, false);
       const auto driving = by_hand            ? Driving::kByHand
                            : shown.unattended ? Driving::kUnattended
                                               : Driving::kAttended;
-      attendance.begin(driving, wall.now_s());
+      attendance.begin(driving);
       shown.attended = !shown.unattended;
       shown.mode = Mode::kRunning;
       shown.run = BenchRun{to.task};
@@ -372,21 +394,29 @@ struct Bench::State {
         shown.mode = Mode::kArmed;
     }
     if (outcome.completed) return tell(Level::kInfo, "run ended: done");
+    if (how != Ending::kStopped && session->coils().latched()) return stop(session->coils().reason());
     if (how == Ending::kByOperator) return tell(Level::kInfo, "run ended: " + reason);
     if (how == Ending::kStopped) return;  // who stopped it has told
-    if (session->coils().latched()) reason = session->coils().reason();
     stop(reason);
   }
 
   void stop(const std::string& reason) {
+    bool told = true;
+    {
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
+      ++stops;
+      told = session != nullptr || stopped_before;
+      if (!session && !stopped_before) stopped_before = reason;  // it is stopped when it is back
+    }
+    if (!told) tell(Level::kStop, "stop: " + reason);
     const std::lock_guard<common::PriorityMutex> lock(mutex);
-    if (!session && !stopped_before) stopped_before = reason;  // it is stopped when it is back
     if (shown.mode == Mode::kStopped || !session) return;
     shown.mode = Mode::kStopped;
     shown.reason = reason;
     shown.why_not = "looking";
     shown.clears = false;
-    goal.reset();
+    forget_goal();
+    unattended_next = false;
     ending = Ending::kStopped;
     asked_s = -1e9;
     stop_wanted = reason;
@@ -428,10 +458,17 @@ struct Bench::State {
     }
   }
 
+  /// Whether the switch has to look at something else than at coils that go off.
+  bool wanted_elsewhere() const {
+    const std::lock_guard<common::PriorityMutex> lock(mutex);
+    return over || stop_wanted || end_wanted || shown.mode != Mode::kStopped;
+  }
+
   void switch_off(const std::string& reason, session::RigSession& of, control::ControlLoop* running) {
-    tell(Level::kStop, "stop: " + reason);
-    of.coils().request_stop(reason);
+    const double asked_at_s = of.clock().now_s();
+    of.coils().request_stop(reason);  // before anything that may wait
     if (running != nullptr) running->interrupt(reason);
+    parts.tell({Level::kStop, asked_at_s, "stop: " + reason});
     const double until_s = wall.now_s() + kOffWithin_s;
     try {
       for (;;) {
@@ -440,6 +477,7 @@ struct Bench::State {
                                      [](double current_A) { return std::abs(current_A) < kOff_A; });
         if (off) return tell(Level::kInfo, "coils off, as measured");
         if (wall.now_s() > until_s) break;
+        if (wanted_elsewhere()) return;
         std::this_thread::sleep_for(seconds(0.002));
       }
       tell(Level::kWarning, "the coils still measure a current: use the emergency stop");
@@ -468,12 +506,19 @@ struct Bench::State {
     const std::lock_guard<common::PriorityMutex> lock(mutex);
     if (shown.mode != mode) throw common::HardwareError(otherwise);
   }
-  void enter(Mode mode) {
+  /// From a mode that is still the one it was, unless somebody has said stop since there were so many.
+  void enter(Mode from, Mode mode, std::int64_t stops_before) {
     const std::lock_guard<common::PriorityMutex> lock(mutex);
+    if (shown.mode != from || stops != stops_before) throw common::HardwareError("it was stopped meanwhile");
     shown.mode = mode;
+    forget_goal();
     if (mode != Mode::kArmed) return;
     shown.reason.clear();
     stopped_before.reset();
+  }
+  std::int64_t stops_so_far() const {
+    const std::lock_guard<common::PriorityMutex> lock(mutex);
+    return stops;
   }
 };
 
@@ -484,7 +529,8 @@ Bench::~Bench() { end(); }
 void Bench::end() {
   State& state = *state_;
   if (!state.bench.joinable()) return;
-  if (this->state().mode == Mode::kRunning) stop("the console ends");
+  const Mode mode = this->state().mode;
+  if (mode == Mode::kRunning || mode == Mode::kArmed) stop("the console ends");
   {
     const std::lock_guard<common::PriorityMutex> lock(state.mutex);
     state.over = true;
@@ -496,33 +542,41 @@ void Bench::end() {
 }
 
 void Bench::arm(Done done) {
-  state_->order(std::move(done), [this] {
+  state_->order(std::move(done), [this, stops = state_->stops_so_far()] {
     state_->need(Mode::kDisarmed, "only a bench that is disarmed can be armed");
     state_->session->coils().check_cause_is_gone();
-    state_->enter(Mode::kArmed);
+    state_->enter(Mode::kDisarmed, Mode::kArmed, stops);
     state_->tell(Level::kInfo, "armed");
   });
 }
 
 void Bench::disarm(Done done) {
-  state_->order(std::move(done), [this] {
+  state_->order(std::move(done), [this, stops = state_->stops_so_far()] {
     state_->need(Mode::kArmed, "only a bench that is armed can be disarmed");
     state_->session->coils().stop();
-    state_->enter(Mode::kDisarmed);
+    state_->enter(Mode::kArmed, Mode::kDisarmed, stops);
     state_->tell(Level::kInfo, "disarmed");
   });
 }
 
-void Bench::rearm(const std::string& reason, Done done) {
-  state_->order(std::move(done), [this, reason] {
+void Bench::rearm(const std::string& reason, bool clears, Done done) {
+  state_->order(std::move(done), [this, reason, clears, stops = state_->stops_so_far()] {
     State& state = *state_;
     state.need(Mode::kStopped, "the bench is not stopped");
     if (const std::string now = this->state().reason; now != reason)
       throw common::HardwareError("it has been stopped for another reason since: " + now);
-    if (!state.session->coils().status().faults.empty()) state.session->clear_faults();
+    const std::vector<std::string> faults = state.session->coils().status().faults;
+    if (!faults.empty() && !clears)
+      throw common::HardwareError("the coil controller has latched a fault since: " + faults.front());
+    if (!faults.empty()) state.session->clear_faults();
     if (const std::string why_not = state.cause(); !why_not.empty()) throw common::HardwareError(why_not);
     state.session->coils().rearm();
-    state.enter(Mode::kArmed);
+    try {
+      state.enter(Mode::kStopped, Mode::kArmed, stops);
+    } catch (const common::HardwareError& error) {
+      state.session->coils().request_stop(error.what());
+      throw;
+    }
     state.tell(Level::kInfo, "re-armed after: " + reason);
   });
 }
@@ -543,6 +597,8 @@ void Bench::let_go(const std::string& reason, Done done) {
   state_->order(std::move(done), [this, reason] {
     {
       const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
+      if (state_->shown.mode == Mode::kStopped)
+        throw common::HardwareError("the bench is stopped: re-arm it first");
       state_->released = true;
     }
     if (state_->session) state_->disconnect(reason);
@@ -558,7 +614,7 @@ void Bench::take_up() {
 std::string Bench::choose(const std::string& controller) {
   State& state = *state_;
   const std::lock_guard<common::PriorityMutex> lock(state.mutex);
-  if (state.shown.mode == Mode::kRunning) return "a run is under way: end it first";
+  if (state.shown.mode == Mode::kRunning || state.goal) return "a run is under way: end it first";
   if (controller != kHand && state.source(controller).name != controller)
     return "there is no controller " + controller;
   state.shown.controller = controller;
@@ -618,6 +674,7 @@ std::string Bench::hold(const geometry::Vector2& drive) {
   state.hand.hold(drive);
   if (drive.isZero()) {
     state.goal.reset();
+    state.cancelled = true;
     if (state.loop && state.attendance.driving() == Driving::kByHand) {
       state.end_wanted = "let go";
       state.changed.notify_all();
@@ -637,8 +694,10 @@ std::string Bench::hold(const geometry::Vector2& drive) {
 std::string Bench::end_run() {
   State& state = *state_;
   const std::lock_guard<common::PriorityMutex> lock(state.mutex);
+  const bool begins = state.goal.has_value() || !state.cancelled;
   state.goal.reset();
-  if (!state.loop) return "nothing is running";
+  state.cancelled = true;
+  if (!state.loop) return begins ? "" : "nothing is running";
   state.end_wanted = "the operator has ended it";
   state.changed.notify_all();
   return "";
@@ -653,6 +712,7 @@ void Bench::beat(bool visible, bool focused) {
 
 void Bench::handed_over(bool to_somebody) {
   const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
+  state_->unattended_next = false;  // who wished for it is no longer in charge
   if (to_somebody) state_->attendance.handed_over(state_->wall.now_s());
 }
 

@@ -42,6 +42,7 @@ using geometry::Vector2;
 
 constexpr const char* kRecordings = "/recordings/";
 constexpr const char* kRuns = "/runs/";
+constexpr std::size_t kMostSamples = 300;  // of a greeting
 
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);  // names of files are any bytes
@@ -106,6 +107,7 @@ struct Console::State {
       const std::lock_guard<std::mutex> lock(hearing);
       listens = false;
     }
+    if (bench->state().mode == Mode::kRunning) bench->stop("the console ends");
     feed->end();  // which asks all that follows
     clerk.reset();
     recording.reset();
@@ -173,7 +175,9 @@ struct Console::State {
     Json controllers = Json::array();
     for (const auto& source : parts.bench.sources) controllers.push_back(source.name);
     Json samples = Json::array();
-    for (const BenchSample& sample : bench->samples()) samples.push_back(LiveView::json(sample));
+    const std::vector<BenchSample> kept = bench->samples();
+    const std::size_t step = kept.size() / kMostSamples + 1;  // this thread carries heartbeats
+    for (std::size_t i = 0; i < kept.size(); i += step) samples.push_back(LiveView::json(kept[i]));
     const auto image = bench->image();
     return {
         {"kind", "hello"},
@@ -194,6 +198,8 @@ struct Console::State {
 
   void send_state(PageId page) {
     Json json = view.json(bench->state());
+    json["job"] = jobs->now();
+    json["question"] = jobs->question();
     {
       const std::lock_guard<std::mutex> lock(mutex);
       settle();
@@ -204,8 +210,6 @@ struct Console::State {
       json["asking_left_s"] = seat.asking() ? Json(seat.answer_left_s(wall.now_s())) : Json();
       json["viewers"] = pages.size();
       json["recording"] = recording != nullptr;
-      json["job"] = jobs->now();
-      json["question"] = jobs->question();
     }
     send(page, text_of(json));
   }
@@ -325,7 +329,9 @@ struct Console::State {
   }
   void obey(PageId page, const Arm&) { bench->arm(answer_to(page, Arm::kWord)); }
   void obey(PageId page, const Disarm&) { bench->disarm(answer_to(page, Disarm::kWord)); }
-  void obey(PageId page, const Rearm& rearm) { bench->rearm(rearm.reason, answer_to(page, Rearm::kWord)); }
+  void obey(PageId page, const Rearm& rearm) {
+    bench->rearm(rearm.reason, rearm.clears, answer_to(page, Rearm::kWord));
+  }
   void obey(PageId page, const ChooseController& choice) {
     answer(page, ChooseController::kWord, bench->choose(choice.name));
   }
@@ -337,6 +343,10 @@ struct Console::State {
     const BenchState now = bench->state();
     if (!now.camera)
       return answer(page, Go::kWord, "the camera is not calibrated yet: nobody knows where that is");
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      planned.reset();  // it is no longer shown
+    }
     const ImageMap map(*now.camera);
     Goal goal;
     goal.task = "point";
@@ -370,10 +380,12 @@ struct Console::State {
     plan(page, [&] { return smoothed(points_m, stroke.closed); });
   }
   void obey(PageId page, const DrawnCsv& csv) {
-    const std::string file = parts.folder + "/drawn.csv";
-    plan(page, [&] {
-      common::write_file_atomically(file, csv.text);
-      return geometry::Path::from_csv(file);
+    ask_clerk(page, DrawnCsv::kWord, [this, page, text = csv.text] {
+      plan(page, [&] {
+        const std::string file = parts.folder + "/drawn.csv";
+        common::write_file_atomically(file, text);
+        return geometry::Path::from_csv(file);
+      });
     });
   }
   void obey(PageId page, const DrawnShape& shape) {
@@ -484,6 +496,7 @@ struct Console::State {
     source.max_current_A = parts.bench.config.rig.coils.max_current_A;
     source.failed = [this](const std::string& why) {
       tell(BenchEvent::Level::kWarning, "the recording has ended: " + why);
+      clerk->ask([this] { end_recording(); });
     };
     return std::make_unique<Recording>(recordings, name_of_now(), std::move(source));
   }

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
+#include <cstdio>
+#include <fstream>
+#include <future>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -50,6 +54,8 @@ struct Jobs::State final : session::Dialogue {
   std::string verb, text, out;
   std::optional<std::string> asked;
   std::optional<bool> answered;
+  common::ChildProcess* child = nullptr;
+  std::string stop_file;
   std::thread thread;
 
   void say(const std::string& line) override {
@@ -79,6 +85,7 @@ struct Jobs::State final : session::Dialogue {
     std::string outcome = "done";
     try {
       if (kind.needs_the_rig) release(kind.verb);
+      if (to_end()) throw common::Error("ended by the operator");
       if (kind.walk)
         kind.walk(*this);
       else
@@ -94,25 +101,33 @@ struct Jobs::State final : session::Dialogue {
   }
 
   void release(const std::string& reason) {
-    std::atomic<bool> released{false};
-    bench.let_go("the rig is in use: " + reason, [&](const std::string&) { released = true; });
-    while (!released) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    const auto released = std::make_shared<std::promise<std::string>>();
+    std::future<std::string> why_not = released->get_future();
+    bench.let_go("the rig is in use: " + reason,
+                 [released](const std::string& said) { released->set_value(said); });
+    if (const std::string said = why_not.get(); !said.empty()) throw common::Error(said);
   }
 
   void run_program(const JobKind& kind) {
     std::vector<std::string> words = kind.command;
     for (std::string& word : words)
       if (const std::size_t at = word.find("{out}"); at != std::string::npos) word.replace(at, 5, out);
-    common::ChildProcess child(words);
-    bool asked_to_end = false;
-    while (const auto part = child.read(kListen_s)) {
-      if (!part->empty()) say(*part);
-      if (to_end() && !std::exchange(asked_to_end, true)) child.interrupt();
+    common::ChildProcess running(words);
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      child = &running;
+      if (ending) running.interrupt();
     }
-    const int code = child.finish();
+    while (const auto part = running.read(kListen_s))
+      if (!part->empty()) say(*part);
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      child = nullptr;
+    }
+    const int code = running.finish();
     if (code != 0)
-      throw common::Error(asked_to_end ? "ended by the operator"
-                                       : "ended with exit code " + std::to_string(code));
+      throw common::Error(to_end() ? "ended by the operator"
+                                   : "ended with exit code " + std::to_string(code));
   }
 };
 
@@ -147,6 +162,8 @@ std::string Jobs::start(const std::string& verb) {
   state.ending = false;
   state.verb = verb;
   state.text.clear();
+  state.stop_file = kind->stop_file;
+  std::remove(state.stop_file.c_str());
   std::string name = verb + "-" + common::utc_now();
   std::replace(name.begin(), name.end(), ' ', '-');
   std::replace(name.begin(), name.end(), ':', '-');
@@ -160,6 +177,8 @@ std::string Jobs::end() {
   const std::lock_guard<std::mutex> lock(state.mutex);
   if (!state.busy) return "no job runs";
   state.ending = true;
+  if (state.child != nullptr) state.child->interrupt();
+  if (!state.stop_file.empty()) std::ofstream(state.stop_file) << "stop\n";
   state.changed.notify_all();
   return "";
 }
@@ -175,12 +194,17 @@ std::string Jobs::answer(bool yes) {
 
 Json Jobs::now() const {
   const State& state = *state_;
-  const std::lock_guard<std::mutex> lock(state.mutex);
-  if (state.verb.empty()) return nullptr;
-  Json now = {{"verb", state.verb}, {"running", state.busy}, {"done", 0}, {"total", 0},
-              {"note", ""},         {"text", state.text}};
+  Json now;
+  std::string out;
+  {
+    const std::lock_guard<std::mutex> lock(state.mutex);
+    if (state.verb.empty()) return nullptr;
+    out = state.out;
+    now = {{"verb", state.verb}, {"running", state.busy}, {"done", 0}, {"total", 0},
+           {"note", ""},         {"text", state.text}};
+  }
   try {
-    if (const auto run = runs::find_run(state.out)) {
+    if (const auto run = runs::find_run(out)) {
       now["done"] = run->done;
       now["total"] = run->total;
       now["note"] = run->note;

@@ -90,6 +90,11 @@ Message beat(Members& members) {
   const bool visible = members.flag("visible");
   return Beat{visible, members.flag("focused")};
 }
+Message rearm(Members& members) {
+  Rearm message{members.text("reason", kLongestReason), false};
+  if (members.has("clears")) message.clears = members.flag("clears");
+  return message;
+}
 Message go(Members& members) {
   Go message{members.place("to"), std::nullopt};
   if (members.has("towards")) message.towards = members.place("towards");
@@ -128,7 +133,7 @@ constexpr std::array<Word, 22> kWords = {{
     {"refuse", true, bare<Refuse>},
     {"arm", true, bare<Arm>},
     {"disarm", true, bare<Disarm>},
-    {"rearm", true, [](Members& m) -> Message { return Rearm{m.text("reason", kLongestReason)}; }},
+    {"rearm", true, rearm},
     {"controller", true,
      [](Members& m) -> Message { return ChooseController{m.text("name", kLongestName)}; }},
     {"unattended", true, [](Members& m) -> Message { return Unattended{m.flag("on")}; }},

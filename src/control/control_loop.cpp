@@ -195,7 +195,7 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
         record.estimate.reason = "the sensor gave a pose that is not a number";
     }
     memory.action = record.estimate.valid ? record.action : geometry::Vector2::Zero();
-    outcome.steps.push_back(record);
+    if (keeps_steps_) outcome.steps.push_back(record);
     if (observer) observer(record);
     if (record.last) return;
     if (invalid_in_a_row >= config_.max_invalid_poses)

@@ -74,7 +74,7 @@ TEST_CASE("a port that is taken, and an address that is none, are refused by nam
   CHECK(said_of().find("192.0.2.1") != std::string::npos);
   CHECK_THROWS_AS(RunningServer(config), common::IoError);
   config.address = "here";
-  CHECK(said_of().find("--address") != std::string::npos);
+  CHECK(said_of().find("--listen") != std::string::npos);
   CHECK_THROWS_AS(RunningServer(config), common::ConfigError);
 }
 

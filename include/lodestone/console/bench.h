@@ -55,8 +55,9 @@ class Bench {
   using Done = std::function<void(const std::string& why_not)>;
   void arm(Done done);
   void disarm(Done done);
-  /// `reason`: the one that the operator has seen.
-  void rearm(const std::string& reason, Done done);
+  /// `reason`: the one that the operator has seen; `clears`: and that faults of the coil controller are
+  /// cleared with it.
+  void rearm(const std::string& reason, bool clears, Done done);
   /// Has the needle placed at the centre, where the rig can; else its place is forgotten.
   void place(Done done);
   /// Lets go of the rig, for another program, until take_up().

@@ -20,7 +20,8 @@ struct JobKind {
   std::vector<std::string> command;  ///< of the other program; {out} stands for the folder of the new run
   std::function<void(session::Dialogue& dialogue)> walk;  ///< instead of a command
   bool needs_the_rig = true;                              ///< the bench lets go of it meanwhile
-  bool attended = true;  ///< somebody stands at the rig, who can press its switch
+  std::string stop_file = {};  ///< what drives the rig stops as soon as this file is there; empty: none
+  bool attended = true;        ///< somebody stands at the rig, who can press its switch
 };
 
 /// One job at a time, in a thread of its own. While it has the rig the bench does not, and a stop is passed

@@ -47,6 +47,7 @@ struct Disarm {
 struct Rearm {
   static constexpr const char* kWord = "rearm";
   std::string reason;
+  bool clears = false;
 };
 struct ChooseController {
   static constexpr const char* kWord = "controller";

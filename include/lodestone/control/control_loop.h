@@ -85,6 +85,8 @@ class ControlLoop {
   LoopOutcome run(Controller& controller, Reference& reference, const Observer& observer = {});
 
   double period_s() const { return config_.period_s(); }
+  /// Runs that may go on for days: the outcome has no steps, only the observer sees them.
+  void forget_steps() { keeps_steps_ = false; }
 
   /// From any thread: switches the coils off now and ends the run, or the next one where none is under way.
   /// The reason is the outcome's stop_reason.
@@ -104,6 +106,7 @@ class ControlLoop {
   common::Clock& clock_;
   std::optional<Recovery> recovery_;
   RigIdentifier* identifier_;
+  bool keeps_steps_ = true;
   common::Interruption interruption_;
   std::mutex mutex_;  // of the reason
   std::string interrupted_by_;

@@ -103,6 +103,7 @@ export class Hand {
     this.#pad_stops = stops;
     const axes = within_circle([pad.axes[0] ?? 0, pad.axes[1] ?? 0]);
     const rests = Math.hypot(...axes) < kDead_zone;
+    if (!this.#drives) this.#pad_must_rest = true;  // deflected before it may drive: it rests first
     if (rests) this.#pad_must_rest = false;
     this.#pad = rests || this.#pad_must_rest || !document.hasFocus() ? null : axes;
   }

@@ -10,7 +10,7 @@ export function start_jobs(connection) {
   connection.on('state', state => {
     show_job(state.job);
     show_question(state);
-    for (const button of by_id('jobs').querySelectorAll('button')) button.disabled = !!state.job || state.mode === 'running';
+    for (const button of by_id('jobs').querySelectorAll('button')) button.disabled = !!state.job?.running || state.mode === 'running';
   });
   connection.on('closed', () => show_job(null));
   by_id('job-end').addEventListener('click', () => connection.send({ do: 'job', verb: null }));

@@ -94,10 +94,10 @@ async function rearm(connection, dialog) {
     title: 'Re-arm the coils?',
     lines: [`Stopped: ${reason}`, clears && 'Faults that the coil controller has latched are cleared, too.', 'The coils then take pulses again.'],
     yes: 'Re-arm', no: 'Stay stopped',
-    stale: state => state.mode !== 'stopped' || state.reason !== reason || !state.you_operate,
+    stale: state => state.mode !== 'stopped' || state.reason !== reason || state.clears !== clears || !state.you_operate,
     blocked: state => state.why_not ? `Not yet: ${state.why_not}` : '',
   });
-  if (yes) connection.send({ do: 'rearm', reason });
+  if (yes) connection.send({ do: 'rearm', reason, clears });
 }
 
 function start_seat(connection) {
