@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <set>
 
+#include "console/sample_messages.h"
 #include "fuzz/fuzz.h"
 #include "lodestone/console/messages.h"
 
@@ -8,34 +9,6 @@ using namespace lodestone;
 using namespace lodestone::console;
 
 namespace {
-
-const std::vector<std::string> kMessages = {
-    R"({"do": "more", "of": "image"})",
-    R"({"do": "more", "of": "state"})",
-    R"({"do": "beat", "visible": true, "focused": false})",
-    R"({"do": "stop", "by": "space"})",
-    R"({"do": "operate"})",
-    R"({"do": "yield"})",
-    R"({"do": "refuse"})",
-    R"({"do": "arm"})",
-    R"({"do": "disarm"})",
-    R"({"do": "rearm", "reason": "the operator's page is silent"})",
-    R"({"do": "controller", "name": "planner"})",
-    R"({"do": "unattended", "on": true})",
-    R"({"do": "go", "to": [0.5, 0.25], "towards": [0.6, 0.25]})",
-    R"({"do": "draw", "points": [[0.1, 0.1], [0.2, 0.3], [0.5, 0.5]], "closed": true})",
-    R"({"do": "draw", "csv": "x_m,y_m\n0,0\n0.01,0\n"})",
-    R"({"do": "draw", "shape": "square"})",
-    R"({"do": "follow"})",
-    R"({"do": "hand", "drive": [-1, 0.25]})",
-    R"({"do": "end"})",
-    R"({"do": "place"})",
-    R"({"do": "record", "on": false})",
-    R"({"do": "runs"})",
-    R"({"do": "replay", "name": "20260101-120000"})",
-    R"({"do": "job", "verb": "collect"})",
-    R"({"do": "job", "verb": null})",
-    R"({"do": "answer", "yes": true})"};
 
 /// What has to be true of whatever was read.
 struct Sane {
@@ -60,6 +33,7 @@ struct Sane {
 
 TEST_CASE("a spoiled message is refused, or read as one that keeps to its range", "[soak]") {
   const tests::Soak soak("spoiled messages", 20'000, 10'000'000);
+  const std::vector<std::string> messages = tests::sample_messages();
   tests::Spoiler spoiler(soak.seed(), "messages");
   std::string text;
   std::set<std::string> words;
@@ -67,8 +41,8 @@ TEST_CASE("a spoiled message is refused, or read as one that keeps to its range"
   tests::fuzz(
       soak,
       [&] {
-        const std::string& good = spoiler.one_of(kMessages);
-        text = spoiler.below(2) == 0 ? spoiler.bytes(good, spoiler.one_of(kMessages))
+        const std::string& good = spoiler.one_of(messages);
+        text = spoiler.below(2) == 0 ? spoiler.bytes(good, spoiler.one_of(messages))
                                      : spoiler.json(common::Json::parse(good))
                                            .dump(-1, ' ', false, common::Json::error_handler_t::replace);
       },

@@ -16,7 +16,7 @@ inline std::vector<std::string> sample_messages() {
       R"({"do": "refuse"})",
       R"({"do": "arm"})",
       R"({"do": "disarm"})",
-      R"({"do": "rearm", "reason": "the needle left the fence"})",
+      R"({"do": "rearm", "reason": "the needle left the fence", "clears": true})",
       R"({"do": "controller", "name": "planner"})",
       R"({"do": "unattended", "on": true})",
       R"({"do": "go", "to": [0.5, 0.25], "towards": [0.75, 0.5]})",

@@ -1,0 +1,55 @@
+#include "console/laboratory.h"
+
+using namespace lodestone;
+using console::Bench;
+using console::BenchState;
+using console::Mode;
+using tests::Laboratory;
+using tests::point;
+
+TEST_CASE("a bench is armed, driven to a target and to another one, and ended") {
+  Laboratory lab;
+  CHECK_FALSE(lab.bench->drive(point(0.0, 0.0)).empty());  // not armed
+  REQUIRE(lab.reach(Mode::kDisarmed));
+  CHECK_THAT(lab.bench->drive(point(0.0, 0.0)), Catch::Contains("arm it first"));
+  REQUIRE(lab.arm().empty());
+  CHECK_FALSE(lab.arm().empty());
+  CHECK_FALSE(lab.bench->choose("planner").empty());
+  REQUIRE(lab.bench->drive(point(0.01, 0.0)).empty());
+  REQUIRE(lab.reach(Mode::kRunning));
+  CHECK(lab.bench->state().attended);
+  CHECK_THAT(lab.bench->choose("hand"), Catch::Contains("under way"));
+  const auto near = [](double x_m, double y_m) {
+    return [=](const BenchState& state) {
+      return state.pose && state.pose->valid &&
+             (state.pose->pose.position_m() - geometry::Vector2(x_m, y_m)).norm() < 0.004;
+    };
+  };
+  CHECK(lab.reach(near(0.01, 0.0)));
+  REQUIRE(lab.bench->drive(point(0.0, 0.008)).empty());
+  CHECK(lab.reach(near(0.0, 0.008)));
+  CHECK(lab.bench->state().trail_m.size() > 3);
+  CHECK(lab.bench->state().sample->duty[0] > 0.0);
+  CHECK(lab.bench->samples().size() > 3);
+  REQUIRE(lab.bench->end_run().empty());
+  REQUIRE(lab.reach(Mode::kArmed));
+  CHECK_FALSE(lab.bench->state().run);
+  CHECK_FALSE(lab.bench->end_run().empty());
+  CHECK(lab.ask([&](Bench::Done done) { lab.bench->disarm(std::move(done)); }).empty());
+  CHECK(lab.bench->state().mode == Mode::kDisarmed);
+}
+
+TEST_CASE("an unattended run needs no page, and ends with its task") {
+  Laboratory lab;
+  REQUIRE(lab.reach(Mode::kDisarmed));
+  REQUIRE(lab.arm().empty());
+  REQUIRE(lab.bench->set_unattended(true).empty());
+  lab.beats = false;
+  REQUIRE(lab.bench->drive(point(0.01, 0.0)).empty());
+  REQUIRE(lab.reach(Mode::kRunning));
+  CHECK(lab.bench->state().unattended);
+  CHECK_FALSE(lab.bench->set_unattended(false).empty());
+  REQUIRE(lab.reach(Mode::kArmed));
+  CHECK(lab.told("run ended: done"));
+  CHECK_FALSE(lab.bench->state().unattended);  // for one run
+}
