@@ -10,14 +10,13 @@
 #include <cmath>
 #include <filesystem>
 #include <future>
-#include <map>
 #include <mutex>
+#include <set>
 #include <utility>
 
 #include "lodestone/common/build_facts.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
-#include "lodestone/common/log.h"
 #include "lodestone/console/access.h"
 #include "lodestone/console/drawn_path.h"
 #include "lodestone/console/feed.h"
@@ -125,7 +124,7 @@ struct Console::State {
   common::SteadyClock wall;
   std::mutex mutex;  // of what follows
   Seat seat;
-  std::map<PageId, bool> pages;
+  std::set<PageId> pages;
   std::optional<geometry::Path> planned;
   std::unique_ptr<Recording> recording;
   std::atomic<bool> ready{false};
@@ -157,7 +156,7 @@ struct Console::State {
     std::vector<PageId> all;
     {
       const std::lock_guard<std::mutex> lock(mutex);
-      for (const auto& [page, unused] : pages) all.push_back(page);
+      all.assign(pages.begin(), pages.end());
     }
     const std::string text = text_of(json);
     for (const PageId page : all) send(page, text);
@@ -240,7 +239,7 @@ struct Console::State {
     if (!ready || !listens) return;
     {
       const std::lock_guard<std::mutex> lock(mutex);
-      pages[page] = true;
+      pages.insert(page);
     }
     send(page, text_of(hello(page)));
   }

@@ -298,11 +298,7 @@ WatchedSquare ConsoleBench::drive_square(const std::string& how) {
       bench.pulses.deviations_ms(config_.deployment.loop.period_s(), from);
   if (deviations_ms.empty())
     throw common::HardwareError("bench console: the square had no pulses: " + after.reason);
-  square.deviation_median_ms = percentile(deviations_ms, 0.5);
-  square.deviation_p99_ms = percentile(deviations_ms, 0.99);
-  const common::Interval interval = common::percentile_interval(deviations_ms, 0.99);
-  square.deviation_p99_interval_ms = {interval.low, interval.high};
-  square.deviation_max_ms = percentile(deviations_ms, 1.0);
+  static_cast<experiments::PeriodDeviation&>(square) = experiments::PeriodDeviation(deviations_ms);
   add("control period " + how + ": deviation, p99", square.deviation_p99_ms, "ms", config_.jitter_bound_ms);
   add("square " + how + ": not finished", square.stop_reason.empty() ? 0.0 : 1.0, "", 0.0);
   return square;

@@ -108,11 +108,7 @@ RealTimeSquares EmulationBench::drive_squares(const std::string& how) {
     if (!squares.stop_reason.empty()) ++unfinished;
   }
   squares.cross_track_rms_mm /= static_cast<double>(squares.squares);
-  squares.deviation_median_ms = percentile(deviations_ms, 0.5);
-  squares.deviation_p99_ms = percentile(deviations_ms, 0.99);
-  const common::Interval interval = common::percentile_interval(deviations_ms, 0.99);
-  squares.deviation_p99_interval_ms = {interval.low, interval.high};
-  squares.deviation_max_ms = percentile(deviations_ms, 1.0);
+  static_cast<PeriodDeviation&>(squares) = PeriodDeviation(deviations_ms);
   add("control period " + how + ": deviation, p99", squares.deviation_p99_ms, "ms", config_.jitter_bound_ms);
   add("squares " + how + ": not finished", unfinished, "", 0.0);
   return squares;

@@ -8,6 +8,7 @@
 #include "lodestone/common/json.h"
 #include "lodestone/experiments/bounded_figure.h"
 #include "lodestone/experiments/deployment.h"
+#include "lodestone/experiments/period_deviation.h"
 
 namespace lodestone::console {
 
@@ -52,21 +53,16 @@ struct ConsoleBenchConfig {
 };
 
 /// A square under the eyes of many.
-struct WatchedSquare {
+struct WatchedSquare : experiments::PeriodDeviation {
   std::int64_t pulses = 0;
-  double deviation_median_ms = 0.0, deviation_p99_ms = 0.0, deviation_max_ms = 0.0;
-  std::array<double, 2> deviation_p99_interval_ms = {};  ///< 95 %
-  double images_per_s = 0.0;                             ///< of each page that reads
+  double images_per_s = 0.0;  ///< of each page that reads
   double lost_real_time_s = 0.0;
   std::string stop_reason;  ///< empty: it was driven to its end
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("pulses", pulses);
-    v.field("deviation_median_ms", deviation_median_ms);
-    v.field("deviation_p99_ms", deviation_p99_ms);
-    v.field("deviation_p99_interval_ms", deviation_p99_interval_ms);
-    v.field("deviation_max_ms", deviation_max_ms);
+    experiments::PeriodDeviation::visit(v);
     v.field("images_per_s", images_per_s);
     v.field("lost_real_time_s", lost_real_time_s);
     v.field("stop_reason", stop_reason);

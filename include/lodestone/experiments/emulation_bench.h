@@ -9,6 +9,7 @@
 #include "lodestone/experiments/bounded_figure.h"
 #include "lodestone/experiments/deployment.h"
 #include "lodestone/experiments/fault_injection.h"
+#include "lodestone/experiments/period_deviation.h"
 
 namespace lodestone::experiments {
 
@@ -75,12 +76,9 @@ struct RoundTrips {
 };
 
 /// Squares in real time: pseudo-terminal, GigE Vision camera, U-Net, controller.
-struct RealTimeSquares {
+struct RealTimeSquares : PeriodDeviation {
   std::int64_t squares = 0, pulses = 0;
-  double cross_track_rms_mm = 0.0;                           ///< mean of the squares
-  double deviation_median_ms = 0.0, deviation_p99_ms = 0.0;  ///< of the control period
-  std::array<double, 2> deviation_p99_interval_ms = {};      ///< 95 %
-  double deviation_max_ms = 0.0;
+  double cross_track_rms_mm = 0.0;  ///< mean of the squares
   double lost_real_time_s = 0.0;
   std::string stop_reason;
 
@@ -89,10 +87,7 @@ struct RealTimeSquares {
     v.field("squares", squares);
     v.field("pulses", pulses);
     v.field("cross_track_rms_mm", cross_track_rms_mm);
-    v.field("deviation_median_ms", deviation_median_ms);
-    v.field("deviation_p99_ms", deviation_p99_ms);
-    v.field("deviation_p99_interval_ms", deviation_p99_interval_ms);
-    v.field("deviation_max_ms", deviation_max_ms);
+    PeriodDeviation::visit(v);
     v.field("lost_real_time_s", lost_real_time_s);
     v.field("stop_reason", stop_reason);
   }
