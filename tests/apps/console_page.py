@@ -412,9 +412,8 @@ class Page:
         page was silent."""
         begun = lambda: self.mode == "stopped" or (self.state["run"] or {}).get("steps", 0) >= 2
         for _ in range(3):
-            self.wait_for(lambda: (self.state["pose"] or {}).get("valid"),
-                          lambda: f"a pose: {self.state['pose']}")
-            here = self.state["pose"]["middle"]
+            here = self.wait_for(lambda: (self.state["pose"] or {}).get("middle"),
+                                 lambda: f"a pose: {self.state['pose']}")
             self.point(max(([0.38, 0.4], [0.62, 0.6]), key=lambda place: distance(place, here)))
             self.wait_for(begun, lambda: f"two steps; it is {self.said}")
             if self.mode == "running":
