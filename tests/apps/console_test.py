@@ -350,6 +350,28 @@ def fits_every_screen(operator):
         lone.driver.close()
 
 
+def gives_way_where_the_page_is_busy(operator):
+    """Who has too little of a processor is shown fewer images, and goes on beating."""
+    page = operator.page.ready()
+    page.script("window.shown = 0; const decode = window.createImageBitmap;"
+                "window.createImageBitmap = (...of) => { ++window.shown; return decode(...of); };")
+    def images_per_s(seconds=2.0):
+        before, begun_s = page.script("return window.shown"), time.monotonic()
+        time.sleep(seconds)
+        return (page.script("return window.shown") - before) / (time.monotonic() - begun_s)
+    free = images_per_s()
+    page.script("window.busy = setInterval(() => { const end = performance.now() + 90;"
+                "while (performance.now() < end); }, 100);")
+    images_per_s(0.5)
+    busy = images_per_s()
+    page.script("clearInterval(window.busy)")
+    images_per_s(3.0)
+    again = images_per_s()
+    assert page.mode == "armed", page.said
+    assert busy < 0.5 * free and again > 0.8 * free, (free, busy, again)
+    return f"{free:.0f} images/s, {busy:.0f} on a busy page, then {again:.0f}"
+
+
 def a_finished_run(folder):
     """What `lodestone` leaves of a run, with its report."""
     folder.mkdir(parents=True)
@@ -364,7 +386,7 @@ with tempfile.TemporaryDirectory() as name:
     with Operator(program, f"{name}/console", "--virtual", "--set", f"runs={name}/runs") as operator:
         for case in (drives_to_a_click, follows_a_path, stops, stops_without_its_page, drives_by_hand,
                      has_one_operator, keeps_other_sites_out, shows_the_truth_after_a_reload, records,
-                     fits_every_screen):
+                     fits_every_screen, gives_way_where_the_page_is_busy):
             if len(sys.argv) > 2 and case.__name__ not in sys.argv[2:]:
                 continue
             begun_s = time.monotonic()

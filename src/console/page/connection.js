@@ -2,6 +2,10 @@
 
 const kRetry_ms = 1000;
 const kBetween_ms = 45;  // at most about 20 images and 20 states a second
+const kOn_time_ms = 10;  // a beat that is later than this shows a page with more to do than it can
+const kGive_way = 4;     // milliseconds more between images for each that beats are later than that
+const kForget = 0.9;     // of how late they were, with each beat
+const kLatest_ms = 100;  // later still counts as this: a page that was hidden or asleep comes back at once
 const kSilent_ms = 3000;
 const kHeader_bytes = 16;
 
@@ -13,6 +17,7 @@ export class Connection {
   #handlers = new Map();
   #asked_ms = { image: 0, state: 0 };
   #waiting = { image: false, state: false };
+  #late_ms = 0;  // the latest of the last beats
 
   /// Calls `handler` with every message of that kind; also `image`, `opened`, `closed`.
   on(kind, handler) {
@@ -78,10 +83,16 @@ export class Connection {
     socket.close();
   }
 
+  /// What the page shows comes after its heartbeat: where that was late, fewer images and states are asked for.
+  give_way(late_ms) {
+    this.#late_ms = Math.max(Math.min(late_ms, kLatest_ms) - kOn_time_ms, kForget * this.#late_ms);
+  }
+
   /// A hidden page gets no animation frames, hence asks for nothing and costs nothing.
   #ask_soon(what) {
     const socket = this.#socket;
-    const wait_ms = Math.max(0, this.#asked_ms[what] + kBetween_ms - performance.now());
+    const between_ms = kBetween_ms + kGive_way * this.#late_ms;
+    const wait_ms = Math.max(0, this.#asked_ms[what] + between_ms - performance.now());
     setTimeout(() => requestAnimationFrame(() => {
       if (socket !== this.#socket || !this.send({ do: 'more', of: what })) return;
       this.#asked_ms[what] = performance.now();

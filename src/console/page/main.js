@@ -33,8 +33,13 @@ start_events(connection);
 start_jobs(connection);
 start_runs(connection, start_leaving(connection, dialog));
 
+let beaten_ms = performance.now();
+
 /// On the main thread, and nowhere else: a page that hangs shall be heard to be silent.
 function beat() {
+  const now_ms = performance.now();
+  connection.give_way(now_ms - beaten_ms - kBeat_ms);
+  beaten_ms = now_ms;
   if (!connection.operating) return;
   connection.send({ do: 'beat', visible: document.visibilityState === 'visible', focused: document.hasFocus() });
   hand.beat();
