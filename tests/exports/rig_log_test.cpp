@@ -1,0 +1,67 @@
+#include "lodestone/exports/rig_log.h"
+
+#include <catch2/catch.hpp>
+
+#include "common/event_file.h"
+#include "exports/mcap_file.h"
+#include "temporary_folder.h"
+
+using namespace lodestone;
+using namespace lodestone::tests;
+
+TEST_CASE("a step is told on the topics of what is known of it") {
+  const TemporaryFolder folder;
+  const std::string path = folder / "log.mcap";
+  exports::RigLog log(path, {{"verb", "deploy"}});
+  exports::LoggedStep step;
+  step.target = geometry::Pose2{0.01, 0.0, 0.0};
+  step.facts.reason = "nothing is seen";
+  log.step(step);
+  step.time_ns = 300'000'000;
+  step.sensed = geometry::Pose2{};
+  step.truth = geometry::Pose2{};
+  step.current_A = exports::FourCoils{};
+  step.reading.emplace();
+  log.step(step);
+  log.image(600'000'000, 590'000'000, "jpeg");
+  log.event(600'000'000, exports::LogLevel::kWarning, "far");
+  log.finish();
+  const auto messages = mcap_messages(path);
+  CHECK(messages.at("/step").size() == 2);
+  CHECK(messages.at("/target").size() == 2);
+  CHECK(messages.at("/tf").size() == 1);
+  for (const char* topic : {"/needle/pose", "/needle/truth", "/coils/pulse", "/coils/status"})
+    CHECK(messages.at(topic).size() == 1);
+  CHECK(Message(messages.at("/camera/image").at(0)).bytes.at(2) == "jpeg");
+  CHECK(Message(Message(messages.at("/camera/image").at(0)).bytes.at(1)).numbers.at(2) == 590'000'000);
+  CHECK(Message(messages.at("/log").at(0)).bytes.at(3) == "far");
+}
+
+TEST_CASE("the frame is told again every ten seconds") {
+  const TemporaryFolder folder;
+  const std::string path = folder / "log.mcap";
+  exports::RigLog log(path, {});
+  for (std::uint64_t second = 0; second < 25; ++second) {
+    exports::LoggedStep step;
+    step.time_ns = second * 1'000'000'000;
+    log.step(step);
+  }
+  log.finish();
+  CHECK(mcap_messages(path).at("/tf").size() == 3);
+}
+
+TEST_CASE("a log has the facts it was given") {
+  const TemporaryFolder folder;
+  const std::string path = folder / "log.mcap";
+  exports::RigLog(path, {{"config", "{}"}, {"verb", "deploy"}}).finish();
+  for (const McapRecord& record : mcap_file_records(path)) {
+    if (record.opcode != 12) continue;
+    Bytes fields(record.content);
+    CHECK(fields.counted() == "lodestone");
+    Bytes pairs(fields.counted());
+    CHECK(pairs.counted() == "config");
+    CHECK(pairs.counted() == "{}");
+    return;
+  }
+  FAIL("no metadata");
+}
