@@ -3,13 +3,15 @@
 #include <filesystem>
 #include <sstream>
 
+#include "array_reader.h"
+#include "episode_batch.h"
+#include "episode_groups.h"
 #include "hdf5_handle.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "lodestone/common/json.h"
 #include "lodestone/common/shown.h"
 #include "lodestone/data/csv_import.h"
-#include "lodestone/data/episode_bytes.h"
 #include "lodestone/data/journal.h"
 
 namespace lodestone::data {
@@ -19,18 +21,11 @@ using common::DataError;
 using common::IoError;
 
 constexpr const char* kFormat = "lodestone-transitions";
-/// Version 1 had no row of infos for the reset, and no checksums.
-constexpr std::int64_t kFormatVersion = 2;
+/// Up to version 2 every episode was a group of its own.
+constexpr std::int64_t kFormatVersion = 3;
+constexpr std::int64_t kLastWithGroups = 2;
 constexpr const char* kImpossible = "impossible";
-constexpr const char* kChecksum = "checksum";
-constexpr const char* kPlacements = "placements";
 constexpr std::size_t kImageStep = 1 << 20;  // bytes by which the image of a file grows
-
-std::string because(const std::string& detail) { return detail.empty() ? "" : " (" + detail + ")"; }
-
-Handle open_group(hid_t parent, const std::string& name) {
-  return Handle(H5Gopen2(parent, name.c_str(), within_file(H5P_GROUP_ACCESS).get()), H5Gclose);
-}
 
 bool write_value(hid_t root, const char* name, const common::Json& value) {
   if (value.is_string()) return write_attribute(root, name, value.get<std::string>());
@@ -79,7 +74,8 @@ bool write_info(hid_t root, const DatasetInfo& info) {
                   "' is missing or of another type: this is not a dataset written by lodestone");
 }
 
-void check_version(hid_t root, const std::string& path) {
+/// Throws DataError where this program cannot read it.
+std::int64_t version_of(hid_t root, const std::string& path) {
   std::string format;
   std::int64_t version = 0;
   if (!read_attribute(root, "format", format)) fail_without("format", path);
@@ -88,6 +84,7 @@ void check_version(hid_t root, const std::string& path) {
     throw DataError(path + ": format \"" + common::shown(format) + "\" version " + std::to_string(version) +
                     "; this program reads \"" + kFormat + "\" up to version " +
                     std::to_string(kFormatVersion));
+  return version;
 }
 
 DatasetInfo read_info(hid_t root, const std::string& path) {
@@ -95,75 +92,6 @@ DatasetInfo read_info(hid_t root, const std::string& path) {
   for (auto& [name, value] : json.items())
     if (!read_value(root, name.c_str(), value, path)) fail_without(name, path);
   return info_from_json(json, path);
-}
-
-/// Bytes that a file may still ask for. No recording shrinks to a 64th of its numbers; a shape alone, or
-/// links to one array from everywhere, ask for as much as they like.
-struct ReadBudget {
-  hsize_t bytes;
-};
-constexpr hsize_t kBytesPerByte = 64;
-
-/// Reads a dataset of an episode and returns its number of rows.
-template <class Value>
-std::size_t read_array(hid_t group, const char* name, hid_t memory_type, hsize_t columns,
-                       std::vector<Value>& values, ReadBudget& budget, const std::string& place) {
-  const Handle dataset(H5Dopen2(group, name, within_file(H5P_DATASET_ACCESS).get()), H5Dclose);
-  if (!dataset.valid()) throw DataError(place + ": dataset '" + name + "' is missing or damaged");
-  const Handle space(H5Dget_space(dataset.get()), H5Sclose);
-  hsize_t shape[2] = {0, 1};
-  const int rank = H5Sget_simple_extent_ndims(space.get());
-  if (rank != (columns > 1 ? 2 : 1) || H5Sget_simple_extent_dims(space.get(), shape, nullptr) != rank ||
-      shape[1] != columns)
-    throw DataError(place + ": dataset '" + name + "' has another shape than [rows, " +
-                    std::to_string(columns) + "]");
-  if (!is_stored_plainly(dataset.get()))
-    throw DataError(place + ": dataset '" + name +
-                    "' lies in other files, or in chunks of more than 64 MiB: copy it with h5repack");
-  if (shape[0] > budget.bytes / (columns * sizeof(Value)))
-    throw DataError(place + ": dataset '" + name + "' asks for " + std::to_string(shape[0]) +
-                    " rows, more than the file can hold");
-  budget.bytes -= shape[0] * columns * sizeof(Value);
-  values.resize(shape[0] * columns);
-  if (!values.empty() &&
-      H5Dread(dataset.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
-    throw DataError(place + ": dataset '" + name + "' cannot be read" + because(last_hdf5_error()));
-  return shape[0];
-}
-
-/// Throws DataError when the episode is not the one that was written.
-void compare_checksum(hid_t group, const Episode& episode, const std::string& place) {
-  std::string expected;
-  if (!read_attribute(group, kChecksum, expected)) return;  // of version 1
-  if (checksum(to_bytes(episode)) != expected)
-    throw DataError(place +
-                    ": its checksum is not that of its numbers: the file is damaged; take it from a backup");
-}
-
-Episode read_episode(hid_t root, const std::string& name, StateLayout layout, ReadBudget& budget,
-                     const std::string& path) {
-  const std::string place = path + ": " + name;
-  const Handle group = open_group(root, name);
-  if (!group.valid()) throw DataError(place + " cannot be opened" + because(last_hdf5_error()));
-  Episode episode;
-  const auto s = static_cast<hsize_t>(state_size(layout));
-  const std::size_t rows =
-      read_array(group.get(), "observations", H5T_NATIVE_DOUBLE, s, episode.observations, budget, place);
-  const std::size_t steps =
-      read_array(group.get(), "actions", H5T_NATIVE_DOUBLE, kActionSize, episode.actions, budget, place);
-  read_array(group.get(), "terminations", H5T_NATIVE_UINT8, 1, episode.terminations, budget, place);
-  read_array(group.get(), "truncations", H5T_NATIVE_UINT8, 1, episode.truncations, budget, place);
-  read_array(group.get(), "infos/zero_current", H5T_NATIVE_UINT8, 1, episode.zero_current, budget, place);
-  if (rows == steps + 1 && episode.zero_current.size() == rows)
-    episode.zero_current.erase(episode.zero_current.begin());  // the reset's
-  if (rows != steps + 1 || episode.terminations.size() != steps || episode.truncations.size() != steps ||
-      episode.zero_current.size() != steps)
-    throw DataError(place + ": " + std::to_string(rows) + " observations do not fit " +
-                    std::to_string(steps) +
-                    " actions: T actions need T+1 observations and T flags of each kind");
-  read_attribute(group.get(), kPlacements, episode.placements);  // absent where nobody counted them
-  compare_checksum(group.get(), episode, place);
-  return episode;
 }
 
 Handle open_file(const std::string& path) {
@@ -174,68 +102,19 @@ Handle open_file(const std::string& path) {
   Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.valid())
     throw DataError("cannot open dataset " + path + ": not an HDF5 file, or cut short or damaged" +
-                    because(last_hdf5_error()));
+                    because_of_hdf5());
   return file;
-}
-
-std::string episode_name(std::int64_t index) { return "episode_" + std::to_string(index); }
-
-/// The episodes of a group, in order. `others`: groups in it that are none.
-std::vector<Episode> read_episodes(hid_t group, hsize_t others, StateLayout layout, ReadBudget& budget,
-                                   const std::string& path) {
-  H5G_info_t links{};
-  if (H5Gget_info(group, &links) < 0) throw DataError(path + ": its list of episodes is damaged");
-  std::vector<Episode> episodes;
-  for (hsize_t i = 0; i < links.nlinks - others; ++i) {
-    const std::string name = episode_name(static_cast<std::int64_t>(i));
-    if (H5Lexists(group, name.c_str(), H5P_DEFAULT) <= 0)
-      throw DataError(path + ": holds " + std::to_string(links.nlinks - others) + " groups, but " + name +
-                      " is missing");
-    episodes.push_back(read_episode(group, name, layout, budget, path));
-  }
-  return episodes;
-}
-
-bool write_episode(hid_t parent, std::int64_t index, const Episode& episode, StateLayout layout) {
-  const auto steps = static_cast<hsize_t>(episode.length());
-  const auto s = static_cast<hsize_t>(state_size(layout));
-  const std::vector<double> rewards(steps, 0.0);
-  std::vector<std::uint8_t> zero_current = episode.zero_current;
-  zero_current.insert(zero_current.begin(), 0);  // infos have a row for the reset, too
-  const Handle group = create_group(parent, episode_name(index).c_str());
-  const Handle infos = create_group(group.get(), "infos");
-  const auto numbers = [&](const char* key, const std::vector<double>& values, std::vector<hsize_t> shape) {
-    return write_array(group.get(), key, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values.data(), shape);
-  };
-  const auto flags = [&](hid_t in, const char* key, const std::vector<std::uint8_t>& values) {
-    return write_array(in, key, H5T_STD_U8LE, H5T_NATIVE_UINT8, values.data(), {values.size()});
-  };
-  return group.valid() && infos.valid() && write_attribute(group.get(), "id", index) &&
-         write_attribute(group.get(), "total_steps", episode.length()) &&
-         write_attribute(group.get(), kPlacements, episode.placements) &&
-         write_attribute(group.get(), kChecksum, checksum(to_bytes(episode))) &&
-         numbers("observations", episode.observations, {steps + 1, s}) &&
-         numbers("actions", episode.actions, {steps, kActionSize}) && numbers("rewards", rewards, {steps}) &&
-         flags(group.get(), "terminations", episode.terminations) &&
-         flags(group.get(), "truncations", episode.truncations) &&
-         flags(infos.get(), "zero_current", zero_current);
-}
-
-bool write_episodes(hid_t parent, const std::vector<Episode>& episodes, StateLayout layout) {
-  for (std::size_t i = 0; i < episodes.size(); ++i)
-    if (!write_episode(parent, static_cast<std::int64_t>(i), episodes[i], layout)) return false;
-  return true;
 }
 
 bool write_all(hid_t root, const Dataset& dataset) {
   if (!write_info(root, dataset.info) ||
       !write_attribute(root, "total_episodes", static_cast<std::int64_t>(dataset.episodes.size())) ||
       !write_attribute(root, "total_steps", dataset.transitions()) ||
-      !write_episodes(root, dataset.episodes, dataset.info.layout))
+      !write_episode_batch(root, dataset.episodes, dataset.info.layout))
     return false;
   if (dataset.impossible.empty()) return true;
   const Handle group = create_group(root, kImpossible);
-  return group.valid() && write_episodes(group.get(), dataset.impossible, dataset.info.layout);
+  return group.valid() && write_episode_batch(group.get(), dataset.impossible, dataset.info.layout);
 }
 
 /// The bytes of a file with this dataset. HDF5 makes them in memory, so that no fault of a disk reaches it.
@@ -252,7 +131,7 @@ std::string file_image(const Dataset& dataset, const std::string& path) {
     if (size > 0 && H5Fget_vfd_handle(file.get(), H5P_DEFAULT, &memory) >= 0)
       return {*static_cast<char**>(memory), static_cast<std::size_t>(size)};
   }
-  throw IoError("cannot make dataset " + path + ": HDF5 reports a fault" + because(last_hdf5_error()));
+  throw IoError("cannot make dataset " + path + ": HDF5 reports a fault" + because_of_hdf5());
 }
 
 bool ends_with(const std::string& text, const std::string& ending) {
@@ -278,14 +157,17 @@ Dataset read_dataset(const std::string& path) {
     return dataset;
   }
   const Handle file = open_file(path);
-  check_version(file.get(), path);
+  const bool groups = version_of(file.get(), path) <= kLastWithGroups;
   dataset.info = read_info(file.get(), path);
-  ReadBudget budget{kBytesPerByte * std::filesystem::file_size(path)};
+  ArrayReader reader(std::filesystem::file_size(path));
   const bool glitches = H5Lexists(file.get(), kImpossible, H5P_DEFAULT) > 0;
-  dataset.episodes = read_episodes(file.get(), glitches ? 1 : 0, dataset.info.layout, budget, path);
+  const auto read = [&](hid_t group, hsize_t others, const std::string& place) {
+    return groups ? read_episode_groups(group, others, dataset.info.layout, reader, place)
+                  : read_episode_batch(group, dataset.info.layout, reader, place);
+  };
+  dataset.episodes = read(file.get(), glitches ? 1 : 0, path);
   if (glitches)
-    dataset.impossible = read_episodes(open_group(file.get(), kImpossible).get(), 0, dataset.info.layout,
-                                       budget, path + ": impossible");
+    dataset.impossible = read(open_group(file.get(), kImpossible).get(), 0, path + ": impossible");
   check_dataset(dataset, path);
   return dataset;
 }

@@ -2,12 +2,12 @@
 
 #include <cstring>
 
+#include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 
 namespace lodestone::data {
 namespace {
 
-constexpr std::size_t kChecksumDigits = 32;
 constexpr std::int64_t kUsualPlacements = 1;  // which is not written: nobody counted them at first
 
 template <class Value>
@@ -54,5 +54,11 @@ std::optional<Episode> from_bytes(std::string_view bytes, StateLayout layout) {
 }
 
 std::string checksum(std::string_view bytes) { return common::sha256(bytes).substr(0, kChecksumDigits); }
+
+void compare_checksum(const Episode& episode, std::string_view expected, const std::string& place) {
+  if (checksum(to_bytes(episode)) != expected)
+    throw common::DataError(
+        place + ": its checksum is not that of its numbers: the file is damaged; take it from a backup");
+}
 
 }  // namespace lodestone::data

@@ -5,7 +5,7 @@
 namespace lodestone::data {
 namespace {
 
-// Small arrays live inside their object header: an episode of 30 steps then costs a few kB.
+// Small arrays live inside their object header.
 constexpr std::size_t kCompactBytes = 16384;
 constexpr std::size_t kLongestText = 16 << 20;   // bytes of an attribute
 constexpr std::size_t kLargestChunk = 64 << 20;  // bytes, which are unpacked at once
@@ -46,10 +46,10 @@ Handle within_file(hid_t property_class) {
   return access;
 }
 
-std::string last_hdf5_error() {
+std::string because_of_hdf5() {
   std::string text;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_innermost, &text);
-  return text;
+  return text.empty() ? "" : " (" + text + ")";
 }
 
 bool write_attribute(hid_t object, const char* name, const std::string& value) {
@@ -89,6 +89,10 @@ bool read_attribute(hid_t object, const char* name, double& value) {
 
 bool read_attribute(hid_t object, const char* name, std::int64_t& value) {
   return read_scalar(object, name, H5T_INTEGER, H5T_NATIVE_INT64, &value);
+}
+
+Handle open_group(hid_t parent, const char* name) {
+  return Handle(H5Gopen2(parent, name, within_file(H5P_GROUP_ACCESS).get()), H5Gclose);
 }
 
 Handle create_group(hid_t parent, const char* name) {

@@ -41,8 +41,8 @@ void silence_hdf5();
 /// opened: a recording is one file, and the other may be a device, or nobody's business.
 Handle within_file(hid_t property_class);
 
-/// What HDF5 said last, innermost message first; empty when it said nothing.
-std::string last_hdf5_error();
+/// What HDF5 said last, its innermost message, as " (message)"; empty when it said nothing.
+std::string because_of_hdf5();
 
 /// Scalar attributes of a group. The read functions return false when the attribute is absent or of another
 /// type.
@@ -52,6 +52,9 @@ bool write_attribute(hid_t object, const char* name, std::int64_t value);
 bool read_attribute(hid_t object, const char* name, std::string& value);
 bool read_attribute(hid_t object, const char* name, double& value);
 bool read_attribute(hid_t object, const char* name, std::int64_t& value);
+
+/// A group of this file; not valid where it is absent, or in another one.
+Handle open_group(hid_t parent, const char* name);
 
 /// A new group or file without times in it: the same seed gives the same file.
 Handle create_group(hid_t parent, const char* name);

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "lodestone/common/error.h"
 #include "same_episode.h"
 #include "synthetic.h"
 
@@ -19,6 +20,9 @@ TEST_CASE("an episode comes back from its bytes; no other number of bytes makes 
   CHECK_FALSE(data::from_bytes("", data::StateLayout::kPose));
   CHECK(data::checksum(bytes).size() == 32);
   CHECK(data::checksum(bytes) != data::checksum(bytes.substr(1)));
+  CHECK_NOTHROW(data::compare_checksum(episode, data::checksum(bytes), "here"));
+  CHECK_THROWS_AS(data::compare_checksum(episode, data::checksum(bytes.substr(1)), "here"),
+                  common::DataError);
 }
 
 TEST_CASE("placements are kept, and an episode without their number began with one") {

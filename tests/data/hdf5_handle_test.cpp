@@ -26,8 +26,9 @@ TEST_CASE("attributes come back as they were written, and only as their own type
   const double values[] = {1.0, 2.0};
   CHECK(data::write_array(file.get(), "values", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values, {2}));
   CHECK_FALSE(data::write_array(file.get(), "values", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values, {2}));
+  CHECK_FALSE(data::open_group(file.get(), "nowhere").valid());
   CHECK(H5Gopen2(file.get(), "nowhere", H5P_DEFAULT) < 0);
-  CHECK_FALSE(data::last_hdf5_error().empty());
+  CHECK_FALSE(data::because_of_hdf5().empty());
 }
 
 TEST_CASE("a handle is closed once, by its last owner") {

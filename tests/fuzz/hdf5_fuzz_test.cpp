@@ -26,11 +26,14 @@ struct OddType {
   std::vector<char> noise;
 };
 
-/// Puts an array of a random type, shape, layout and content into the place of one of an episode: what a
+/// Puts an array of a random type, shape, layout and content into the place of one of the recording: what a
 /// checksum of HDF5's own would never let through.
 void replace_array(hid_t file, tests::Spoiler& spoiler) {
-  const std::vector<const char*> names = {"episode_0/observations", "episode_0/actions",
-                                          "episode_1/terminations", "episode_1/infos/zero_current"};
+  const std::vector<const char*> grouped = {"episode_0/observations", "episode_0/actions",
+                                            "episode_1/terminations", "episode_1/infos/zero_current"};
+  const std::vector<const char*> joined = {"observations", "actions",    "zero_current",
+                                           "steps",        "placements", "checksums"};
+  const auto& names = H5Lexists(file, "episode_0", H5P_DEFAULT) > 0 ? grouped : joined;
   const std::vector<hsize_t> lengths = {0, 1, 2, 2, 3, 3, 4, 4, 5, 300, 4'000'000'000};
   const hsize_t shape[3] = {spoiler.one_of(lengths), spoiler.one_of(lengths), 1};
   const bool small = shape[0] <= 300 && shape[1] <= 300;
@@ -95,7 +98,8 @@ void copy_without_checksums(const std::string& from, const std::string& to) {
   const hid_t source = H5Fopen(from.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   hid_t target = H5Fcreate(to.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
   H5Aiterate2(source, H5_INDEX_NAME, H5_ITER_INC, nullptr, copy_attribute, &target);
-  for (const char* name : {"episode_0", "episode_1"})
+  for (const char* name : {"steps", "placements", "checksums", "observations", "actions", "terminations",
+                           "truncations", "zero_current"})
     REQUIRE(H5Ocopy(source, name, target, name, H5P_DEFAULT, H5P_DEFAULT) >= 0);
   H5Fclose(target);
   H5Fclose(source);
@@ -111,7 +115,8 @@ TEST_CASE("a spoiled recording in HDF5 is read or refused by name", "[soak]") {
   copy_without_checksums(folder / "good.h5", folder / "old.h5");
   REQUIRE(data::read_dataset(folder / "old.h5").transitions() == 6);
   const std::vector<std::string> good = {common::read_file(folder / "good.h5"),
-                                         common::read_file(folder / "old.h5")};
+                                         common::read_file(folder / "old.h5"),
+                                         common::read_file(LODESTONE_SOURCE_DIR "/tests/data/version_2.h5")};
   tests::Spoiler spoiler(soak.seed(), "hdf5");
   const std::int64_t accepted = tests::fuzz(
       soak,

@@ -6,11 +6,11 @@
 
 namespace lodestone::data {
 
-/// HDF5 in Minari's layout: groups `episode_0`, `episode_1`, ... with attributes `id`, `total_steps`,
-/// `placements` and `checksum`, datasets `observations` [T+1, S], `actions` [T, 2], `rewards` [T] (zero:
-/// rewards are computed at training), `terminations` [T], `truncations` [T] and `infos/zero_current` [T+1]
-/// (the first row is the reset's); attributes on the root name layout, units, scales, seed and rig parameters
-/// (JSON). Recorded steps that cannot be lie in a group `impossible` of the same form, where there are any.
+/// HDF5 with all episodes as one batch, one behind the other: datasets `steps` and `placements` [E],
+/// `checksums` [E, 32], `observations` [N+E, S] (of each episode one more than steps), `actions` [N, 2],
+/// `terminations`, `truncations` and `zero_current` [N]; attributes on the root name layout, units, scales,
+/// seed and rig parameters (JSON). Recorded steps that cannot be lie in a group `impossible` of the same
+/// form, where there are any. Files of earlier versions, with a group for each episode, are read, too.
 
 /// Reads `.h5` whole; throws DataError (not HDF5, missing group, wrong shape, NaN, wrong checksum: says
 /// where). Where a journal lies beside it, the recording is unfinished, and what the journal holds is read.

@@ -15,7 +15,10 @@ std::string to_bytes(const Episode& episode);
 /// Nothing when so many bytes make no episode.
 std::optional<Episode> from_bytes(std::string_view bytes, StateLayout layout);
 
-/// 128 bits of a SHA-256, as 32 hex digits.
+/// 128 bits of a SHA-256, as hex digits.
+constexpr std::size_t kChecksumDigits = 32;
 std::string checksum(std::string_view bytes);
+/// Throws DataError that begins with `place` when `expected` was taken of another episode.
+void compare_checksum(const Episode& episode, std::string_view expected, const std::string& place);
 
 }  // namespace lodestone::data
