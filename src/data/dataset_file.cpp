@@ -25,7 +25,6 @@ constexpr const char* kFormat = "lodestone-transitions";
 constexpr std::int64_t kFormatVersion = 3;
 constexpr std::int64_t kLastWithGroups = 2;
 constexpr const char* kImpossible = "impossible";
-constexpr std::size_t kImageStep = 1 << 20;  // bytes by which the image of a file grows
 
 bool write_value(hid_t root, const char* name, const common::Json& value) {
   if (value.is_string()) return write_attribute(root, name, value.get<std::string>());
@@ -117,21 +116,15 @@ bool write_all(hid_t root, const Dataset& dataset) {
   return group.valid() && write_episode_batch(group.get(), dataset.impossible, dataset.info.layout);
 }
 
-/// The bytes of a file with this dataset. HDF5 makes them in memory, so that no fault of a disk reaches it.
+/// The bytes of a file with this dataset.
 std::string file_image(const Dataset& dataset, const std::string& path) {
   silence_hdf5();
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_fapl_core(access.get(), kImageStep, false);
-  H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);  // what every reader knows
-  const Handle file = create_file(path, access.get());
-  if (file.valid() && write_all(file.get(), dataset) && H5Fflush(file.get(), H5F_SCOPE_LOCAL) >= 0) {
-    // From the memory itself: H5Fget_file_image leaves a superblock of this version without its checksum.
-    void* memory = nullptr;
-    const ssize_t size = H5Fget_file_image(file.get(), nullptr, 0);
-    if (size > 0 && H5Fget_vfd_handle(file.get(), H5P_DEFAULT, &memory) >= 0)
-      return {*static_cast<char**>(memory), static_cast<std::size_t>(size)};
-  }
-  throw IoError("cannot make dataset " + path + ": HDF5 reports a fault" + because_of_hdf5());
+  const Handle file = create_memory_file(path);
+  std::string image;
+  if (file.valid() && write_all(file.get(), dataset)) image = memory_of(file);
+  if (image.empty())
+    throw IoError("cannot make dataset " + path + ": HDF5 reports a fault" + because_of_hdf5());
+  return image;
 }
 
 bool ends_with(const std::string& text, const std::string& ending) {

@@ -7,6 +7,7 @@ namespace {
 
 // Small arrays live inside their object header.
 constexpr std::size_t kCompactBytes = 16384;
+constexpr std::size_t kImageStep = 1 << 20;      // bytes by which a file in memory grows
 constexpr std::size_t kLongestText = 16 << 20;   // bytes of an attribute
 constexpr std::size_t kLargestChunk = 64 << 20;  // bytes, which are unpacked at once
 
@@ -105,6 +106,22 @@ Handle create_file(const std::string& path, hid_t access) {
   const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   H5Pset_obj_track_times(creation.get(), false);
   return Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access), H5Fclose);
+}
+
+Handle create_memory_file(const std::string& name) {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fapl_core(access.get(), kImageStep, false);
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
+  return create_file(name, access.get());
+}
+
+std::string memory_of(const Handle& file) {
+  // From the memory itself: H5Fget_file_image leaves a superblock of this version without its checksum.
+  void* memory = nullptr;
+  if (!file.valid() || H5Fflush(file.get(), H5F_SCOPE_LOCAL) < 0) return "";
+  const ssize_t size = H5Fget_file_image(file.get(), nullptr, 0);
+  if (size <= 0 || H5Fget_vfd_handle(file.get(), H5P_DEFAULT, &memory) < 0) return "";
+  return {*static_cast<char**>(memory), static_cast<std::size_t>(size)};
 }
 
 bool is_stored_plainly(hid_t dataset) {

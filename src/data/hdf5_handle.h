@@ -60,6 +60,11 @@ Handle open_group(hid_t parent, const char* name);
 Handle create_group(hid_t parent, const char* name);
 Handle create_file(const std::string& path, hid_t access);
 
+/// A new file in memory, in the form of HDF5 1.8, which every reader knows: no fault of a disk reaches HDF5.
+Handle create_memory_file(const std::string& name);
+/// Its bytes; empty on a fault.
+std::string memory_of(const Handle& file);
+
 /// Whether a dataset lies in its own file, and no chunk of it is larger than 64 MiB.
 bool is_stored_plainly(hid_t dataset);
 
