@@ -17,6 +17,7 @@ void add_adapt(Verb& program);
 void add_deploy(Verb& program);
 void add_console(Verb& program);
 void add_evaluate(Verb& program);
+void add_export(Verb& program);
 void add_calibrate(Verb& program);
 void add_rig(Verb& program);
 void add_bench(Verb& program);

@@ -6,13 +6,6 @@
 #include "lodestone/common/error.h"
 
 namespace lodestone::control {
-namespace {
-
-constexpr double kStill_m = 3e-4;  // a camera errs by less
-constexpr double kStill_rad = 0.05;
-
-}  // namespace
-
 PolicyController::PolicyController(const inference::Policy& policy)
     : actor_(policy.actor()),
       encoder_(policy.encoder),

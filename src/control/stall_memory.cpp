@@ -6,12 +6,6 @@
 #include "lodestone/geometry/angle.h"
 
 namespace lodestone::control {
-namespace {
-
-constexpr double kAlikeDrive = 0.25;  // of the stronger of two
-
-}  // namespace
-
 bool StallMemory::repeats(const SeenPulse& pulse) {
   if (pulse.drive_A.isZero(0.0)) return false;
   if (!at_place(pulse.before)) {

@@ -105,6 +105,13 @@ check(["report", "--run", "nope"], 2, "nope", "no such folder")
 check(["report", "--run", "."], 2, "holds no run", "collect")
 check(["deploy", "--controller", "baseline", "--sensor", "simulated", "--task", "point", "--target-mm", "50,0", "--out", "run"], 2,
       "target_mm", "outside the dish", "42.5")
+target = str(source / "models/target")
+check(["export", "--to", "policy.onnx"], 2, "export takes one of", "--policy")
+check(["export", "--policy", target], 2, "--to")
+check(["export", "--policy", target, "--to", "policy.onyx"], 2, "--to policy.onyx", ".onnx")
+check(["export", "--policy", target, "--to", target + "/deploy.json"], 2, "deploy.json", "its ending", ".onnx")
+check(["export", "--policy", "missing", "--to", "policy.onnx"], 1, "missing")
+check(["export", "--policy", str(source / "models/segmenter"), "--to", "policy.onnx"], 1, "segmenter", "policy")
 check(["config", "--print", "nothing"], 2, "nothing", "collect")
 
 
@@ -156,6 +163,10 @@ with tempfile.TemporaryDirectory() as folder:
             check(["deploy", "--policy", str(policy), "--sensor", "simulated", "--out", "run"], 1, part, "not a file")
     os.symlink("/dev/zero", place / "zero.csv")
     check(["import", str(place / "zero.csv"), "--out", "run.h5"], 1, "zero.csv", "not a file")
+    policy = resealed(folder, lambda manifest: (manifest["facts"]["action"].update(unit="percent"),
+                                                manifest["facts"]["rig"].update(full_drive_A=0)))
+    check(["export", "--policy", str(policy), "--to", "policy.onnx"], 2, str(policy), "per cent", "full_drive_A")
+    check(["export", "--policy", target, "--to", written("there.onnx", "")], 2, "there.onnx exists already", "--force")
     for hidden in ([-1], [0], [1e12], [8] * 17):
         policy = resealed(folder, lambda manifest: manifest["facts"].update(hidden=hidden))
         check(["deploy", "--policy", str(policy), "--sensor", "simulated", "--out", "run"], 1, str(policy), "hidden = ")

@@ -15,6 +15,10 @@ namespace lodestone::control {
 /// place, and the network remembers one pulse only. When all of them have stalled they are tried anew.
 class PolicyController final : public Controller {
  public:
+  /// A needle that came less far than this has not moved; a camera errs by less.
+  static constexpr double kStill_m = 3e-4;
+  static constexpr double kStill_rad = 0.05;
+
   /// Throws CheckpointError when the weights do not fit the policy's encoder.
   explicit PolicyController(const inference::Policy& policy);
   void reset() override;

@@ -10,6 +10,9 @@ namespace lodestone::control {
 /// again, and says nothing new.
 class StallMemory {
  public:
+  /// Two drives are alike that differ by less than this part of the stronger.
+  static constexpr double kAlikeDrive = 0.25;
+
   /// A needle that came less far than this has not moved.
   StallMemory(double still_m, double still_rad) : still_m_(still_m), still_rad_(still_rad) {}
 
