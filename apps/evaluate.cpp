@@ -8,7 +8,7 @@
 #include "lodestone/nets/blas.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/rig_config.h"
-#include "lodestone/vision/segmenter_evaluation.h"
+#include "lodestone/segmentation/evaluation.h"
 #include "verbs.h"
 
 namespace lodestone::apps {
@@ -48,18 +48,19 @@ rig::RigConfig rig_of(const std::string& file) {
 void evaluate_segmenter(const SegmenterOptions& options) {
   nets::use_one_blas_thread();
   const auto segmenter = vision::Segmenter::load(options.checkpoint);
-  imaging::SceneConfig scenes = imaging::widened(vision::training_scenes(options.checkpoint), options.widen);
+  imaging::SceneConfig scenes =
+      imaging::widened(segmentation::training_scenes(options.checkpoint), options.widen);
   scenes.bench = rig::bench_of(rig_of(options.rig_file));
   vision::LocaliserConfig localiser;
   localiser.rod = vision::rod_of(scenes.bench);
   common::ThreadPool pool(static_cast<std::size_t>(options.threads));
-  const vision::SegmenterEvaluation evaluation = vision::evaluate_segmenter(
+  const segmentation::SegmenterEvaluation evaluation = segmentation::evaluate_segmenter(
       segmenter, scenes, localiser, options.frames, static_cast<std::uint64_t>(options.seed), pool);
   common::Json json = common::artefact_to_json(evaluation);
   json["ranges_widened_by"] = options.widen;
   std::printf("%s\n", json.dump(2).c_str());
   if (evaluation.clean.poses == 0)
-    throw common::DataError("evaluate segmenter: " + vision::in_words(evaluation));
+    throw common::DataError("evaluate segmenter: " + segmentation::in_words(evaluation));
 }
 
 void add_segmenter(Verb& evaluate) {

@@ -6,14 +6,14 @@
 #include "lodestone/nets/blas.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/rig_config.h"
-#include "lodestone/vision/segmenter_evaluation.h"
-#include "lodestone/vision/segmenter_training.h"
+#include "lodestone/segmentation/evaluation.h"
+#include "lodestone/segmentation/training.h"
 #include "verbs.h"
 
 namespace lodestone::apps {
 namespace {
 
-using vision::TrainSegmenterConfig;
+using segmentation::TrainSegmenterConfig;
 
 /// What is trained, and for which rig.
 struct SegmenterRunConfig {
@@ -33,34 +33,34 @@ void train_segmenter(const CommonOptions& options) {
   TrainSegmenterConfig config = whole.training;
   config.scenes.bench = rig::bench_of(whole.rig);
   nets::use_one_blas_thread();
-  runs::RunRequest request = vision::run_request(config, options.out, options.resume);
+  runs::RunRequest request = segmentation::run_request(config, options.out, options.resume);
   request.config = common::config_to_json(whole);
   runs::RunFolder run(request);
   if (run.finished()) {
     common::log_info("train-segmenter: " + run.path() + " is finished already");
     return;
   }
-  vision::SegmenterTrainingResult result = vision::train_segmenter(config, run);
+  const segmentation::SegmenterTrainingResult result = segmentation::train_segmenter(config, run);
 
   common::ThreadPool pool(static_cast<std::size_t>(config.threads));
-  const auto segmenter = std::make_shared<const vision::Segmenter>(config.segmenter, *result.network);
+  const auto segmenter = std::make_shared<const vision::Segmenter>(config.segmenter, result.weights);
   vision::LocaliserConfig localiser;
   localiser.rod = vision::rod_of(config.scenes.bench);
-  const vision::SegmenterEvaluation evaluation = vision::evaluate_segmenter(
+  const segmentation::SegmenterEvaluation evaluation = segmentation::evaluate_segmenter(
       segmenter, config.scenes, localiser, config.training.evaluation_samples,
       common::derive_seed(static_cast<std::uint64_t>(config.seed), "evaluation"), pool);
   common::Json metrics = common::artefact_to_json(evaluation);
   metrics["validation_dice"] = result.validation_dice;
   metrics.update(common::artefact_to_json(result.facts));
-  vision::save_segmenter(run.file("checkpoint"), config.segmenter, *result.network,
+  vision::save_segmenter(run.file("checkpoint"), config.segmenter, result.weights,
                          common::config_to_json(config), metrics);
   common::write_json(run.file("evaluation.json"), metrics);
   run.finish();
   common::log_info("wrote " + run.path() + "/checkpoint, evaluation.json and predictions.png");
   if (evaluation.clean.poses == 0)
-    throw common::DataError("train-segmenter: it sees no needle yet: " + vision::in_words(evaluation) +
+    throw common::DataError("train-segmenter: it sees no needle yet: " + segmentation::in_words(evaluation) +
                             "; train longer or on more images (--set training.epochs=N, training.samples=N)");
-  common::log_info(vision::in_words(evaluation));
+  common::log_info(segmentation::in_words(evaluation));
 }
 
 }  // namespace

@@ -27,9 +27,9 @@
 #include "lodestone/rl/model_gradient_config.h"
 #include "lodestone/rl/td3.h"
 #include "lodestone/rl/td3_learner.h"
+#include "lodestone/segmentation/evaluation.h"
 #include "lodestone/task/action.h"
 #include "lodestone/vision/localiser.h"
-#include "lodestone/vision/segmenter_evaluation.h"
 
 namespace lodestone::experiments {
 namespace {
@@ -230,7 +230,7 @@ struct ImageLatency::Bench {
     controller = std::make_unique<control::PolicyController>(policy);
   }
   static imaging::SceneConfig scenes_of(const SpeedConfig& config) {
-    imaging::SceneConfig scenes = vision::training_scenes(config.segmenter);
+    imaging::SceneConfig scenes = segmentation::training_scenes(config.segmenter);
     scenes.bench = rig::bench_of(config.rig);
     return scenes;
   }

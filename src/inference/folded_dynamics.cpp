@@ -6,11 +6,10 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/geometry/pose2.h"
+#include "lodestone/inference/batch_norm.h"
 
 namespace lodestone::inference {
 namespace {
-
-constexpr double kBatchNormEpsilon = 1e-5;  // torch::nn::BatchNorm1d's own
 
 using Numbers = std::vector<double>;
 

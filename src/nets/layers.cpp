@@ -10,6 +10,8 @@
 #include <ATen/ops/ones.h>
 #include <ATen/ops/zeros.h>
 
+#include "lodestone/inference/batch_norm.h"
+
 namespace lodestone::nets {
 
 void fill(at::Tensor& tensor, const std::function<double()>& draw) {
@@ -43,7 +45,8 @@ BatchNorm::BatchNorm(Parameters& tensors, const std::string& name, std::int64_t 
 at::Tensor BatchNorm::operator()(const at::Tensor& x, bool training) const {
   constexpr double kMomentum = 0.1;
   if (training) batches.add_(1);
-  return at::batch_norm(x, weight, bias, running_mean, running_var, training, kMomentum, kEpsilon,
+  return at::batch_norm(x, weight, bias, running_mean, running_var, training, kMomentum,
+                        inference::kBatchNormEpsilon,
                         /*cudnn_enabled=*/false);
 }
 

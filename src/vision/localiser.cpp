@@ -32,8 +32,8 @@ bool Localiser::inside(const geometry::Pose2& pose, const cv::Rect& area) const 
   return true;
 }
 
-Localisation Localiser::look(const cv::Mat& image, const cv::Rect& area) const {
-  const Evidence evidence = segmenter_->segment(view_.cut(image, area));
+Localisation Localiser::look(const cv::Mat& image, const cv::Rect& area) {
+  const Evidence evidence = segmenter_->segment(view_.cut(image, area), workspace_);
   Localisation found{fit_rod(evidence, segmenter_->grid_of(view_, area), config_.rod)};
   if (found.axis_found && !inside(found.pose, area)) {
     found.found = found.axis_found = false;
@@ -46,7 +46,7 @@ Localisation Localiser::look(const cv::Mat& image, const cv::Rect& area) const {
 }
 
 /// A square around the last pose.
-Localisation Localiser::look_near(const cv::Mat& image, double side_m) const {
+Localisation Localiser::look_near(const cv::Mat& image, double side_m) {
   const std::int64_t multiple = segmenter_->config().network.multiple();
   const auto side_px = static_cast<std::int64_t>(std::lround(side_m / view_.pixel_m()));
   const std::int64_t fitting_px = std::max<std::int64_t>(1, side_px / multiple) * multiple;

@@ -11,10 +11,10 @@ import sys
 import tempfile
 
 # Modules whose files may include LibTorch's headers, and of those a public header that describes networks.
-SEES_TORCH = {"nets", "vision", "dynamics", "rl"}
+SEES_TORCH = {"nets", "segmentation", "dynamics", "rl"}
 # Modules that a program can be linked from without LibTorch.
-LINKS_WITHOUT_TORCH = {"common", "geometry", "physics", "data", "task", "imaging", "runs", "inference", "rig", "env", "emulation", "control",
-                       "safety", "report"}
+LINKS_WITHOUT_TORCH = {"common", "geometry", "physics", "data", "task", "imaging", "runs", "inference", "vision", "rig", "env", "emulation",
+                       "control", "safety", "session", "report"}
 MAY_SEE_TORCH = {"src/experiments/speed_figures.cpp", "src/experiments/speed_figures.h"}  # time LibTorch itself
 # Who may see where the needle really is: the virtual rig with its rendered camera and simulated sensor, the emulation, and
 # scoring with whatever hands the truth to it.

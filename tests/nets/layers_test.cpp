@@ -5,6 +5,8 @@
 
 #include <ATen/ATen.h>
 
+#include "lodestone/inference/batch_norm.h"
+
 namespace lodestone::nets {
 namespace {
 
@@ -35,12 +37,12 @@ TEST_CASE("batch normalisation uses the batch in training and the running statis
   const BatchNorm norm(tensors, "n", 1);
   const at::Tensor x = tensor_from({1.0, 3.0}, {2, 1}, at::kFloat);
   const at::NoGradGuard no_grad;
-  CHECK(norm(x, true)[1].item<double>() == Approx(1.0 / std::sqrt(1.0 + BatchNorm::kEpsilon)));
+  CHECK(norm(x, true)[1].item<double>() == Approx(1.0 / std::sqrt(1.0 + inference::kBatchNormEpsilon)));
   // A tenth of the batch's mean 2 and unbiased variance 2, the rest from 0 and 1.
   CHECK(norm.running_mean.item<double>() == Approx(0.2));
   CHECK(norm.running_var.item<double>() == Approx(1.1));
   CHECK(norm.batches.item<int>() == 1);
-  CHECK(norm(x, false)[1].item<double>() == Approx(2.8 / std::sqrt(1.1 + BatchNorm::kEpsilon)));
+  CHECK(norm(x, false)[1].item<double>() == Approx(2.8 / std::sqrt(1.1 + inference::kBatchNormEpsilon)));
   CHECK(norm.batches.item<int>() == 1);
 }
 

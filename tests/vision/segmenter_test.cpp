@@ -4,30 +4,45 @@
 #include <opencv2/core.hpp>
 
 #include "lodestone/common/error.h"
-#include "lodestone/nets/checkpoint.h"
+#include "lodestone/inference/checkpoint.h"
+#include "paper_scenes.h"
 #include "temporary_folder.h"
-#include "vision/small_segmenter.h"
+#include "unet_weights.h"
 
 using namespace lodestone;
 
+namespace {
+
+vision::SegmenterConfig small_segmenter() {
+  vision::SegmenterConfig config;
+  config.network = tests::small_unet();
+  return config;
+}
+
+inference::Arrays drawn_weights() { return tests::drawn_unet_weights(tests::small_unet(), 1); }
+
+}  // namespace
+
 TEST_CASE("a segmenter survives its checkpoint, and another kind is refused") {
   const tests::TemporaryFolder folder;
-  const vision::TrainSegmenterConfig config = tests::small_config();
-  const auto network = tests::untrained_network();
-  vision::save_segmenter(folder / "s", config.segmenter, *network, common::config_to_json(config), {});
+  vision::save_segmenter(folder / "s", small_segmenter(), drawn_weights(), {}, {});
   const auto loaded = vision::Segmenter::load(folder / "s");
   const cv::Mat image(128, 160, CV_8UC3, cv::Scalar(90, 120, 150));
-  const vision::Segmenter direct(config.segmenter, *network);
-  CHECK(cv::norm(loaded->segment(image).needle, direct.segment(image).needle, cv::NORM_INF) == 0.0);
-  nets::Checkpoint other;
+  const vision::Segmenter direct(small_segmenter(), drawn_weights());
+  vision::Segmenter::Workspace workspace;
+  const vision::Evidence seen = loaded->segment(image, workspace);
+  CHECK(seen.needle.size() == cv::Size(80, 64));
+  CHECK(cv::norm(seen.needle, direct.segment(image, workspace).needle, cv::NORM_INF) == 0.0);
+  CHECK(cv::norm(seen.tape, direct.segment(image, workspace).tape, cv::NORM_INF) == 0.0);
+  CHECK(cv::norm(seen.tape, seen.needle, cv::NORM_INF) > 0.0);
+  inference::Checkpoint other;
   other.kind = "policy";
-  nets::save_checkpoint(folder / "p", other);
+  inference::save_checkpoint(folder / "p", other);
   CHECK_THROWS_AS(vision::Segmenter::load(folder / "p"), common::CheckpointError);
 }
 
 TEST_CASE("mask pixels lie where the view pixels that they cover lie") {
-  const vision::SegmenterConfig config = tests::small_config().segmenter;
-  const vision::Segmenter segmenter(config, *tests::untrained_network());
+  const vision::Segmenter segmenter(small_segmenter(), drawn_weights());
   const imaging::DishView view =
       segmenter.view_of(imaging::CameraModel{}, tests::paper_bench().dish_radius_m);
   const vision::MaskGrid grid = segmenter.grid_of(view, cv::Rect(16, 32, 64, 64));
@@ -38,14 +53,13 @@ TEST_CASE("mask pixels lie where the view pixels that they cover lie") {
   CHECK((grid.at(3, 5) - 0.5 * (view.to_dish(22, 42) + view.to_dish(23, 43))).norm() < 1e-9);
 }
 
-TEST_CASE("a sealed segmenter that its tensors do not fill, or that divides by nothing, is refused") {
+TEST_CASE("a sealed segmenter whose tensors are not those of its network is refused") {
   const tests::TemporaryFolder folder;
   const auto fault_of = [&](const auto& spoil) {
-    const vision::TrainSegmenterConfig config = tests::small_config();
-    vision::save_segmenter(folder / "s", config.segmenter, *tests::untrained_network(), {}, {});
-    nets::Checkpoint checkpoint = nets::load_checkpoint(folder / "s", "segmenter");
+    vision::save_segmenter(folder / "s", small_segmenter(), drawn_weights(), {}, {});
+    inference::Checkpoint checkpoint = inference::load_checkpoint(folder / "s", "segmenter");
     spoil(checkpoint);
-    nets::save_checkpoint(folder / "s", checkpoint);
+    inference::save_checkpoint(folder / "s", checkpoint);
     try {
       vision::Segmenter::load(folder / "s");
     } catch (const common::CheckpointError& error) {
@@ -53,12 +67,12 @@ TEST_CASE("a sealed segmenter that its tensors do not fill, or that divides by n
     }
     return std::string("accepted");
   };
-  CHECK_THAT(fault_of([](nets::Checkpoint& c) {
+  CHECK_THAT(fault_of([](inference::Checkpoint& c) {
                c.facts["segmenter"]["network"] = {{"width", 256}, {"depth", 6}};
              }),
-             Catch::Contains("larger than its tensors"));  // it would take 10 GB
-  CHECK_THAT(fault_of([](nets::Checkpoint& c) { c.parts["network"]["colour_std"].zero_(); }),
-             Catch::Contains("colour_std"));
-  CHECK_THAT(fault_of([](nets::Checkpoint& c) { c.parts["network"]["head.bias"].fill_(NAN); }),
-             Catch::Contains("head.bias") && Catch::Contains("finite"));
+             Catch::Contains((folder / "s") + ": array \"stem.weight\""));
+  CHECK_THAT(fault_of([](inference::Checkpoint& c) { c.parts.clear(); }),
+             Catch::Contains("holds no network"));
+  CHECK_THAT(fault_of([](inference::Checkpoint& c) { c.facts.erase("segmenter"); }),
+             Catch::Contains("holds no network, or not its shape"));
 }

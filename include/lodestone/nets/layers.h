@@ -27,8 +27,6 @@ struct Linear {
 /// its mean, by its standard deviation, times weight, plus bias. While training the batch's own statistics,
 /// which the running ones then follow.
 struct BatchNorm {
-  static constexpr double kEpsilon = 1e-5;
-
   BatchNorm(Parameters& tensors, const std::string& name, std::int64_t channels);
   /// [N, channels] or [N, channels, H, W].
   at::Tensor operator()(const at::Tensor& x, bool training) const;

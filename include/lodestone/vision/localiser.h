@@ -50,14 +50,15 @@ class Localiser {
   }
 
  private:
-  Localisation look(const cv::Mat& image, const cv::Rect& area) const;
-  Localisation look_near(const cv::Mat& image, double side_m) const;
+  Localisation look(const cv::Mat& image, const cv::Rect& area);
+  Localisation look_near(const cv::Mat& image, double side_m);
   void remember(const Localisation& found);
   bool inside(const geometry::Pose2& pose, const cv::Rect& area) const;
 
   std::shared_ptr<const Segmenter> segmenter_;
   LocaliserConfig config_;
   imaging::DishView view_;
+  Segmenter::Workspace workspace_;
   std::optional<geometry::Vector2> last_m_;
   bool still_ = false;
 };

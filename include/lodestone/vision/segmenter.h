@@ -1,24 +1,19 @@
 #pragma once
 
-#include <array>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <string>
 
 #include "lodestone/common/config.h"
 #include "lodestone/imaging/dish_view.h"
-#include "lodestone/nets/unet_config.h"
+#include "lodestone/inference/unet.h"
 #include "lodestone/vision/rod_fit.h"
-
-namespace lodestone::nets {
-class UNet;
-}
 
 namespace lodestone::vision {
 
 /// The network and the scale it works at.
 struct SegmenterConfig {
-  nets::UNetConfig network;
+  inference::UNetConfig network;
   double view_pixel_m = 0.2e-3;
   double view_margin_m = 0.0023;
 
@@ -34,13 +29,17 @@ struct SegmenterConfig {
 /// whether it is tape. Const calls may run on several threads.
 class Segmenter {
  public:
-  /// Takes a copy of the network as it is, folded.
-  Segmenter(const SegmenterConfig& config, const nets::UNet& network);
+  static constexpr const char* kKind = "segmenter";  ///< of its checkpoint
+  using Workspace = inference::UNet::Workspace;      ///< of one thread
+
+  /// `weights` of the U-Net by name. Throws CheckpointError that begins with `what` when they do not fit.
+  Segmenter(const SegmenterConfig& config, const inference::Arrays& weights,
+            const std::string& what = "segmenter");
   /// Reads a checkpoint of kind "segmenter". Throws CheckpointError.
   static std::shared_ptr<const Segmenter> load(const std::string& folder);
 
   /// `view`: [h, w] 8-bit BGR of a DishView, sides multiples of config().network.multiple().
-  Evidence segment(const cv::Mat& view) const;
+  Evidence segment(const cv::Mat& view, Workspace& workspace) const;
 
   /// A view of the dish at this segmenter's scale.
   imaging::DishView view_of(const imaging::CameraModel& camera, double dish_radius_m) const;
@@ -49,16 +48,14 @@ class Segmenter {
   const SegmenterConfig& config() const { return config_; }
 
  private:
-  void normalise(const cv::Mat& view, float* out) const;
-
   SegmenterConfig config_;
-  std::array<float, 3> gain_{};  ///< of each colour
-  std::array<float, 3> offset_{};
-  std::shared_ptr<const nets::UNet> network_;
+  inference::UNet network_;
 };
 
-/// Writes a checkpoint: the network with its normaliser and batch normalisation, and what is known of it.
-void save_segmenter(const std::string& folder, const SegmenterConfig& config, const nets::UNet& network,
-                    const common::Json& training, const common::Json& metrics);
+/// Writes a checkpoint: the network's weights with normaliser and batch normalisation, and what is known of
+/// it.
+void save_segmenter(const std::string& folder, const SegmenterConfig& config,
+                    const inference::Arrays& weights, const common::Json& training,
+                    const common::Json& metrics);
 
 }  // namespace lodestone::vision

@@ -1,17 +1,17 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
 
 #include "lodestone/common/config.h"
 #include "lodestone/imaging/scene.h"
+#include "lodestone/inference/array.h"
 #include "lodestone/runs/run_folder.h"
 #include "lodestone/runs/training_results.h"
-#include "lodestone/vision/sample_config.h"
+#include "lodestone/segmentation/sample_config.h"
 #include "lodestone/vision/segmenter.h"
 
-namespace lodestone::vision {
+namespace lodestone::segmentation {
 
 /// How the network learns.
 struct SegmenterTrainingConfig {
@@ -55,7 +55,7 @@ struct SegmenterTrainingConfig {
 struct TrainSegmenterConfig {
   std::int64_t seed = 1;
   std::int64_t threads = 0;
-  SegmenterConfig segmenter;
+  vision::SegmenterConfig segmenter;
   SampleConfig images;
   imaging::SceneConfig scenes;
   SegmenterTrainingConfig training;
@@ -74,7 +74,7 @@ struct TrainSegmenterConfig {
 };
 
 struct SegmenterTrainingResult {
-  std::shared_ptr<nets::UNet> network;
+  inference::Arrays weights;     ///< of the U-Net by name: the best of all epochs
   runs::TrainingFacts facts;     ///< validation_loss: of the weights that were kept; time with rendering
   double validation_dice = 0.0;  ///< overlap of predicted and true needle, 1 is perfect
 };
@@ -89,4 +89,4 @@ runs::RunRequest run_request(const TrainSegmenterConfig& config, const std::stri
 /// resumption goes on bitwise. Throws ConfigError, CheckpointError, IoError, and Interrupted after saving.
 SegmenterTrainingResult train_segmenter(const TrainSegmenterConfig& config, runs::RunFolder& run);
 
-}  // namespace lodestone::vision
+}  // namespace lodestone::segmentation

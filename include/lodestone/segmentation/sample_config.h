@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace lodestone::vision {
+namespace lodestone::segmentation {
 
 /// What the rendered training images hold.
 struct SampleConfig {
@@ -29,4 +29,4 @@ struct SampleConfig {
   }
 };
 
-}  // namespace lodestone::vision
+}  // namespace lodestone::segmentation

@@ -12,7 +12,7 @@ TEST_CASE("a sheet has a row an image: it, its true mask and the predicted one, 
   masks.select(1, 0).fill_(255);  // all needle
   at::Tensor probability = at::zeros({2, 2, 4, 4});
   probability[1][1].fill_(1.0);  // the second is taken for tape
-  const cv::Mat sheet = vision::prediction_image(images, masks, probability);
+  const cv::Mat sheet = segmentation::prediction_image(images, masks, probability);
   REQUIRE(sheet.rows == 16);
   REQUIRE(sheet.cols == 24);
   CHECK(sheet.at<cv::Vec3b>(3, 3) == cv::Vec3b(7, 7, 7));

@@ -1,6 +1,7 @@
-#include "lodestone/vision/segmenter_training.h"
+#include "lodestone/segmentation/training.h"
 
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
@@ -24,13 +25,13 @@
 #include "lodestone/nets/unet.h"
 #include "lodestone/runs/curves.h"
 #include "lodestone/runs/resumable_run.h"
-#include "lodestone/vision/segmenter_samples.h"
+#include "lodestone/segmentation/samples.h"
 #include "prediction_image.h"
 
-namespace lodestone::vision {
+namespace lodestone::segmentation {
 
 void TrainSegmenterConfig::validate() const {
-  const nets::UNetConfig& network = segmenter.network;
+  const inference::UNetConfig& network = segmenter.network;
   if (images.crop_px % network.multiple() != 0)
     throw common::InvalidConfig("images.crop_px", images.crop_px,
                                 "be a multiple of " + std::to_string(network.multiple()) +
@@ -153,8 +154,7 @@ class Training : public runs::ResumableWork {
 
   SegmenterTrainingResult finish(double seconds) {
     SegmenterTrainingResult result;
-    networks_[0]->tensors().load(best_, "best weights");
-    result.network = networks_[0];
+    result.weights = nets::to_arrays(best_);
     result.facts = {best_loss_, train_loss_, epoch_, seconds};
     result.validation_dice = best_dice_;
     return result;
@@ -357,4 +357,4 @@ SegmenterTrainingResult train_segmenter(const TrainSegmenterConfig& config, runs
   return work.finish(runs::run_resumably(run, work, {"train segmenter", "epochs", 0.0}));
 }
 
-}  // namespace lodestone::vision
+}  // namespace lodestone::segmentation

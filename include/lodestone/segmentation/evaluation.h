@@ -12,7 +12,7 @@
 #include "lodestone/vision/localiser.h"
 #include "lodestone/vision/segmenter.h"
 
-namespace lodestone::vision {
+namespace lodestone::segmentation {
 
 /// How well poses are found over some images. Errors are absent where no pose was found.
 struct LocalisationScore {
@@ -73,9 +73,10 @@ struct SegmenterEvaluation {
 
 /// Localises needles in rendered images: `frames` scenes from `scenes`, each once clean and once partly
 /// covered; the camera is known. Scenes have random streams of their own: results do not depend on threads.
-SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const Segmenter> segmenter,
-                                       const imaging::SceneConfig& scenes, const LocaliserConfig& localiser,
-                                       std::int64_t frames, std::uint64_t seed, common::ThreadPool& pool);
+SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const vision::Segmenter> segmenter,
+                                       const imaging::SceneConfig& scenes,
+                                       const vision::LocaliserConfig& localiser, std::int64_t frames,
+                                       std::uint64_t seed, common::ThreadPool& pool);
 
 /// Scenes that a segmenter was trained on. Throws CheckpointError.
 imaging::SceneConfig training_scenes(const std::string& checkpoint_folder);
@@ -83,4 +84,4 @@ imaging::SceneConfig training_scenes(const std::string& checkpoint_folder);
 /// One line: the errors, clean and partly covered, or that no pose was found and why not.
 std::string in_words(const SegmenterEvaluation& evaluation);
 
-}  // namespace lodestone::vision
+}  // namespace lodestone::segmentation

@@ -1,4 +1,4 @@
-#include "lodestone/vision/segmenter_samples.h"
+#include "lodestone/segmentation/samples.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,14 +14,14 @@
 #include "lodestone/geometry/angle.h"
 #include "lodestone/imaging/scene_renderer.h"
 
-namespace lodestone::vision {
+namespace lodestone::segmentation {
 
 namespace {
 
 /// Fills one row of the tensors.
 class SampleMaker {
  public:
-  SampleMaker(const SampleConfig& config, const SegmenterConfig& segmenter, SegmenterSamples& out)
+  SampleMaker(const SampleConfig& config, const vision::SegmenterConfig& segmenter, SegmenterSamples& out)
       : config_(config), segmenter_(segmenter), out_(out) {}
 
   void run(const imaging::SceneRenderer& renderer, const imaging::DishView& view,
@@ -75,7 +75,7 @@ class SampleMaker {
   }
 
   const SampleConfig& config_;
-  const SegmenterConfig& segmenter_;
+  const vision::SegmenterConfig& segmenter_;
   SegmenterSamples& out_;
 };
 
@@ -96,9 +96,9 @@ geometry::Pose2 draw_needle_pose(const imaging::BenchGeometry& bench, common::Ra
 }
 
 SegmenterSamples render_samples(const imaging::SceneConfig& scenes, const SampleConfig& config,
-                                const SegmenterConfig& segmenter, std::int64_t count, std::uint64_t seed,
-                                common::ThreadPool& pool) {
-  const nets::UNetConfig& network = segmenter.network;
+                                const vision::SegmenterConfig& segmenter, std::int64_t count,
+                                std::uint64_t seed, common::ThreadPool& pool) {
+  const inference::UNetConfig& network = segmenter.network;
   LODESTONE_CHECK(config.crop_px % network.multiple() == 0, "crops the network can take");
   const std::int64_t mask_px = config.crop_px * network.upscale / network.stem;
   SegmenterSamples samples;
@@ -121,4 +121,4 @@ SegmenterSamples render_samples(const imaging::SceneConfig& scenes, const Sample
   return samples;
 }
 
-}  // namespace lodestone::vision
+}  // namespace lodestone::segmentation

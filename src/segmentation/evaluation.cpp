@@ -1,4 +1,4 @@
-#include "lodestone/vision/segmenter_evaluation.h"
+#include "lodestone/segmentation/evaluation.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -12,11 +12,11 @@
 #include "lodestone/common/statistics.h"
 #include "lodestone/geometry/angle.h"
 #include "lodestone/imaging/scene_renderer.h"
-#include "lodestone/nets/checkpoint.h"
-#include "lodestone/vision/segmenter_samples.h"
-#include "lodestone/vision/segmenter_training.h"
+#include "lodestone/inference/checkpoint.h"
+#include "lodestone/segmentation/samples.h"
+#include "lodestone/segmentation/training.h"
 
-namespace lodestone::vision {
+namespace lodestone::segmentation {
 
 namespace {
 
@@ -32,7 +32,7 @@ double thread_ms() {
 }
 
 struct Attempt {
-  Localisation found;
+  vision::Localisation found;
   geometry::Pose2 truth;
   double ms = 0.0;
 };
@@ -49,7 +49,7 @@ struct SceneResult {
   double scene_ms = 0.0;
 };
 
-Attempt attempt(Localiser& localiser, const cv::Mat& image, const geometry::Pose2& truth) {
+Attempt attempt(vision::Localiser& localiser, const cv::Mat& image, const geometry::Pose2& truth) {
   Attempt out;
   out.truth = truth;
   const double start_ms = thread_ms();
@@ -58,15 +58,16 @@ Attempt attempt(Localiser& localiser, const cv::Mat& image, const geometry::Pose
   return out;
 }
 
-SceneResult run_scene(const std::shared_ptr<const Segmenter>& segmenter, const imaging::SceneConfig& scenes,
-                      const LocaliserConfig& config, std::uint64_t seed, std::uint64_t index) {
+SceneResult run_scene(const std::shared_ptr<const vision::Segmenter>& segmenter,
+                      const imaging::SceneConfig& scenes, const vision::LocaliserConfig& config,
+                      std::uint64_t seed, std::uint64_t index) {
   SceneResult result;
   const double start_ms = thread_ms();
   const imaging::SceneRenderer renderer(
       imaging::draw_scene(scenes, common::derive_seed(seed, "evaluation scene", index)));
   result.scene_ms = thread_ms() - start_ms;
   common::RandomStream random(seed, "evaluation frames", index);
-  Localiser localiser(segmenter, renderer.scene().camera, scenes.bench.dish_radius_m, config);
+  vision::Localiser localiser(segmenter, renderer.scene().camera, scenes.bench.dish_radius_m, config);
   const auto pose = [&] { return draw_needle_pose(scenes.bench, random); };
 
   const geometry::Pose2 bare = pose();
@@ -150,9 +151,10 @@ std::string in_words(const LocalisationScore& score) {
 
 }  // namespace
 
-SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const Segmenter> segmenter,
-                                       const imaging::SceneConfig& scenes, const LocaliserConfig& localiser,
-                                       std::int64_t frames, std::uint64_t seed, common::ThreadPool& pool) {
+SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const vision::Segmenter> segmenter,
+                                       const imaging::SceneConfig& scenes,
+                                       const vision::LocaliserConfig& localiser, std::int64_t frames,
+                                       std::uint64_t seed, common::ThreadPool& pool) {
   std::vector<SceneResult> results(static_cast<std::size_t>(frames));
   pool.for_each(results.size(), [&](std::size_t index) {
     if (!common::interrupted()) results[index] = run_scene(segmenter, scenes, localiser, seed, index);
@@ -196,8 +198,8 @@ SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const Segmenter> segmente
 }
 
 imaging::SceneConfig training_scenes(const std::string& checkpoint_folder) {
-  common::Json scenes =
-      nets::load_checkpoint(checkpoint_folder, "segmenter").config.value("scenes", common::Json::object());
+  common::Json scenes = inference::load_checkpoint(checkpoint_folder, vision::Segmenter::kKind)
+                            .config.value("scenes", common::Json::object());
   scenes.erase("bench");  // checkpoints of earlier versions hold sizes that are the rig's now
   return common::config_from_json<imaging::SceneConfig>(scenes, checkpoint_folder);
 }
@@ -207,4 +209,4 @@ std::string in_words(const SegmenterEvaluation& evaluation) {
          ", partly covered " + in_words(evaluation.occluded);
 }
 
-}  // namespace lodestone::vision
+}  // namespace lodestone::segmentation

@@ -1,4 +1,4 @@
-#include "lodestone/vision/segmenter_training.h"
+#include "lodestone/segmentation/training.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -6,29 +6,20 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "lodestone/inference/checkpoint.h"
+#include "segmentation/small_segmenter.h"
 #include "temporary_folder.h"
-#include "vision/small_segmenter.h"
 
 using namespace lodestone;
 using tests::small_config;
 
-namespace {
-
-std::string weights(nets::UNet& network) {
-  return common::sha256(inference::encode_safetensors(nets::to_arrays(network.tensors().named())));
-}
-
-}  // namespace
-
 TEST_CASE("training depends on the seed, not on threads, and resumes bitwise", "[slow]") {
   const tests::TemporaryFolder folder;
-  vision::TrainSegmenterConfig config = small_config();
+  segmentation::TrainSegmenterConfig config = small_config();
   const auto train = [&](const std::string& name, std::int64_t threads, std::int64_t epochs, bool resume) {
     config.threads = threads;
     config.training.epochs = epochs;
-    runs::RunFolder run(vision::run_request(config, folder / name, resume));
-    auto result = vision::train_segmenter(config, run);
-    return weights(*result.network);
+    runs::RunFolder run(segmentation::run_request(config, folder / name, resume));
+    return common::sha256(inference::encode_safetensors(segmentation::train_segmenter(config, run).weights));
   };
   const std::string straight = train("a", 1, 2, false);
   CHECK(train("b", 2, 2, false) == straight);
@@ -42,7 +33,7 @@ TEST_CASE("training depends on the seed, not on threads, and resumes bitwise", "
 }
 
 TEST_CASE("sizes that do not fit the network are named") {
-  vision::TrainSegmenterConfig config = small_config();
+  segmentation::TrainSegmenterConfig config = small_config();
   config.images.crop_px = 100;
   CHECK_THROWS_WITH(config.validate(), Catch::Contains("crop_px"));
   config = small_config();

@@ -1,19 +1,21 @@
-#include "lodestone/vision/segmenter_evaluation.h"
+#include "lodestone/segmentation/evaluation.h"
 
 #include <catch2/catch.hpp>
 
+#include <ATen/ATen.h>
+
+#include "segmentation/small_segmenter.h"
 #include "temporary_folder.h"
-#include "vision/small_segmenter.h"
 
 using namespace lodestone;
 
 TEST_CASE("where no pose was found there is no error, and the words say so") {
-  const vision::TrainSegmenterConfig config = tests::small_config();
+  const segmentation::TrainSegmenterConfig config = tests::small_config();
   vision::LocaliserConfig localiser;
   localiser.rod = vision::rod_of(config.scenes.bench);
   common::ThreadPool pool(1);
-  const vision::SegmenterEvaluation evaluation = vision::evaluate_segmenter(
-      std::make_shared<const vision::Segmenter>(config.segmenter, *tests::untrained_network()), config.scenes,
+  const segmentation::SegmenterEvaluation evaluation = segmentation::evaluate_segmenter(
+      std::make_shared<const vision::Segmenter>(config.segmenter, tests::untrained_weights()), config.scenes,
       localiser, 2, 1, pool);
   REQUIRE(evaluation.clean.poses == 0);  // nothing was learned
   CHECK_FALSE(evaluation.clean.position_rms_mm);
@@ -23,14 +25,14 @@ TEST_CASE("where no pose was found there is no error, and the words say so") {
   CHECK_FALSE(json.at("clean").contains("ms_per_frame"));
   CHECK_FALSE(json.contains("repeatability_mm"));
   CHECK(json.at("clean").at("refusals").size() > 0);
-  CHECK_THAT(vision::in_words(evaluation), Catch::Contains("clean no pose found; "));
+  CHECK_THAT(segmentation::in_words(evaluation), Catch::Contains("clean no pose found; "));
 }
 
 TEST_CASE("a checkpoint holds the scenes it was trained on, without the bench") {
   const tests::TemporaryFolder folder;
-  vision::TrainSegmenterConfig config = tests::small_config();
+  segmentation::TrainSegmenterConfig config = tests::small_config();
   config.scenes.glare.high *= 0.5;
-  vision::save_segmenter(folder / "s", config.segmenter, *tests::untrained_network(),
+  vision::save_segmenter(folder / "s", config.segmenter, tests::untrained_weights(),
                          common::config_to_json(config), {});
-  CHECK(vision::training_scenes(folder / "s").glare.high == config.scenes.glare.high);
+  CHECK(segmentation::training_scenes(folder / "s").glare.high == config.scenes.glare.high);
 }

@@ -6,7 +6,7 @@
 #include <ATen/ops/stack.h>
 #include <ATen/ops/zeros_like.h>
 
-namespace lodestone::vision {
+namespace lodestone::segmentation {
 
 namespace {
 
@@ -43,4 +43,4 @@ cv::Mat prediction_image(const at::Tensor& images, const at::Tensor& masks, cons
   return sheet;
 }
 
-}  // namespace lodestone::vision
+}  // namespace lodestone::segmentation

@@ -6,10 +6,10 @@
 
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/imaging/scene.h"
-#include "lodestone/vision/sample_config.h"
+#include "lodestone/segmentation/sample_config.h"
 #include "lodestone/vision/segmenter.h"
 
-namespace lodestone::vision {
+namespace lodestone::segmentation {
 
 /// Rectified crops and their true masks.
 struct SegmenterSamples {
@@ -24,7 +24,7 @@ geometry::Pose2 draw_needle_pose(const imaging::BenchGeometry& bench, common::Ra
 
 /// `count` samples; each scene has random streams of its own, so that the result does not depend on threads.
 SegmenterSamples render_samples(const imaging::SceneConfig& scenes, const SampleConfig& config,
-                                const SegmenterConfig& segmenter, std::int64_t count, std::uint64_t seed,
-                                common::ThreadPool& pool);
+                                const vision::SegmenterConfig& segmenter, std::int64_t count,
+                                std::uint64_t seed, common::ThreadPool& pool);
 
-}  // namespace lodestone::vision
+}  // namespace lodestone::segmentation
