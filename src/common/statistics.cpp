@@ -101,6 +101,22 @@ Interval bootstrap_interval(const std::vector<std::vector<double>>& strata,
   return {percentile(statistics, 0.5 * (1.0 - level)), percentile(statistics, 1.0 - 0.5 * (1.0 - level))};
 }
 
+Interval difference_interval(const std::vector<double>& sample, const std::vector<double>& other,
+                             RandomStream random, std::int64_t resamples, double level) {
+  if (sample.empty() || other.empty()) return {};
+  const auto drawn_mean = [&](const std::vector<double>& values) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < values.size(); ++k) sum += values[random.below(values.size())];
+    return sum / static_cast<double>(values.size());
+  };
+  std::vector<double> differences;
+  for (std::int64_t i = 0; i < resamples; ++i) {
+    const double first = drawn_mean(sample);
+    differences.push_back(first - drawn_mean(other));
+  }
+  return {percentile(differences, 0.5 * (1.0 - level)), percentile(differences, 1.0 - 0.5 * (1.0 - level))};
+}
+
 Interval nested_bootstrap_interval(const std::vector<std::vector<double>>& groups,
                                    const std::function<double(const std::vector<double>&)>& statistic,
                                    RandomStream random, std::int64_t resamples, double level) {

@@ -145,9 +145,14 @@ Convergence convergence_of(const std::vector<double>& returns) {
   return found;
 }
 
+double unsteadiness_of(const std::vector<double>& returns) {
+  const auto last_fifth = returns.end() - static_cast<std::ptrdiff_t>((returns.size() + 4) / 5);
+  return common::standard_deviation({last_fifth, returns.end()});
+}
+
 runs::PooledTraining training_of(const SeedRecords& seeds) {
   runs::PooledTraining out;
-  std::vector<double> steps, wall, processor, returns, success, wall_to, processor_to;
+  std::vector<double> steps, wall, processor, returns, success, unsteadiness, wall_to, processor_to, steps_to;
   for (const auto& [seed, record] : seeds.found) {
     const KeptCurve& curve = *record->curve;
     steps.push_back(static_cast<double>(record->policy->env_steps));
@@ -156,23 +161,61 @@ runs::PooledTraining training_of(const SeedRecords& seeds) {
     returns.push_back(curve.episode_return.back());
     success.push_back(record->policy->fresh_evaluation ? record->policy->fresh_evaluation->success_rate
                                                        : 0.0);
+    unsteadiness.push_back(unsteadiness_of(curve.episode_return));
     const Convergence convergence = convergence_of(curve.episode_return);
     if (!convergence.converged) continue;
     ++out.n_converged;
     wall_to.push_back(curve.seconds[convergence.reached]);
     processor_to.push_back(curve.processor_seconds[convergence.reached]);
+    steps_to.push_back(curve.env_steps[convergence.reached]);
   }
   out.env_steps = mean(steps);
   out.train_seconds = mean(wall);
   out.processor_seconds = mean(processor);
   out.final_return = mean(returns);
   out.success_rate = mean(success);
+  out.unsteadiness = mean(unsteadiness);
   if (wall_to.size() == seeds.found.size()) {
     out.seconds_to_maximum = mean(wall_to);
     out.processor_seconds_to_maximum = mean(processor_to);
+    out.steps_to_maximum = mean(steps_to);
   }
   out.origin = origin_of(seeds);
   return out;
+}
+
+std::vector<double> final_returns(const SeedRecords& seeds) {
+  std::vector<double> returns;
+  for (const auto& [seed, record] : seeds.found)
+    if (record->curve && !record->curve->episode_return.empty())
+      returns.push_back(record->curve->episode_return.back());
+  return returns;
+}
+
+/// What 1 to 3 environments that replay change.
+void compare_mixes(const std::vector<std::pair<std::string, SeedRecords>>& groups, runs::PaperResult& out) {
+  const auto without = out.mixes.find("0");
+  if (without == out.mixes.end()) return;
+  const auto returns_of = [&](const std::string& prefix) {
+    for (const auto& [name, seeds] : groups)
+      if (name == prefix) return final_returns(seeds);
+    return std::vector<double>();
+  };
+  const std::vector<double> none = returns_of("mix/0");
+  for (const char* k : {"1", "2", "3"}) {
+    const auto mix = out.mixes.find(k);
+    if (mix == out.mixes.end()) continue;
+    const std::vector<double> returns = returns_of(std::string("mix/") + k);
+    runs::MixDifference& difference = out.mix_differences[k];
+    difference.final_return = mean(returns) - mean(none);
+    difference.final_return_interval =
+        ends(common::difference_interval(returns, none, common::RandomStream(1, "bootstrap")));
+    difference.unsteadiness = mix->second.unsteadiness;
+    difference.unsteadiness_without = without->second.unsteadiness;
+    difference.steps_to_maximum = mix->second.steps_to_maximum;
+    difference.steps_to_maximum_without = without->second.steps_to_maximum;
+    difference.n_seeds = static_cast<std::int64_t>(std::min(returns.size(), none.size()));
+  }
 }
 
 runs::PooledDynamics dynamics_of(const SeedRecords& seeds) {
@@ -278,6 +321,7 @@ runs::PaperResult paper_figures(const runs::KeptPlan& kept) {
       out.dynamics[kind == "open" ? shown(parts[1]) : parts[1]] = dynamics_of(seeds);
     }
   }
+  compare_mixes(groups, out);
   return out;
 }
 

@@ -99,3 +99,16 @@ TEST_CASE("groups that are drawn widen an interval by what differs between them"
   CHECK(single.high == Approx(4.0));
   CHECK(nested_bootstrap_interval({}, mean, RandomStream(1, "bootstrap")).high == 0.0);
 }
+
+TEST_CASE("the difference of two means has an interval that widens with their spread") {
+  const std::vector<double> high = {5.0, 6.0, 7.0, 6.5, 5.5}, low = {1.0, 2.0, 3.0, 2.5, 1.5};
+  const common::Interval apart = common::difference_interval(high, low, common::RandomStream(1, "draw"));
+  CHECK(apart.low > 2.5);
+  CHECK(apart.low < 4.0);
+  CHECK(apart.high > 4.0);
+  CHECK(apart.high < 5.5);
+  const common::Interval none = common::difference_interval(high, high, common::RandomStream(1, "draw"));
+  CHECK(none.low < 0.0);
+  CHECK(none.high > 0.0);
+  CHECK(common::difference_interval({}, low, common::RandomStream(1, "draw")).high == 0.0);
+}

@@ -46,8 +46,13 @@ Interval bootstrap_interval(const std::vector<std::vector<double>>& strata,
                             const std::function<double(const std::vector<double>&)>& statistic,
                             RandomStream random, std::int64_t resamples = 2000, double level = 0.95);
 
-/// The same where the groups (training seeds) are themselves a draw: groups are drawn with replacement, then
-/// values inside each. One group is as bootstrap_interval(). Groups without values are left out.
+/// Percentile bootstrap of the difference of two samples' means, each drawn anew with replacement. {0, 0}
+/// when one of them is empty.
+Interval difference_interval(const std::vector<double>& sample, const std::vector<double>& other,
+                             RandomStream random, std::int64_t resamples = 2000, double level = 0.95);
+
+/// bootstrap_interval() where the groups (training seeds) are themselves a draw: groups are drawn with
+/// replacement, then values inside each. One group is as there. Groups without values are left out.
 Interval nested_bootstrap_interval(const std::vector<std::vector<double>>& groups,
                                    const std::function<double(const std::vector<double>&)>& statistic,
                                    RandomStream random, std::int64_t resamples = 2000, double level = 0.95);

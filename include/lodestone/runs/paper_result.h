@@ -69,9 +69,10 @@ struct PooledTraining {
   double processor_seconds = 0.0;  ///< of all threads; 0 where the runs do not say
   double final_return = 0.0;       ///< of the last evaluation
   double success_rate = 0.0;       ///< of the policy that was kept, in fresh episodes of its own simulator
+  double unsteadiness = 0.0;       ///< standard deviation of the returns in the last fifth, mean over seeds
   std::int64_t n_converged = 0;    ///< seeds whose return had stopped rising
   /// Until the return was within 5 % of its rise below its maximum; absent unless every seed had converged.
-  std::optional<double> seconds_to_maximum, processor_seconds_to_maximum;
+  std::optional<double> seconds_to_maximum, processor_seconds_to_maximum, steps_to_maximum;
   CellOrigin origin;
 
   template <class Visitor>
@@ -81,10 +82,32 @@ struct PooledTraining {
     v.field("processor_seconds", processor_seconds);
     v.field("final_return", final_return);
     v.field("success_rate", success_rate);
+    v.field("unsteadiness", unsteadiness);
     v.field("n_converged", n_converged);
     v.field("seconds_to_maximum", seconds_to_maximum);
     v.field("processor_seconds_to_maximum", processor_seconds_to_maximum);
+    v.field("steps_to_maximum", steps_to_maximum);
     origin.visit(v);
+  }
+};
+
+/// What environments that replay recorded steps change (Fig. 5), against a training without them.
+struct MixDifference {
+  double final_return = 0.0;                              ///< difference of the means over training seeds
+  std::array<double, 2> final_return_interval = {0, 0};   ///< 95 %, by drawing the seeds of each anew
+  double unsteadiness = 0.0, unsteadiness_without = 0.0;  ///< PooledTraining::unsteadiness of both
+  std::optional<double> steps_to_maximum, steps_to_maximum_without;
+  std::int64_t n_seeds = 0;  ///< of the one that has fewer
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("final_return", final_return);
+    v.field("final_return_interval", final_return_interval);
+    v.field("unsteadiness", unsteadiness);
+    v.field("unsteadiness_without", unsteadiness_without);
+    v.field("steps_to_maximum", steps_to_maximum);
+    v.field("steps_to_maximum_without", steps_to_maximum_without);
+    v.field("n_seeds", n_seeds);
   }
 };
 
@@ -116,7 +139,8 @@ struct PaperResult {
       transfer;                                                           ///< row, variant, task
   std::map<std::string, std::map<std::string, PooledTraining>> training;  ///< row, task
   std::map<std::string, PooledDynamics> dynamics;
-  std::map<std::string, PooledTraining> mixes;  ///< environments that replay, or "offline"
+  std::map<std::string, PooledTraining> mixes;           ///< environments that replay, or "offline"
+  std::map<std::string, MixDifference> mix_differences;  ///< of 1 to 3 environments from none
   std::map<std::string, std::map<std::string, PooledErrors>> open_choices;  ///< choice, task
   std::map<std::string, PooledTraining> open_trainings;                     ///< choice, or choice and mix
   std::map<std::string, std::map<std::string, PooledErrors>> ablations;     ///< name, task
@@ -134,6 +158,7 @@ struct PaperResult {
     v.field("training", training);
     v.field("dynamics", dynamics);
     v.field("mixes", mixes);
+    v.field("mix_differences", mix_differences);
     v.field("open_choices", open_choices);
     v.field("open_trainings", open_trainings);
     v.field("ablations", ablations);

@@ -1,0 +1,122 @@
+#include "paper_page.h"
+
+#include <cstdio>
+
+#include "lodestone/common/statistics.h"
+#include "lodestone/report/charts.h"
+#include "lodestone/report/html.h"
+
+namespace lodestone::report {
+
+std::string text_of(const char* format, double a, double b, double c) {
+  char buffer[128];
+  std::snprintf(buffer, sizeof buffer, format, a, b, c);
+  return buffer;
+}
+
+std::string or_dash(const char* format, const std::optional<double>& value, double scale) {
+  return value ? text_of(format, scale * *value) : "–";
+}
+
+std::string error_text(const runs::PooledErrors& e) {
+  return text_of("%.2f (%.2f to %.2f)", e.mean_error_mm, e.mean_interval_mm[0], e.mean_interval_mm[1]);
+}
+
+std::string success_text(const runs::PooledErrors& e) {
+  return text_of("%.0f %% (%.0f to %.0f)", 100.0 * e.success_rate, 100.0 * e.success_interval[0],
+                 100.0 * e.success_interval[1]);
+}
+
+std::string seeds_text(const runs::CellOrigin& origin) {
+  return std::to_string(origin.n_seeds) + " of " + std::to_string(origin.n_seeds_planned);
+}
+
+void PaperTable::add_missing(std::vector<std::string> named) {
+  named.emplace_back(kMissing);
+  named.resize(headers.size());
+  cells.push_back(std::move(named));
+}
+
+std::string PaperTable::html() const {
+  std::vector<std::vector<std::string>> escaped = cells;
+  for (auto& row : escaped)
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      row[i] = escape(row[i]);
+      if (static_cast<int>(i) < text_columns) row[i] = "<span class=\"whole\">" + row[i] + "</span>";
+    }
+  return table(headers, escaped, text_columns);
+}
+
+std::string PaperTable::markdown() const {
+  const auto line = [](const std::vector<std::string>& row) {
+    std::string out = "|";
+    for (const std::string& cell : row) out += " " + cell + " |";
+    return out + "\n";
+  };
+  std::string out = line(headers) + "|";
+  for (std::size_t i = 0; i < headers.size(); ++i) out += " --- |";
+  out += "\n";
+  for (const auto& row : cells) out += line(row);
+  return out;
+}
+
+PaperPage::PaperPage(const runs::KeptPlan& kept_plan)
+    : kept(kept_plan),
+      groups(by_prefix(kept)),
+      result(paper_figures(kept)),
+      html("The paper's experiments, on the virtual rig",
+           "Section V beside ours: every figure of ours is measured against the true pose on virtual rigs "
+           "that no "
+           "training saw; the paper's are from its real rig") {
+  for (const auto& [prefix, seeds] : groups) by_id[prefix] = &seeds;
+}
+
+const runs::PooledErrors* PaperPage::errors(const std::string& row, const std::string& variant,
+                                            const std::string& task) const {
+  const auto* of_row = find(result.transfer, row);
+  const auto* of_variant = of_row != nullptr ? find(*of_row, variant) : nullptr;
+  return of_variant != nullptr ? find(*of_variant, task) : nullptr;
+}
+
+const runs::PooledTraining* PaperPage::training_of(const std::string& row, const std::string& task) const {
+  if (row == "offline") return find(result.mixes, "offline");
+  const auto* of_row = find(result.training, row);
+  if (of_row == nullptr) return nullptr;
+  const runs::PooledTraining* centre = task == "centre" ? find(*of_row, "centre") : nullptr;
+  return centre != nullptr ? centre : find(*of_row, "target");
+}
+
+std::string PaperPage::return_chart(const std::string& id, const std::string& title,
+                                    const std::vector<std::pair<std::string, std::string>>& lines) const {
+  static const char* const kColours[] = {kPolicyColour, kBaselineColour, kSecondColour, "#7b4ea3"};
+  LineChart chart{id, title, "environment steps", "return"};
+  chart.small = lines.size() == 1;
+  std::size_t colour = 0;
+  for (const auto& [name, prefix] : lines) {
+    std::map<double, std::vector<double>> by_step;
+    for (const auto& [seed, record] : by_id.at(prefix)->found) {
+      if (!record->curve) continue;
+      for (std::size_t i = 0; i < record->curve->env_steps.size(); ++i)
+        by_step[record->curve->env_steps[i]].push_back(record->curve->episode_return[i]);
+    }
+    const char* const its_colour = kColours[colour++ % 4];
+    LineSeries middle{name, {}, its_colour};
+    LineSeries low{name + ", - 2 std", {}, its_colour, /*dashed=*/true};
+    LineSeries high{name + ", + 2 std", {}, its_colour, /*dashed=*/true};
+    bool several = false;
+    for (const auto& [step, values] : by_step) {
+      const double centre = common::mean(values);
+      const double spread = common::standard_deviation(values);
+      several = several || values.size() > 1;
+      middle.points.emplace_back(step, centre);
+      low.points.emplace_back(step, centre - 2.0 * spread);
+      high.points.emplace_back(step, centre + 2.0 * spread);
+    }
+    if (middle.points.empty()) continue;
+    chart.series.push_back(middle);
+    if (several) chart.series.insert(chart.series.end(), {low, high});
+  }
+  return chart.series.empty() ? "" : chart_html(chart);
+}
+
+}  // namespace lodestone::report
