@@ -38,19 +38,6 @@ std::string order(const PaperPage& page) {
   return text;
 }
 
-std::string order(const PaperPage& page) {
-  std::string text =
-      "In the paper, some recorded steps make learning a little faster and less steady, and recorded steps "
-      "alone collapse before they have taught enough. ";
-  std::string ours;
-  for (const auto& [k, mix] : page.result.mix_differences)
-    if (mix.n_seeds >= kEnoughSeeds) ours += told(k + " of 3 replay", mix);
-  if (page.result.mix_differences.size() < 3 || ours.empty())
-    ours += "Where a mix has fewer than " + std::to_string(kEnoughSeeds) +
-            " training seeds, nothing is said of how it compares here.";
-  return text + "Here, against an equal training without recorded steps: " + ours;
-}
-
 }  // namespace
 
 void add_mixes(PaperPage& page) {
