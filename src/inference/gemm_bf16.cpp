@@ -5,12 +5,14 @@
 #include <cstring>
 #include <vector>
 
+#include "gemm_pairs.h"
 #include "gemm_tiles.h"
+#include "lodestone/common/error.h"
 
 namespace lodestone::inference {
 namespace {
 
-/// The nearest bfloat16, ties to even, as a float. Subnormal numbers count as zero, as in tile products.
+/// The nearest bfloat16, ties to even, as a float. Subnormal numbers count as zero.
 float rounded(float value) {
   std::uint32_t bits = 0;
   std::memcpy(&bits, &value, sizeof bits);
@@ -32,6 +34,30 @@ void multiply_rounded(const LeftSide<float>& a, const RightSide<float>& b, Bf16S
   float* right = scratch.rounded_right.at_least(b.k * b.n);
   std::transform(b.matrix, b.matrix + b.k * b.n, right, rounded);
   multiply<float>({left, a.m, b.k}, {right, b.k, b.n, b.transposed}, scratch.panel, out, epilogue);
+}
+
+struct Bf16Kernel {
+  const char* name;
+  void (*multiply)(const LeftSide<float>& a, const RightSide<float>& b, Bf16Scratch& scratch, float* out,
+                   const Epilogue<float>& epilogue);
+};
+
+std::vector<Bf16Kernel> runnable_bf16_kernels() {
+  std::vector<Bf16Kernel> kernels;
+#if defined(LODESTONE_X86_KERNELS)
+  if (gemm_kernels().front() == "avx512") {
+    static const bool tiles = request_tiles();
+    if (tiles) kernels.push_back({"tiles", &multiply_by_tiles});
+    if (has_pairs()) kernels.push_back({"pairs", &multiply_by_pairs});
+  }
+#endif
+  kernels.push_back({"rounded", &multiply_rounded});
+  return kernels;
+}
+
+Bf16Kernel& bf16_kernel_in_use() {
+  static Bf16Kernel kernel = runnable_bf16_kernels().front();
+  return kernel;
 }
 
 double measured_speedup() {
@@ -57,22 +83,25 @@ double measured_speedup() {
 
 }  // namespace
 
-bool has_bf16_tiles() {
-#if defined(LODESTONE_X86_KERNELS)
-  static const bool has = gemm_kernels().front() == "avx512" && request_tiles();
-  return has;
-#else
-  return false;
-#endif
+std::vector<std::string> bf16_kernels() {
+  std::vector<std::string> names;
+  for (const Bf16Kernel& kernel : runnable_bf16_kernels()) names.emplace_back(kernel.name);
+  return names;
+}
+
+void select_bf16_kernel(const std::string& name) {
+  for (const Bf16Kernel& kernel : runnable_bf16_kernels()) {
+    if (name != kernel.name) continue;
+    bf16_kernel_in_use() = kernel;
+    return;
+  }
+  LODESTONE_CHECK(false, "this processor has no bfloat16 kernel \"" + name + "\"");
 }
 
 void multiply_bf16(const LeftSide<float>& a, const RightSide<float>& b, Bf16Scratch& scratch, float* out,
                    const Epilogue<float>& epilogue) {
   if (std::min(b.k, b.n) < kLeastBf16Side) return multiply<float>(a, b, scratch.panel, out, epilogue);
-#if defined(LODESTONE_X86_KERNELS)
-  if (has_bf16_tiles()) return multiply_by_tiles(a, b, scratch, out, epilogue);
-#endif
-  multiply_rounded(a, b, scratch, out, epilogue);
+  bf16_kernel_in_use().multiply(a, b, scratch, out, epilogue);
 }
 
 double bf16_speedup() {

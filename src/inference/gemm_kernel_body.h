@@ -12,18 +12,37 @@
 namespace lodestone::inference {
 namespace {
 
+template <class Number, int Lanes>
+struct VectorOf {
+  typedef Number Type
+      __attribute__((vector_size(Lanes * sizeof(Number)), aligned(alignof(Number)), may_alias));
+  static Type load(const Number* from) { return *reinterpret_cast<const Type*>(from); }
+  static void store(Number* to, const Type& value) { *reinterpret_cast<Type*>(to) = value; }
+};
+
+/// What sums are made of: operands of the same type, multiplied.
+template <class Real, int Lanes>
+struct PlainTerms {
+  using Operand = Real;
+  using Vector = typename VectorOf<Real, Lanes>::Type;
+  static Vector spread(Real number) { return number - Vector{}; }  // the same in every lane
+  static void add(Vector& sum, const Vector& factor, const Vector& b) { sum += factor * b; }
+};
+
 /// `Lanes` numbers to a vector; a tile of `TileRows` x 2 vectors fills the registers.
-template <class Real, int Lanes, int TileRows>
+template <class Real, int Lanes, int TileRows, class Terms = PlainTerms<Real, Lanes>>
 struct Kernel {
-  typedef Real Vector __attribute__((vector_size(Lanes * sizeof(Real)), aligned(alignof(Real)), may_alias));
+  using Operand = typename Terms::Operand;
+  using Operands = VectorOf<Operand, Lanes>;
+  using Vector = typename VectorOf<Real, Lanes>::Type;
   static constexpr std::int64_t kWidth = 2 * Lanes;
 
-  static Vector load(const Real* from) { return *reinterpret_cast<const Vector*>(from); }
-  static void store(Real* to, const Vector& value) { *reinterpret_cast<Vector*>(to) = value; }
+  static Vector load(const Real* from) { return VectorOf<Real, Lanes>::load(from); }
+  static void store(Real* to, const Vector& value) { VectorOf<Real, Lanes>::store(to, value); }
 
   /// `Rows` rows of `a` times one panel of `Vectors` vectors.
   template <int Rows, int Vectors>
-  static void tile(const Real* a, std::int64_t a_stride, std::int64_t k, const Real* panel, Real* out,
+  static void tile(const Operand* a, std::int64_t a_stride, std::int64_t k, const Operand* panel, Real* out,
                    std::int64_t n, std::int64_t columns, const Epilogue<Real>& epilogue) {
     Vector sum[Rows][Vectors];
 #pragma GCC unroll 16
@@ -32,14 +51,14 @@ struct Kernel {
       for (int v = 0; v < Vectors; ++v) sum[i][v] = Vector{};
     }
     for (std::int64_t p = 0; p < k; ++p, panel += Vectors * Lanes) {
-      Vector b[Vectors];
+      typename Operands::Type b[Vectors];
 #pragma GCC unroll 2
-      for (int v = 0; v < Vectors; ++v) b[v] = load(panel + v * Lanes);
+      for (int v = 0; v < Vectors; ++v) b[v] = Operands::load(panel + v * Lanes);
 #pragma GCC unroll 16
       for (int i = 0; i < Rows; ++i) {
-        const Vector factor = a[i * a_stride + p] - Vector{};  // the same number in every lane
+        const auto factor = Terms::spread(a[i * a_stride + p]);
 #pragma GCC unroll 2
-        for (int v = 0; v < Vectors; ++v) sum[i][v] += factor * b[v];
+        for (int v = 0; v < Vectors; ++v) Terms::add(sum[i][v], factor, b[v]);
       }
     }
     if (columns == Vectors * Lanes) {
@@ -81,7 +100,7 @@ struct Kernel {
     }
   }
 
-  using Tile = void (*)(const Real*, std::int64_t, std::int64_t, const Real*, Real*, std::int64_t,
+  using Tile = void (*)(const Operand*, std::int64_t, std::int64_t, const Operand*, Real*, std::int64_t,
                         std::int64_t, const Epilogue<Real>&);
 
   /// The tile for fewer rows than a full one, which the last rows of a matrix need.
@@ -94,8 +113,8 @@ struct Kernel {
   }
 
   template <int Vectors>
-  static void all_rows(const Real* a, std::int64_t m, std::int64_t a_stride, std::int64_t k,
-                       const Real* panel, std::int64_t columns, Real* out, std::int64_t n,
+  static void all_rows(const Operand* a, std::int64_t m, std::int64_t a_stride, std::int64_t k,
+                       const Operand* panel, std::int64_t columns, Real* out, std::int64_t n,
                        Epilogue<Real> epilogue) {
     for (std::int64_t i = 0; i < m; i += TileRows) {
       const std::int64_t rows = std::min<std::int64_t>(TileRows, m - i);
@@ -108,8 +127,8 @@ struct Kernel {
     }
   }
 
-  static void multiply(const Real* a, std::int64_t m, std::int64_t a_stride, std::int64_t k,
-                       const Real* panel, std::int64_t columns, Real* out, std::int64_t n,
+  static void multiply(const Operand* a, std::int64_t m, std::int64_t a_stride, std::int64_t k,
+                       const Operand* panel, std::int64_t columns, Real* out, std::int64_t n,
                        const Epilogue<Real>& epilogue) {
     if (columns > Lanes) {
       all_rows<2>(a, m, a_stride, k, panel, columns, out, n, epilogue);
@@ -119,20 +138,21 @@ struct Kernel {
   }
 
   /// A square of Lanes x Lanes in log2(Lanes) rounds of exchanges between pairs of rows.
-  static void transpose_square(const Real* matrix, std::int64_t stride, Real* out, std::int64_t out_stride) {
-    Vector row[Lanes];
+  static void transpose_square(const Operand* matrix, std::int64_t stride, Operand* out,
+                               std::int64_t out_stride) {
+    typename Operands::Type row[Lanes];
 #pragma GCC unroll 16
-    for (int i = 0; i < Lanes; ++i) row[i] = load(matrix + i * stride);
+    for (int i = 0; i < Lanes; ++i) row[i] = Operands::load(matrix + i * stride);
     exchange<1>(row);
 #pragma GCC unroll 16
-    for (int i = 0; i < Lanes; ++i) store(out + i * out_stride, row[i]);
+    for (int i = 0; i < Lanes; ++i) Operands::store(out + i * out_stride, row[i]);
   }
 
   template <int Step>
-  static void exchange(Vector* row) {
+  static void exchange(typename Operands::Type* row) {
     if constexpr (Step < Lanes) {
-      using Index = std::conditional_t<sizeof(Real) == 4, std::int32_t, std::int64_t>;
-      typedef Index Mask __attribute__((vector_size(Lanes * sizeof(Real))));
+      using Index = std::conditional_t<sizeof(Operand) == 4, std::int32_t, std::int64_t>;
+      typedef Index Mask __attribute__((vector_size(Lanes * sizeof(Operand))));
       Mask upper{};
       Mask lower{};
 #pragma GCC unroll 16
@@ -143,8 +163,8 @@ struct Kernel {
 #pragma GCC unroll 16
       for (int i = 0; i < Lanes; ++i) {
         if ((i & Step) != 0) continue;
-        const Vector first = row[i];
-        const Vector second = row[i + Step];
+        const auto first = row[i];
+        const auto second = row[i + Step];
         row[i] = __builtin_shuffle(first, second, upper);
         row[i + Step] = __builtin_shuffle(first, second, lower);
       }
@@ -152,8 +172,8 @@ struct Kernel {
     }
   }
 
-  static void transpose(const Real* matrix, std::int64_t rows, std::int64_t columns, std::int64_t stride,
-                        Real* out, std::int64_t out_stride) {
+  static void transpose(const Operand* matrix, std::int64_t rows, std::int64_t columns, std::int64_t stride,
+                        Operand* out, std::int64_t out_stride) {
     const std::int64_t whole_rows = rows / Lanes * Lanes;
     const std::int64_t whole_columns = columns / Lanes * Lanes;
     for (std::int64_t c = 0; c < whole_columns; c += Lanes) {
@@ -168,14 +188,14 @@ struct Kernel {
     }
   }
 
-  static void pack(const Real* matrix, std::int64_t k, std::int64_t n, std::int64_t columns, Real* panel,
-                   std::int64_t panel_width) {
+  static void pack(const Operand* matrix, std::int64_t k, std::int64_t n, std::int64_t columns,
+                   Operand* panel, std::int64_t panel_width) {
     if (columns == kWidth) {
       for (std::int64_t p = 0; p < k; ++p, matrix += n, panel += kWidth) {
-        const Vector left = load(matrix);
-        const Vector right = load(matrix + Lanes);
-        store(panel, left);
-        store(panel + Lanes, right);
+        const auto left = Operands::load(matrix);
+        const auto right = Operands::load(matrix + Lanes);
+        Operands::store(panel, left);
+        Operands::store(panel + Lanes, right);
       }
       return;
     }
