@@ -45,8 +45,8 @@ std::vector<std::string> split_cells(const std::string& line, bool& quoted) {
 }  // namespace
 
 CsvTable::CsvTable(const std::string& path) : path_(path) {
-  if (std::filesystem::exists(path)) check_is_file(path);  // before it is opened: a pipe would be waited for
   std::error_code fault;
+  if (std::filesystem::exists(path, fault)) check_is_file(path);  // before: a pipe would be waited for
   if (const auto size = std::filesystem::file_size(path, fault); !fault && size > kLargestFile)
     throw DataError(
         fmt::format("cannot read {}: it holds {} bytes, at most {} are read", path, size, kLargestFile));

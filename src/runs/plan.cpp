@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include "lodestone/common/artefact.h"
@@ -156,24 +157,38 @@ Plan find_plan(const std::string& folder) {
   return std::move(*plan);
 }
 
+namespace {
+
+/// Folders may come and go meanwhile, and links lead nowhere: what cannot be looked at is passed over.
+void find_runs_below(const std::string& folder, std::vector<std::string>& found) {
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+    std::error_code unknown;
+    if (!entry->is_directory(unknown)) continue;
+    const std::string path = entry->path().string();
+    if (find_run(path))
+      found.push_back(path);
+    else if (!entry->is_symlink(unknown))
+      find_runs_below(path, found);
+  }
+}
+
+}  // namespace
+
 std::vector<StatusRow> status_of(const std::string& folder) {
   std::vector<StatusRow> rows;
-  const auto add = [&rows](const std::string& name, const std::string& path) {
-    const bool there = fs::is_directory(path);
+  std::error_code unknown;
+  const auto add = [&rows, &unknown](const std::string& name, const std::string& path) {
+    const bool there = fs::is_directory(path, unknown);
     rows.push_back({name, there ? find_run(path) : std::nullopt, there && is_running(path), path});
   };
   if (const auto plan = common::find_artefact<Plan>(folder + kPlanFile)) {
     for (const Cell& cell : plan->cells) add(cell.id, cell_folder(*plan, {folder, "", ""}, cell.id));
   } else if (find_run(folder)) {
     add(folder, folder);
-  } else if (fs::is_directory(folder)) {
+  } else if (fs::is_directory(folder, unknown)) {
     std::vector<std::string> found;
-    for (auto entry = fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied);
-         entry != fs::recursive_directory_iterator(); ++entry) {
-      if (!entry->is_directory() || !find_run(entry->path().string())) continue;
-      found.push_back(entry->path().string());
-      entry.disable_recursion_pending();
-    }
+    find_runs_below(folder, found);
     std::sort(found.begin(), found.end());
     for (const std::string& path : found) add(path, path);
   }

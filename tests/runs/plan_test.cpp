@@ -58,6 +58,8 @@ TEST_CASE("status finds a run, and all runs below a folder") {
     run.begin();
     if (std::string(name) == "two") run.finish();
   }
+  std::filesystem::create_symlink("round", folder / "x/round");  // leads to itself
+  std::filesystem::create_symlink("nowhere", folder / "x/lost");
   CHECK(runs::status_of(folder / "two").at(0).state->finished);
   const std::vector<runs::StatusRow> rows = runs::status_of(folder.path());
   REQUIRE(rows.size() == 2);
