@@ -1,6 +1,7 @@
 #include "lodestone/console/bench.h"
 
 #include <algorithm>
+#include <exception>
 #include <mutex>
 #include <utility>
 
@@ -37,14 +38,18 @@ void Bench::State::drive_bench() {
         cancelled = false;
       }
     }
-    if (order)
-      order();
-    else if (run)
-      follow(*run);
-    else if (connected)
-      idle();
-    else
-      connect();
+    try {
+      if (order)
+        order();
+      else if (run)
+        follow(*run);
+      else if (connected)
+        idle();
+      else
+        connect();
+    } catch (const std::exception& error) {  // whatever it is: coils off, and the page goes on
+      stop(error.what());
+    }
   }
 }
 
@@ -63,7 +68,7 @@ void Bench::State::order(Done done, std::function<void()> action) {
     std::string why_not;
     try {
       action();
-    } catch (const common::Error& error) {
+    } catch (const std::exception& error) {
       why_not = error.what();
     }
     if (done) done(why_not);

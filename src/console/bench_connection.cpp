@@ -1,6 +1,7 @@
 #include "bench_core.h"
 
 #include <cmath>
+#include <exception>
 #include <mutex>
 #include <utility>
 
@@ -34,7 +35,7 @@ void Bench::State::connect() {
     shown.clears = false;
     samples.clear();
     note_camera();
-  } catch (const common::Error& error) {
+  } catch (const std::exception& error) {
     std::unique_lock<common::PriorityMutex> lock(mutex);
     const bool known = shown.reason == error.what();
     shown.reason = error.what();
@@ -90,7 +91,7 @@ bool Bench::State::look() {
   control::PoseEstimate estimate;
   try {
     estimate = session->sensor().observe();
-  } catch (const common::Error& error) {
+  } catch (const std::exception& error) {
     estimate.fault = true;
     estimate.reason = error.what();
   }

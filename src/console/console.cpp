@@ -1,12 +1,10 @@
 #include "lodestone/console/console.h"
 
-#include <fmt/chrono.h>
 #include <fmt/core.h>
 #include <unistd.h>
 
 #include <array>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <future>
@@ -17,6 +15,8 @@
 #include "lodestone/common/build_facts.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/common/log.h"
+#include "lodestone/common/priority_mutex.h"
 #include "lodestone/console/access.h"
 #include "lodestone/console/drawn_path.h"
 #include "lodestone/console/feed.h"
@@ -24,13 +24,13 @@
 #include "lodestone/console/live_view.h"
 #include "lodestone/console/messages.h"
 #include "lodestone/console/recording.h"
+#include "lodestone/console/run_list.h"
 #include "lodestone/console/seat.h"
 #include "lodestone/console/served_files.h"
 #include "lodestone/console/session_log.h"
 #include "lodestone/console/web_server.h"
 #include "lodestone/console/worker.h"
 #include "lodestone/rig/rendered_camera.h"
-#include "lodestone/runs/plan.h"
 #include "page_files.h"
 
 namespace lodestone::console {
@@ -39,17 +39,10 @@ namespace {
 using common::Json;
 using geometry::Vector2;
 
-constexpr const char* kRecordings = "/recordings/";
-constexpr const char* kRuns = "/runs/";
 constexpr std::size_t kMostSamples = 300;  // of a greeting
 
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);  // names of files are any bytes
-}
-
-std::string name_of_now() {
-  return fmt::format("{:%Y%m%d-%H%M%S}",
-                     fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
 }
 
 }  // namespace
@@ -103,12 +96,12 @@ struct Console::State {
 
   ~State() {
     {
-      const std::lock_guard<std::mutex> lock(hearing);
+      const std::lock_guard<common::PriorityMutex> lock(hearing);
       listens = false;
     }
     if (bench->state().mode == Mode::kRunning) bench->stop("the console ends");
     feed->end();  // which asks all that follows
-    clerk.reset();
+    clerk.end();
     recording.reset();
     jobs.reset();
     bench->end();  // stops a run; what it tells is on record, and sent
@@ -122,13 +115,13 @@ struct Console::State {
   std::unique_ptr<SessionLog> log;
   ServedFiles files;
   common::SteadyClock wall;
-  std::mutex mutex;  // of what follows
+  common::PriorityMutex mutex;  // of what follows
   Seat seat;
   std::set<PageId> pages;
   std::optional<geometry::Path> planned;
   std::unique_ptr<Recording> recording;
   std::atomic<bool> ready{false};
-  std::mutex hearing;  // held while a page is heard
+  common::PriorityMutex hearing;  // held while a page is heard
   bool listens = true;
   std::promise<void> constructed;
   std::shared_future<void> is_constructed{constructed.get_future()};
@@ -136,7 +129,7 @@ struct Console::State {
   std::unique_ptr<Jobs> jobs;
   std::unique_ptr<Feed> feed;
   std::unique_ptr<WebServer> server;
-  std::unique_ptr<Worker> clerk = std::make_unique<Worker>();  // reads and writes files
+  Worker clerk;  // reads and writes files
 
   // ---- What pages are told ----
 
@@ -145,6 +138,12 @@ struct Console::State {
     if (ready) broadcast(json);
   }
   void tell(BenchEvent::Level level, const std::string& text) { tell({level, bench->state().now_s, text}); }
+
+  /// What the thread of the heartbeats tells: it may not wait for the disk on which that is kept.
+  void note(const std::string& text) {
+    const auto told = [this, text] { tell(BenchEvent::Level::kInfo, text); };
+    if (!clerk.ask(told)) told();
+  }
 
   /// Nothing before the server is there.
   template <class Content>
@@ -155,7 +154,7 @@ struct Console::State {
   void broadcast(const Json& json) {
     std::vector<PageId> all;
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       all.assign(pages.begin(), pages.end());
     }
     const std::string text = text_of(json);
@@ -199,9 +198,10 @@ struct Console::State {
     Json json = view.json(bench->state());
     json["job"] = jobs->now();
     json["question"] = jobs->question();
+    std::string seated;
     {
-      const std::lock_guard<std::mutex> lock(mutex);
-      settle();
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
+      seated = settle();
       const auto number = [](const std::optional<PageId>& id) { return id ? Json(*id) : Json(); };
       json["you_operate"] = seat.operates(page);
       json["operator"] = number(seat.operating());
@@ -211,11 +211,20 @@ struct Console::State {
       json["recording"] = recording != nullptr;
     }
     send(page, text_of(json));
+    if (!seated.empty()) note(seated);
   }
 
-  /// Under the mutex: who asked for the seat and waited long enough has it.
-  void settle() {
-    if (seat.settle(wall.now_s())) bench->handed_over(seat.operating().has_value());
+  /// Under the mutex: who asked for the seat and waited long enough has it. What there is to tell of it.
+  std::string settle() {
+    const std::optional<PageId> before = seat.operating();
+    if (!seat.settle(wall.now_s())) return "";
+    bench->handed_over(seat.operating().has_value());
+    return seated_instead_of(before, "did not answer");
+  }
+  std::string seated_instead_of(const std::optional<PageId>& before, const char* why) const {
+    const std::optional<PageId> now = seat.operating();
+    const std::string reason = before ? fmt::format(": page {} {}", *before, why) : "";
+    return now ? fmt::format("page {} operates{}", *now, reason) : "nobody operates" + reason;
   }
 
   // ---- What pages ask for ----
@@ -235,27 +244,35 @@ struct Console::State {
 
   void opened(PageId page) {
     is_constructed.wait();  // a page may be quicker than our constructor
-    const std::lock_guard<std::mutex> hear(hearing);
+    const std::lock_guard<common::PriorityMutex> hear(hearing);
     if (!ready || !listens) return;
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       pages.insert(page);
     }
     send(page, text_of(hello(page)));
   }
 
   void closed(PageId page) {
-    if (!ready) return;
+    const std::lock_guard<common::PriorityMutex> hear(hearing);
+    if (!ready || !listens) return;
     feed->forget(page);
-    const std::lock_guard<std::mutex> lock(mutex);
-    pages.erase(page);
-    const bool operated = seat.operates(page);
-    seat.leave(page, wall.now_s());
-    if (operated) bench->handed_over(seat.operating().has_value());
+    std::string seated;
+    {
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
+      pages.erase(page);
+      const bool operated = seat.operates(page);
+      seat.leave(page, wall.now_s());
+      if (operated) {
+        bench->handed_over(seat.operating().has_value());
+        seated = seated_instead_of(page, "is gone");
+      }
+    }
+    if (!seated.empty()) note(seated);
   }
 
   void heard(PageId page, const std::string& text) {
-    const std::lock_guard<std::mutex> hear(hearing);
+    const std::lock_guard<common::PriorityMutex> hear(hearing);
     if (!ready || !listens) return;
     std::optional<Message> message;
     try {
@@ -265,7 +282,7 @@ struct Console::State {
       return;
     }
     if (needs_the_seat(*message)) {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       if (!seat.operates(page)) {
         answer(page, name_of(*message), "another page operates: ask for it first");
         return;
@@ -284,7 +301,7 @@ struct Console::State {
   }
   void obey(PageId page, const Beat& beat) {
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       seat.beat(page, wall.now_s());
       if (!seat.operates(page)) return;
     }
@@ -298,29 +315,28 @@ struct Console::State {
   void obey(PageId page, const Operate&) {
     bool granted = false;
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       const bool before = seat.operates(page);
       granted = seat.ask(page, wall.now_s());
       if (granted && !before) bench->handed_over(true);
     }
     answer(page, Operate::kWord, granted ? "" : "the operator is asked");
-    if (granted) tell(BenchEvent::Level::kInfo, fmt::format("page {} operates", page));
+    if (granted) note(fmt::format("page {} operates", page));
   }
   void obey(PageId page, const Yield&) {
-    std::optional<PageId> next;
+    std::string seated;
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       seat.yield(page, wall.now_s());
-      next = seat.operating();
-      bench->handed_over(next.has_value());
+      bench->handed_over(seat.operating().has_value());
+      seated = seated_instead_of(page, seat.operating() ? "handed over" : "got up");
     }
-    tell(BenchEvent::Level::kInfo, next ? fmt::format("page {} operates: page {} handed over", *next, page)
-                                        : fmt::format("page {} operates no longer", page));
+    note(seated);
   }
   void obey(PageId page, const Refuse&) {
     std::optional<PageId> asked;
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       asked = seat.asking();
       seat.refuse(page);
     }
@@ -343,7 +359,7 @@ struct Console::State {
     if (!now.camera)
       return answer(page, Go::kWord, "the camera is not calibrated yet: nobody knows where that is");
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       planned.reset();  // it is no longer shown
     }
     const ImageMap map(*now.camera);
@@ -428,7 +444,7 @@ struct Console::State {
     }
     bench->show_plan(path ? path->points_m() : std::vector<Vector2>{});
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       planned = std::move(path);
     }
     send(page, text_of(told));
@@ -438,7 +454,7 @@ struct Console::State {
     Goal goal;
     goal.task = "path";
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       goal.path = planned;
     }
     if (!goal.path) return answer(page, Follow::kWord, "draw a path first");
@@ -462,17 +478,26 @@ struct Console::State {
       answer(page, Record::kWord, why_not);
     });
   }
+  /// What nobody thought of, on a disk, ends one wish and no console.
   void ask_clerk(PageId page, const char* word, std::function<void()> action) {
-    if (!clerk->ask(std::move(action))) answer(page, word, "too much is asked for at once");
+    const auto guarded = [this, page, word, action = std::move(action)] {
+      try {
+        action();
+      } catch (const std::exception& error) {
+        common::log_warning(std::string("console: ") + word + ": " + error.what());
+        answer(page, word, error.what());
+      }
+    };
+    if (!clerk.ask(guarded)) answer(page, word, "too much is asked for at once");
   }
   void begin_recording() {
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       if (recording) return;
     }
     auto made = start_recording();
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       recording = std::move(made);
     }
     tell(BenchEvent::Level::kInfo, "recording");
@@ -480,7 +505,7 @@ struct Console::State {
   void end_recording() {
     std::unique_ptr<Recording> ended;
     {
-      const std::lock_guard<std::mutex> lock(mutex);
+      const std::lock_guard<common::PriorityMutex> lock(mutex);
       ended = std::move(recording);
     }
     if (!ended) return;
@@ -495,42 +520,22 @@ struct Console::State {
     source.max_current_A = parts.bench.config.rig.coils.max_current_A;
     source.failed = [this](const std::string& why) {
       tell(BenchEvent::Level::kWarning, "the recording has ended: " + why);
-      clerk->ask([this] { end_recording(); });
+      clerk.ask([this] { end_recording(); });
     };
-    return std::make_unique<Recording>(recordings, name_of_now(), std::move(source));
+    return std::make_unique<Recording>(recordings, new_recording_name(recordings), std::move(source));
   }
 
   void obey(PageId page, const ListRuns&) {
     ask_clerk(page, ListRuns::kWord, [this, page] { list_runs(page); });
   }
   void list_runs(PageId page) {
-    Json runs = Json::array();
     try {
-      for (const runs::StatusRow& row : runs::status_of(parts.runs)) {
-        if (!row.state) continue;
-        const bool report = std::filesystem::exists(row.path + "/report.html");
-        const std::string name = std::filesystem::path(row.path).lexically_relative(parts.runs).string();
-        runs.push_back({{"name", name},
-                        {"verb", row.state->verb},
-                        {"state", row.state->finished ? "finished"
-                                  : row.running       ? "running"
-                                                      : "stopped"},
-                        {"done", row.state->done},
-                        {"total", row.state->total},
-                        {"unit", row.state->unit},
-                        {"note", row.state->note},
-                        {"updated_utc", row.state->updated_utc},
-                        {"report", report ? Json(kRuns + name + "/report.html") : Json()}});
-      }
-    } catch (const common::Error&) {
-      // A folder without runs.
+      send(page, text_of({{"kind", "runs"},
+                          {"runs", run_list(parts.runs)},
+                          {"recordings", recording_list(recordings)}}));
+    } catch (const common::Error& error) {
+      answer(page, ListRuns::kWord, error.what());
     }
-    Json films = Json::array();
-    for (const RecordingInfo& info : recordings_in(recordings))
-      films.push_back({{"name", info.name},
-                       {"video", info.video ? Json(kRecordings + info.name + ".mp4") : Json()},
-                       {"seconds", info.seconds}});
-    send(page, text_of({{"kind", "runs"}, {"runs", runs}, {"recordings", films}}));
   }
   void obey(PageId page, const Replay& replay) {
     ask_clerk(page, Replay::kWord, [this, page, name = replay.name] { send_recording(page, name); });

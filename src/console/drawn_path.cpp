@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lodestone/common/error.h"
+
 namespace lodestone::console {
 namespace {
 
@@ -14,10 +16,29 @@ constexpr double kStep_m = 0.001;
 constexpr double kSmooth_m = 0.0015;
 constexpr double kReach = 3.0;  // of the Gaussian, in its standard deviations
 
+/// Empty where it is short enough.
+std::string too_long(const geometry::Path& path) {
+  if (path.length_m() <= kLongestPath_m) return "";  // neither is what is not finite
+  return fmt::format("a path of {:.1f} m is too long: at most {:.0f} m", path.length_m(), kLongestPath_m);
+}
+
+/// What lies along a path, its corners among it.
+template <class Look>
+void walk(const geometry::Path& path, const Look& look) {
+  const std::vector<Vector2>& corners_m = path.points_m();
+  look(corners_m.front());
+  for (std::size_t i = 1; i < corners_m.size(); ++i) {
+    const Vector2 along_m = corners_m[i] - corners_m[i - 1];
+    const int steps = std::max(1, static_cast<int>(std::ceil(along_m.norm() / kStep_m)));
+    for (int k = 1; k <= steps; ++k) look(corners_m[i - 1] + along_m * k / steps);
+  }
+}
+
 }  // namespace
 
 geometry::Path smoothed(const std::vector<Vector2>& points_m, bool closed) {
   const geometry::Path drawn(points_m, closed);
+  if (const std::string why_not = too_long(drawn); !why_not.empty()) throw common::DataError(why_not);
   const auto count = std::max(2, static_cast<int>(std::lround(drawn.length_m() / kStep_m)));
   const double step_m = drawn.length_m() / count;
   std::vector<Vector2> points;
@@ -51,13 +72,14 @@ std::string Reachable::why_not(const Vector2& point_m) const {
 }
 
 PathObjection object_to(const geometry::Path& path, const Reachable& reachable) {
-  PathObjection objection;
-  for (const Vector2& point_m : path.points_m()) {
+  PathObjection objection{too_long(path), {}};
+  if (!objection.why_not.empty()) return objection;
+  walk(path, [&](const Vector2& point_m) {
     const std::string why_not = reachable.why_not(point_m);
-    if (why_not.empty()) continue;
+    if (why_not.empty()) return;
     if (objection.why_not.empty()) objection.why_not = why_not;
     objection.bad_m.push_back(point_m);
-  }
+  });
   return objection;
 }
 

@@ -1,5 +1,4 @@
 #include "lodestone/console/feed.h"
-#include "lodestone/common/thread_name.h"
 
 #include <chrono>
 #include <condition_variable>
@@ -10,6 +9,8 @@
 #include <vector>
 
 #include "lodestone/common/clock.h"
+#include "lodestone/common/priority_mutex.h"
+#include "lodestone/common/thread_name.h"
 #include "lodestone/imaging/image_file.h"
 
 namespace lodestone::console {
@@ -38,8 +39,8 @@ struct Feed::State {
 
   Source source;
   common::SteadyClock wall;
-  std::mutex mutex;
-  std::condition_variable asked;
+  common::PriorityMutex mutex;
+  std::condition_variable_any asked;
   std::map<PageId, Page> pages;
   bool over = false;
   std::thread thread;  // last: uses what is above
@@ -48,7 +49,7 @@ struct Feed::State {
     common::name_thread("feed");
     std::shared_ptr<const imaging::Frame> frame;
     std::shared_ptr<const std::string> encoded;
-    std::unique_lock<std::mutex> lock(mutex);
+    std::unique_lock<common::PriorityMutex> lock(mutex);
     while (!over) {
       bool waited_for = false;
       const double now_s = wall.now_s();
@@ -102,7 +103,7 @@ Feed::~Feed() { end(); }
 
 void Feed::end() {
   {
-    const std::lock_guard<std::mutex> lock(state_->mutex);
+    const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
     state_->over = true;
   }
   state_->asked.notify_all();
@@ -110,19 +111,19 @@ void Feed::end() {
 }
 
 void Feed::want_image(PageId page) {
-  const std::lock_guard<std::mutex> lock(state_->mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
   state_->pages[page].wants_image = true;
   state_->asked.notify_all();
 }
 
 void Feed::want_state(PageId page) {
-  const std::lock_guard<std::mutex> lock(state_->mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
   state_->pages[page].wants_state = true;
   state_->asked.notify_all();
 }
 
 void Feed::forget(PageId page) {
-  const std::lock_guard<std::mutex> lock(state_->mutex);
+  const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
   state_->pages.erase(page);
 }
 

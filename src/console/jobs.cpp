@@ -52,6 +52,7 @@ struct Jobs::State final : session::Dialogue {
   bool busy = false, ending = false;
   std::atomic<bool> somebody_is_there{true};
   std::string verb, text, out;
+  std::optional<runs::RunState> progress;
   std::optional<std::string> asked;
   std::optional<bool> answered;
   common::ChildProcess* child = nullptr;
@@ -90,7 +91,7 @@ struct Jobs::State final : session::Dialogue {
         kind.walk(*this);
       else
         run_program(kind);
-    } catch (const common::Error& error) {
+    } catch (const std::exception& error) {  // one job ends no console
       outcome = error.what();
     }
     if (kind.needs_the_rig) bench.take_up();
@@ -108,6 +109,18 @@ struct Jobs::State final : session::Dialogue {
     if (const std::string said = why_not.get(); !said.empty()) throw common::Error(said);
   }
 
+  /// Here, and not where pages ask: that is for each of them, and often.
+  void note_progress() {
+    std::optional<runs::RunState> found;
+    try {
+      found = runs::find_run(out);
+    } catch (const common::Error&) {
+      return;  // just being written
+    }
+    const std::lock_guard<std::mutex> lock(mutex);
+    progress = std::move(found);
+  }
+
   void run_program(const JobKind& kind) {
     std::vector<std::string> words = kind.command;
     for (std::string& word : words)
@@ -118,13 +131,16 @@ struct Jobs::State final : session::Dialogue {
       child = &running;
       if (ending) running.interrupt();
     }
-    while (const auto part = running.read(kListen_s))
+    while (const auto part = running.read(kListen_s)) {
       if (!part->empty()) say(*part);
+      note_progress();
+    }
     {
       const std::lock_guard<std::mutex> lock(mutex);
       child = nullptr;
     }
     const int code = running.finish();
+    note_progress();
     if (code != 0)
       throw common::Error(to_end() ? "ended by the operator"
                                    : "ended with exit code " + std::to_string(code));
@@ -162,6 +178,7 @@ std::string Jobs::start(const std::string& verb) {
   state.ending = false;
   state.verb = verb;
   state.text.clear();
+  state.progress.reset();
   state.stop_file = kind->stop_file;
   std::remove(state.stop_file.c_str());
   std::string name = verb + "-" + common::utc_now();
@@ -194,25 +211,11 @@ std::string Jobs::answer(bool yes) {
 
 Json Jobs::now() const {
   const State& state = *state_;
-  Json now;
-  std::string out;
-  {
-    const std::lock_guard<std::mutex> lock(state.mutex);
-    if (state.verb.empty()) return nullptr;
-    out = state.out;
-    now = {{"verb", state.verb}, {"running", state.busy}, {"done", 0}, {"total", 0},
-           {"note", ""},         {"text", state.text}};
-  }
-  try {
-    if (const auto run = runs::find_run(out)) {
-      now["done"] = run->done;
-      now["total"] = run->total;
-      now["note"] = run->note;
-    }
-  } catch (const common::Error&) {
-    // Just being written.
-  }
-  return now;
+  const std::lock_guard<std::mutex> lock(state.mutex);
+  if (state.verb.empty()) return nullptr;
+  const runs::RunState run = state.progress.value_or(runs::RunState{});
+  return {{"verb", state.verb}, {"running", state.busy}, {"done", run.done},
+          {"total", run.total}, {"note", run.note},      {"text", state.text}};
 }
 
 Json Jobs::question() const {

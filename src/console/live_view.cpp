@@ -14,16 +14,27 @@ namespace {
 using common::Json;
 using geometry::Vector2;
 
-constexpr int kRing = 48;               // points of what is round
-constexpr double kTwoSigma = 2.0;       // drawn of the covariance
-constexpr int kArrows = 7;              // along a diameter of the dish
-constexpr double kFullArrow_T = 0.02;   // a field that has the full length,
-constexpr double kFullArrow_m = 0.006;  // which is this
-constexpr double kPointer_m = 0.008;    // from a target along its heading
+constexpr int kRing = 48;                // points of what is round
+constexpr double kTwoSigma = 2.0;        // drawn of the covariance
+constexpr int kArrows = 7;               // along a diameter of the dish
+constexpr double kFullArrow_T = 0.02;    // a field that has the full length,
+constexpr double kFullArrow_m = 0.006;   // which is this
+constexpr double kPointer_m = 0.008;     // from a target along its heading
+constexpr std::size_t kMostPlan = 2000;  // points that are shown, as each state has them
 
 Vector2 unit(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad)}; }
 
 double rounded(double value, double step) { return std::round(value / step) * step; }
+
+/// Every so many of them that no more than `most` are left, and the last.
+std::vector<Vector2> thinned(const std::vector<Vector2>& points_m, std::size_t most) {
+  if (points_m.size() <= most) return points_m;
+  std::vector<Vector2> few_m;
+  for (std::size_t i = 0; i + 1 < points_m.size(); i += points_m.size() / (most - 1) + 1)
+    few_m.push_back(points_m[i]);
+  few_m.push_back(points_m.back());
+  return few_m;
+}
 
 std::vector<Vector2> ring(const Vector2& centre_m, const Eigen::Matrix2d& half_axes) {
   std::vector<Vector2> points_m;
@@ -124,7 +135,7 @@ void LiveView::draw(const BenchState& state, const ImageMap& map, Json& view) co
   if (state.target_m) view["target"] = map.json(*state.target_m);
   if (state.target_m && state.target_heading_rad)
     view["target_head"] = map.json(Vector2(*state.target_m + kPointer_m * unit(*state.target_heading_rad)));
-  if (!state.plan_m.empty()) view["plan"] = map.json(state.plan_m);
+  if (!state.plan_m.empty()) view["plan"] = map.json(thinned(state.plan_m, kMostPlan));
   view["fence"] =
       map.json(ring(Vector2::Zero(), safety_.geofence * rig_.dish.radius_m * Eigen::Matrix2d::Identity()));
   view["field"] = field(state, map);

@@ -80,6 +80,12 @@ class Members {
   std::size_t asked_ = 0;
 };
 
+/// A stop counts whoever says it; what is told of it is one of these.
+Message stop(Members& members) {
+  const std::string by = members.text("by", kLongestName);
+  const auto known = {"button", "space", "escape", "touch"};
+  return StopAsked{std::find(known.begin(), known.end(), by) == known.end() ? "page" : by};
+}
 Message more(Members& members) {
   const std::string what = members.text("of", kLongestName);
   if (what == "image") return WantsImage{};
@@ -127,7 +133,7 @@ Message bare(Members&) {
 constexpr std::array<Word, 22> kWords = {{
     {"more", false, more},
     {"beat", false, beat},
-    {"stop", false, [](Members& m) -> Message { return StopAsked{m.text("by", kLongestName)}; }},
+    {"stop", false, stop},
     {"operate", false, bare<Operate>},
     {"yield", true, bare<Yield>},
     {"refuse", true, bare<Refuse>},

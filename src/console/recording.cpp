@@ -1,18 +1,22 @@
 #include "lodestone/console/recording.h"
-#include "lodestone/common/thread_name.h"
 
+#include <fmt/chrono.h>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <system_error>
 #include <thread>
 
 #include "lodestone/common/clock.h"
 #include "lodestone/common/csv_table.h"
 #include "lodestone/common/error.h"
+#include "lodestone/common/thread_name.h"
 #include "lodestone/geometry/angle.h"
 #include "lodestone/imaging/annotate.h"
 #include "lodestone/imaging/video_writer.h"
@@ -72,6 +76,18 @@ double last_time_s(const std::string& file) {
   const std::size_t column = table.column("time_s");
   while (table.next()) last_s = table.number(column);
   return last_s;
+}
+
+std::size_t rows_of(const std::string& file) {
+  std::size_t rows = 0;
+  common::CsvTable table(file);
+  while (table.next()) ++rows;
+  return rows;
+}
+
+bool is_there(const std::string& file) {
+  std::error_code unknown;
+  return std::filesystem::exists(file, unknown);
 }
 
 }  // namespace
@@ -155,13 +171,13 @@ Recording::~Recording() {
 
 std::vector<RecordingInfo> recordings_in(const std::string& folder) {
   std::vector<RecordingInfo> found;
-  std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
-    const std::string name = entry.path().stem().string();
-    if (entry.path().extension() != ".csv" || !is_name(name)) continue;
+  std::error_code failed;
+  for (std::filesystem::directory_iterator entry(folder, failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    const std::string name = entry->path().stem().string();
+    if (entry->path().extension() != ".csv" || !is_name(name)) continue;
     try {
-      found.push_back(
-          {name, std::filesystem::exists(folder + "/" + name + ".mp4"), last_time_s(entry.path().string())});
+      found.push_back({name, is_there(folder + "/" + name + ".mp4"), last_time_s(entry->path().string())});
     } catch (const common::Error&) {
       // Cut off by a kill in its first line: nothing to see.
     }
@@ -170,16 +186,28 @@ std::vector<RecordingInfo> recordings_in(const std::string& folder) {
   return found;
 }
 
+std::string new_recording_name(const std::string& folder) {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  const std::string time = fmt::format("{:%Y%m%d-%H%M%S}", fmt::gmtime(now));
+  std::string name = time;
+  for (int again = 2; is_there(folder + "/" + name + ".csv"); ++again)
+    name = fmt::format("{}-{}", time, again);
+  return name;
+}
+
 Json read_recording(const std::string& folder, const std::string& name) {
   if (!is_name(name)) throw common::DataError("there is no such recording");
-  common::CsvTable table(folder + "/" + name + ".csv");
+  const std::string file = folder + "/" + name + ".csv";
+  const std::size_t rows = rows_of(file), step = rows / kMostReplayed + 1;
+  common::CsvTable table(file);
   Json samples = Json::array();
   const auto value = [&](const std::string& column) -> Json {
     const std::size_t at = table.column(column);
     return table.text(at).empty() ? Json() : Json(table.number(at));
   };
-  while (table.next()) {
+  for (std::size_t row = 0; table.next(); ++row) {
     table.check_width();
+    if (row % step != 0) continue;
     Json sample;
     for (const char* column :
          {"time_s", "x_mm", "y_mm", "heading_deg", "error_mm", "pose_age_ms", "jitter_ms"})

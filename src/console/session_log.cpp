@@ -26,7 +26,7 @@ SessionLog::SessionLog(const std::string& folder) : file_(folder + "/events.json
 }
 
 common::Json SessionLog::add(const BenchEvent& event) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<std::mutex> writing(writing_);
   common::Json json = {{"kind", "event"},
                        {"time_s", event.time_s},
                        {"utc", common::utc_now()},
@@ -35,6 +35,7 @@ common::Json SessionLog::add(const BenchEvent& event) {
   out_ << json.dump(-1, ' ', false, common::Json::error_handler_t::replace) << std::endl;
   if (!out_ && !std::exchange(told_, true))
     common::log_warning(file_ + " can no longer be written: what happens from now on is not on record");
+  const std::lock_guard<std::mutex> lock(mutex_);
   events_.push_back(json);
   if (events_.size() > kKept) events_.pop_front();
   return json;

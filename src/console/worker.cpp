@@ -6,18 +6,18 @@
 
 namespace lodestone::console {
 
-Worker::~Worker() {
+void Worker::end() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     over_ = true;
   }
   changed_.notify_all();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 bool Worker::ask(std::function<void()> action) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (waiting_.size() >= kMost) return false;
+  if (over_ || waiting_.size() >= kMost) return false;
   waiting_.push_back(std::move(action));
   changed_.notify_all();
   return true;

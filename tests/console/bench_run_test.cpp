@@ -39,6 +39,22 @@ TEST_CASE("a bench is armed, driven to a target and to another one, and ended") 
   CHECK(lab.bench->state().mode == Mode::kDisarmed);
 }
 
+TEST_CASE("a controller that cannot be had stops the bench, and another one drives after that") {
+  Laboratory lab;
+  REQUIRE(lab.reach(Mode::kDisarmed));
+  REQUIRE(lab.arm().empty());
+  REQUIRE(lab.bench->choose("broken").empty());
+  REQUIRE(lab.bench->drive(point(0.01, 0.0)).empty());
+  REQUIRE(lab.reach(Mode::kStopped));
+  CHECK(lab.bench->state().reason == "its weights are gone");
+  CHECK(lab.told("coils off, as measured"));
+  REQUIRE(lab.reach([](const BenchState& state) { return state.why_not.empty(); }));
+  REQUIRE(lab.rearm("its weights are gone").empty());
+  REQUIRE(lab.bench->choose("baseline").empty());
+  REQUIRE(lab.bench->drive(point(0.01, 0.0)).empty());
+  CHECK(lab.reach(Mode::kRunning));
+}
+
 TEST_CASE("an unattended run needs no page, and ends with its task") {
   Laboratory lab;
   REQUIRE(lab.reach(Mode::kDisarmed));

@@ -44,6 +44,11 @@ struct Room {
     REQUIRE(there());
   }
 
+  /// Sooner or later.
+  void has_on_record(const std::string& text) const {
+    reach([&] { return common::read_file(folder / "console/events.jsonl").find(text) != std::string::npos; });
+  }
+
   tests::TemporaryFolder folder;
   std::unique_ptr<Console> console;
 };
@@ -111,6 +116,7 @@ TEST_CASE("one page operates, the others watch, and everybody may stop") {
   Room::reach([&] { return state_of(second)["you_operate"] == true; });
   CHECK(asked(first, {{"do", "disarm"}})["ok"] == false);
   CHECK(asked(second, {{"do", "disarm"}})["ok"] == true);
+  room.has_on_record("operates: page " + hello["you"].dump() + " handed over");
 }
 
 TEST_CASE("a path that is drawn is shown, followed, recorded, and played again") {
@@ -159,6 +165,7 @@ TEST_CASE("a page that leaves in the middle of a run stops it, and whoever comes
     beat_until(page, *room.console, Mode::kRunning);
   }
   Room::reach([&] { return room.console->state().mode == Mode::kStopped; });
+  room.has_on_record("nobody operates: page 1 is gone");
   PageClient again(room.console->port());
   CHECK(asked(again, {{"do", "operate"}})["ok"] == true);
   CHECK_THAT(state_of(again)["reason"].get<std::string>(), Catch::Contains("silent"));

@@ -35,7 +35,7 @@ TEST_CASE("a path is only followed where the needle can and may be") {
   const double radius_m = reachable.rig.dish.radius_m;
   CHECK(console::object_to(geometry::Path::square(0.02), reachable).why_not.empty());
   const console::PathObjection fence =
-      console::object_to(geometry::Path({{0.0, 0.0}, {0.0, 0.031}}, false), reachable);
+      console::object_to(geometry::Path({{0.0, 0.0}, {0.0, 0.0305}}, false), reachable);
   CHECK_THAT(fence.why_not, Catch::Contains("fence of 30.0 mm"));
   CHECK(fence.bad_m.size() == 1);
   CHECK_THAT(reachable.why_not({radius_m, 0.0}), Catch::Contains("outside the dish"));
@@ -44,4 +44,33 @@ TEST_CASE("a path is only followed where the needle can and may be") {
   reachable.region = task::Region(moves, task::RegionConfig{});
   CHECK(reachable.why_not({0.002, 0.0}).empty());
   CHECK_THAT(reachable.why_not({0.015, 0.01}), Catch::Contains("no needle was seen"));
+}
+
+TEST_CASE("what lies between the corners of a path counts, too") {
+  std::vector<task::Move> moves;  // a corner: along x at the bottom, along y on the right
+  for (int i = 0; i < 50; ++i)
+    for (int cell = 0; cell < 5; ++cell) {
+      const double at_m = 0.004 * cell - 0.006;
+      moves.push_back({{at_m, -0.006}, {at_m + 0.004, -0.006}});
+      moves.push_back({{at_m + 0.004, -0.006}, {at_m, -0.006}});
+      moves.push_back({{0.014, at_m}, {0.014, at_m + 0.004}});
+      moves.push_back({{0.014, at_m + 0.004}, {0.014, at_m}});
+    }
+  const console::Reachable reachable{tests::paper_rig(), 0.03, task::Region(moves, task::RegionConfig{})};
+  const Vector2 left(-0.006, -0.006), corner(0.014, -0.006), top(0.014, 0.014);
+  CHECK(console::object_to(geometry::Path({left, corner, top}, false), reachable).why_not.empty());
+  const console::PathObjection across = console::object_to(geometry::Path({left, top}, false), reachable);
+  CHECK_THAT(across.why_not, Catch::Contains("no needle was seen"));
+  CHECK(across.bad_m.size() > 5);
+}
+
+TEST_CASE("a path is not endless") {
+  std::vector<Vector2> points;
+  for (int i = 0; i < 2000; ++i) points.emplace_back(i % 2 == 0 ? -0.01 : 0.01, 0.0);
+  CHECK_THROWS_WITH(console::smoothed(points, false), Catch::Contains("at most 10 m"));
+  const console::Reachable reachable{tests::paper_rig(), 0.03, std::nullopt};
+  const console::PathObjection objection = console::object_to(geometry::Path(points, false), reachable);
+  CHECK_THAT(objection.why_not, Catch::Contains("at most 10 m"));
+  CHECK(objection.bad_m.empty());
+  CHECK_THROWS_AS(console::smoothed({{0.0, 0.0}, {1e308, 0.0}, {-1e308, 0.0}}, false), common::DataError);
 }

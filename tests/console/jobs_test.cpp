@@ -41,7 +41,12 @@ TEST_CASE("jobs run one at a time, have the rig meanwhile, are asked and ended")
   };
   parts.tell = [](const console::BenchEvent&) {};
   Bench bench(parts);
-  std::vector<JobKind> kinds = {{"quick", {"/bin/sh", "-c", "echo {out}; printf 'a\\rb\\n'"}, {}, false},
+  const std::string run =
+      R"({"verb": "collect", "finished": false, "unit": "transitions", "done": 3, "total": 5,
+                              "seconds": 1.0, "note": "half", "updated_utc": "2026-01-01T00:00:00Z"})";
+  const std::string begin = "mkdir $0; echo '" + run + "' > $0/run.json; exec sleep 1000";
+  std::vector<JobKind> kinds = {{"run", {"/bin/sh", "-c", begin, "{out}"}, {}, false},
+                                {"quick", {"/bin/sh", "-c", "echo {out}; printf 'a\\rb\\n'"}, {}, false},
                                 {"broken", {"/bin/sh", "-c", "exit 7"}, {}, false},
                                 {"long", {"/bin/sleep", "1000"}, {}, true},
                                 {"walk",
@@ -63,6 +68,13 @@ TEST_CASE("jobs run one at a time, have the rig meanwhile, are asked and ended")
   CHECK_THAT(jobs.now()["text"].get<std::string>(),
              Catch::StartsWith(folder.path() + "/quick-") && Catch::EndsWith("\nb\ndone\n"));
   CHECK(bench.state().mode == Mode::kDisarmed);
+
+  REQUIRE(jobs.start("run").empty());
+  REQUIRE(reach([&] { return jobs.now()["done"] == 3; }));
+  CHECK(jobs.now()["total"] == 5);
+  CHECK(jobs.now()["note"] == "half");
+  REQUIRE(jobs.end().empty());
+  REQUIRE(reach([&] { return !running(jobs); }));
 
   REQUIRE(jobs.start("broken").empty());
   REQUIRE(reach([&] { return !running(jobs); }));

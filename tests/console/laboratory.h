@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <stdexcept>
 #include <string>
 #include <thread>
 
@@ -28,7 +29,12 @@ struct Laboratory {
     config.trials.point_seconds = 1.0;
     Bench::Parts parts;
     parts.config = config;
-    parts.sources = {experiments::baseline_source(config)};
+    experiments::ControllerSource broken = experiments::baseline_source(config);
+    broken.name = "broken";
+    broken.make = [](std::uint64_t) -> std::unique_ptr<control::Controller> {
+      throw std::runtime_error("its weights are gone");
+    };
+    parts.sources = {experiments::baseline_source(config), broken};
     parts.connect = [this] {
       if (unplugged) throw common::HardwareError("no rig on this port");
       return session::make_virtual_session(config.rig, config.sensor, config.safety, {}, true);

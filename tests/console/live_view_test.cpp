@@ -63,6 +63,13 @@ TEST_CASE("a bench's state is told as the page has it, and what is not known is 
     warmest = warmest || (limit["name"] == "coil temperature" && limit["value"] == 40.0);
   CHECK(warmest);
 
+  for (int i = 0; i < 10000; ++i) state.plan_m.emplace_back(1e-6 * i, 0.0);
+  json = view.json(state);
+  CHECK(json["plan"].size() > 1000);
+  CHECK(json["plan"].size() <= 2000);
+  CHECK(json["plan"].back()[0].get<double>() ==
+        Approx(ImageMap(*state.camera).to_image({0.009999, 0.0}).x()).margin(1e-5));
+
   state.on_A = {10.0, 0.0, 0.0, 0.0};
   json = view.json(state);
   REQUIRE(json["field"].size() > 20);

@@ -14,6 +14,7 @@ TEST_CASE("a page's messages are read") {
   CHECK(beat.visible);
   CHECK_FALSE(beat.focused);
   CHECK(std::get<StopAsked>(parse_message(R"({"do": "stop", "by": "space"})")).by == "space");
+  CHECK(std::get<StopAsked>(parse_message(R"({"do": "stop", "by": "the fire brigade"})")).by == "page");
   const auto go = std::get<Go>(parse_message(R"({"do": "go", "to": [0.5, 0.25], "towards": [0.6, 0.25]})"));
   CHECK(go.to == geometry::Vector2(0.5, 0.25));
   CHECK(go.towards.value().x() == 0.6);

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <filesystem>
 #include <mutex>
+#include <set>
 #include <thread>
 
 #include "lodestone/common/error.h"
@@ -74,4 +75,27 @@ TEST_CASE("a recording holds each sample once, as soon as it was there, and a fi
   CHECK(std::filesystem::exists(folder / "a-1.mp4") != std::filesystem::exists(folder / "a-1.avi"));
   for (const char* name : {"../a-1", "", "a/1", "b"})
     CHECK_THROWS_AS(console::read_recording(folder.path(), name), common::Error);
+}
+
+TEST_CASE("a recording of a day is replayed in so many samples, and none is written over another") {
+  const tests::TemporaryFolder folder;
+  const std::string name = console::new_recording_name(folder.path());
+  const std::string header =
+      "time_s,x_mm,y_mm,heading_deg,target_x_mm,target_y_mm,error_mm,current_px_A,current_mx_A,"
+      "current_py_A,current_my_A,pose_age_ms,jitter_ms\n";
+  std::string rows = header;
+  for (int i = 0; i < 12000; ++i) rows += std::to_string(i) + ",1,2,3,,,,0,0,0,0,,\n";
+  common::write_file_atomically(folder / (name + ".csv"), rows);
+  const common::Json samples = console::read_recording(folder.path(), name);
+  CHECK(samples.size() == 4000);
+  CHECK(samples[0]["time_s"] == 0.0);
+  CHECK(samples.back()["time_s"] == 11997.0);
+  std::filesystem::create_symlink("round.csv", folder / "round.csv");
+  REQUIRE(console::recordings_in(folder.path()).size() == 1);
+  std::set<std::string> names = {name};
+  for (int i = 0; i < 5; ++i) {  // most of them in one second
+    const std::string next = console::new_recording_name(folder.path());
+    CHECK(names.insert(next).second);
+    common::write_file_atomically(folder / (next + ".csv"), header);
+  }
 }

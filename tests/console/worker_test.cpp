@@ -14,6 +14,8 @@ TEST_CASE("a worker does what it was asked for, in order, before it ends; and no
     CHECK(worker.ask([may] { may.wait(); }));
     for (int i = 0; i < 100; ++i) refused += worker.ask([&done, i] { done.push_back(i); }) ? 0 : 1;
     go.set_value();
+    worker.end();
+    CHECK_FALSE(worker.ask([] {}));
   }
   CHECK(refused > 0);
   REQUIRE(done.size() == 100U - static_cast<unsigned>(refused));

@@ -10,9 +10,12 @@
 
 namespace lodestone::console {
 
+/// A longer path is refused: all of one is looked at, shown and kept.
+constexpr double kLongestPath_m = 10.0;
+
 /// A line as a hand has drawn it, made fit to be followed: points a millimetre apart along it, each the mean
 /// of its neighbours, weighted by a Gaussian of 1.5 mm. Open ends stay where they are. Throws DataError where
-/// all points are one.
+/// all points are one, or the line is longer than kLongestPath_m.
 geometry::Path smoothed(const std::vector<geometry::Vector2>& points_m, bool closed);
 
 /// Where a needle may be driven: inside the dish and the fence and, where it is known, where needles have
@@ -26,7 +29,7 @@ struct Reachable {
   std::string why_not(const geometry::Vector2& point_m) const;
 };
 
-/// What keeps a path from being followed: its first point's reason, and all such points.
+/// What keeps a path from being followed, looked at every millimetre: the first reason, and where it is so.
 struct PathObjection {
   std::string why_not;  ///< empty: nothing
   std::vector<geometry::Vector2> bad_m;

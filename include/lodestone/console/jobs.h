@@ -42,7 +42,8 @@ class Jobs {
   std::string end();
   std::string answer(bool yes);
 
-  /// {"verb", "done", "total", "note", "text"} of the job that runs or was last; null: there was none.
+  /// {"verb", "running", "done", "total", "note", "text"} of the job that runs or was last; null: there was
+  /// none.
   common::Json now() const;
   /// What the operator is asked; null: nothing.
   common::Json question() const;

@@ -44,8 +44,12 @@ struct RecordingInfo {
 /// All in a folder, newest first; damaged ones are left out.
 std::vector<RecordingInfo> recordings_in(const std::string& folder);
 
-/// The samples of one, as pages have them. Throws IoError and DataError, and DataError for a name that is
-/// none.
+/// A name for a new one: the time, and a number where there is one of that time.
+std::string new_recording_name(const std::string& folder);
+
+/// The samples of one, as pages have them; of a long one every so many, kMostReplayed at most. Throws IoError
+/// and DataError, and DataError for a name that is none.
+constexpr std::size_t kMostReplayed = 5000;
 common::Json read_recording(const std::string& folder, const std::string& name);
 
 }  // namespace lodestone::console

@@ -11,7 +11,8 @@
 namespace lodestone::console {
 
 /// What happened while the console was open: `events.jsonl` in its folder, a line an event, there before
-/// anybody is told; and the last of them for pages that come later. From any thread.
+/// anybody is told; and the last of them for pages that come later. From any thread; only add() waits for the
+/// disk.
 class SessionLog {
  public:
   static constexpr std::size_t kKept = 300;
@@ -25,10 +26,11 @@ class SessionLog {
 
  private:
   std::string file_;
-  mutable std::mutex mutex_;
+  std::mutex writing_;  // of the file
   std::ofstream out_;
-  std::deque<common::Json> events_;
   bool told_ = false;
+  mutable std::mutex mutex_;  // of what follows
+  std::deque<common::Json> events_;
 };
 
 }  // namespace lodestone::console

@@ -12,13 +12,14 @@ namespace lodestone::console {
 class Worker {
  public:
   Worker() : thread_([this] { run(); }) {}
-  /// What was asked for is done first.
-  ~Worker();
+  ~Worker() { end(); }
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /// `action` must not throw. Says no, and does nothing, where too much waits already.
+  /// `action` must not throw. Says no, and does nothing, where too much waits already or it has ended.
   bool ask(std::function<void()> action);
+  /// Does first what was asked for.
+  void end();
 
  private:
   static constexpr std::size_t kMost = 32;

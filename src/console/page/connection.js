@@ -122,6 +122,7 @@ export class Connection {
     const jpeg = new Blob([data.slice(kHeader_bytes)], { type: 'image/jpeg' });
     try {
       const bitmap = await createImageBitmap(jpeg);
+      if (this.hello) this.hello.image = { width_px: bitmap.width, height_px: bitmap.height };  // the greeting came before the camera
       if (socket === this.#socket) this.#emit('image', { bitmap, taken_s: times.getFloat64(0, true), sent_s: times.getFloat64(8, true) });
     } catch {
       // A broken image is skipped; its successor is asked for all the same.

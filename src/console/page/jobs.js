@@ -37,8 +37,16 @@ function show_job(job) {
   set_text(by_id('job-count'), job.total ? `${number(job.done)} of ${number(job.total)}` : '');
   show_bar(by_id('job-bar'), job.done, job.total);
   set_text(by_id('job-note'), job.note ?? '');
-  set_text(by_id('job-text'), job.text ?? '');
-  by_id('job-text').hidden = !job.text;
+  show_text(by_id('job-text'), job.text ?? '');
+  by_id('job-end').disabled = !job.running;
+}
+
+/// What was said last is in sight.
+function show_text(element, text) {
+  element.hidden = !text;
+  if (element.textContent === text) return;
+  element.textContent = text;
+  element.scrollTop = element.scrollHeight;
 }
 
 /// Also for the list of runs.

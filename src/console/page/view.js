@@ -17,6 +17,7 @@ export class View {
   #drawing = false;
   #last = null;
   #rate_Hz = 0;
+  #aspect = 0;
 
   constructor(connection) {
     this.#connection = connection;
@@ -41,7 +42,10 @@ export class View {
   }
 
   #shape(image) {
-    by_id('stage').style.setProperty('--aspect', String(image.width_px / image.height_px));
+    const aspect = image.width_px / image.height_px;
+    if (aspect === this.#aspect) return;
+    this.#aspect = aspect;
+    by_id('stage').style.setProperty('--aspect', String(aspect));
   }
 
   /// The last image stays, grey; nothing is known of the needle any more.
@@ -61,6 +65,7 @@ export class View {
       this.#rate_Hz += (this.#rate_Hz ? 0.1 : 1) * (1 / period_s - this.#rate_Hz);
     }
     this.#last = { taken_s: image.taken_s, sent_s: image.sent_s };
+    this.#shape(this.#connection.hello.image);
     this.#image.transferFromImageBitmap(image.bitmap);
   }
 
@@ -85,6 +90,6 @@ export class View {
     element.dataset.stale = String(stale);
     if (age_s === null) set_text(element, 'No image yet');
     else if (stale) set_text(element, `The image is ${number(age_s, 1)} s old`);
-    else set_text(element, `${number(this.#rate_Hz)} images/s, ${number((this.#last.sent_s - this.#last.taken_s) * 1e3)} ms from camera to console`);
+    else set_text(element, `${number(this.#rate_Hz)} images/s, ${number(Math.max(0, this.#last.sent_s - this.#last.taken_s) * 1e3)} ms from camera to console`);
   }
 }
