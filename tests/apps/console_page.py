@@ -405,7 +405,18 @@ class Page:
 
     def key(self, kind, code):
         self.do("Input.dispatchKeyEvent", type=f"key{kind}", code=code, key={"Space": " "}.get(code, code),
-                windowsVirtualKeyCode={"Space": 32, "Escape": 27, "ArrowRight": 39, "ArrowLeft": 37}[code])
+                windowsVirtualKeyCode={"Space": 32, "Escape": 27, "ArrowRight": 39, "ArrowLeft": 37, "ArrowUp": 38,
+                                       "Enter": 13, "Tab": 9}[code],
+                text={"Enter": "\r"}.get(code, "") if kind == "Down" else "")
+
+    def press(self, code):
+        self.key("Down", code)
+        self.key("Up", code)
+
+    @property
+    def focus(self):
+        """What the keyboard speaks to."""
+        return self.script("return document.activeElement.id")
 
     def drive(self):
         """A run that has a way to go: the coils are at work. Begun again where the machine is so busy that the

@@ -18,6 +18,10 @@ from console_page import Console, Watcher, distance, handshake, wait_until
 program = sys.argv[1]
 kept = os.environ.get("LODESTONE_SCREENSHOTS")  # a folder for pictures of every state
 kScreens_px = {390: 844, 1400: 900, 2560: 1440}
+kSchemes = ("light", "dark")
+kLeastContrast = 4.5
+# Texts that are in sight and have less contrast to what they stand on than the least.
+kFaint = (pathlib.Path(__file__).parent / "console_contrast.js").read_text()
 kStopIsSeen = """const box = document.getElementById('stop').getBoundingClientRect();
 const at = document.elementFromPoint(box.left + box.width / 2, box.top + box.height / 2);
 return box.width > 100 && box.height > 50 && box.top >= 0 && box.bottom <= innerHeight &&
@@ -77,6 +81,94 @@ def stops_without_its_page(operator):
 
 def figures(operator, faults):
     return ", ".join(f"{name} {operator.meet(*fault):.0f} ms" for name, fault in faults.items())
+
+
+def drives_by_keyboard(operator):
+    """Whatever can be used is reached by Tab; a target is chosen by arrows and Enter, and a run ended, without a
+    pointer."""
+    page = operator.page.ready()
+    page.script("document.activeElement.blur(); scrollTo(0, 0)")
+    reached = []
+    for _ in range(60):
+        page.press("Tab")
+        reached.append(page.focus)
+        if reached[-1] and reached[-1] in reached[:-1]:
+            break
+    usable = page.script(kUsable)
+    assert len(usable) > 12 and set(usable) <= set(reached), (usable, reached)
+    page.script("document.getElementById('view').focus()")
+    for _ in range(8):
+        page.press("ArrowLeft")
+    page.press("ArrowUp")
+    page.press("Enter")
+    page.wait_for_mode("running")
+    wanted = [0.42, 0.49]  # from the middle
+    wait_until(lambda: distance(page.state["target"], wanted) < 0.01, lambda: (page.state["target"], wanted))
+    page.script("document.getElementById('end').focus()")
+    page.press("Enter")
+    page.wait_for_mode("armed")
+    return f"{len(usable)} of {len(usable)} reached"
+
+
+kUsable = """return [...document.querySelectorAll('button, select, input, summary, [tabindex="0"]')]
+  .filter(each => each.id && each.checkVisibility() && !each.matches(':disabled')).map(each => each.id)"""
+
+# A gamepad whose left stick is pulled to window.pulled.
+kGamepad = """window.pulled = [0.9, 0];
+navigator.getGamepads = () => [{connected: true, axes: window.pulled, buttons: [{pressed: false}, {pressed: !!window.pad_stops}]}]"""
+
+
+def drives_by_stick_and_gamepad(operator):
+    """By finger on the stick of the page, and by a gamepad that has to rest first; its button stops."""
+    page = operator.page.ready()
+    page.choose("hand")
+    def drives(what):
+        page.wait_for_mode("running")
+        page.wait_for(lambda: any(page.state["on_A"]), f"a current by {what}")
+    box = page.script("const stick = document.getElementById('stick'); stick.scrollIntoView({block: 'center'});"
+                      "const box = stick.getBoundingClientRect(); return [box.left, box.top, box.width]")
+    at = {"x": box[0] + 0.9 * box[2], "y": box[1] + 0.5 * box[2]}
+    page.do("Input.dispatchTouchEvent", type="touchStart", touchPoints=[at])
+    drives("stick")
+    page.do("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+    page.wait_for_mode("armed")
+    page.script(kGamepad)  # pulled before it may drive
+    time.sleep(1.0)
+    assert page.mode == "armed", page.said
+    page.script("window.pulled = [0, 0]")
+    time.sleep(0.3)
+    page.script("window.pulled = [0.9, 0]")
+    drives("gamepad")
+    page.script("window.pad_stops = true")
+    page.shows_stop("(button)")
+    page.script("window.pulled = [0, 0]; window.pad_stops = false; delete navigator.getGamepads")
+    page.ready().choose("planner")
+
+
+kCountAsked = """window.asked = { seen: 0, hidden: 0 }; window.hidden_ms = 0;
+const send = WebSocket.prototype.send;
+WebSocket.prototype.send = function (text) {
+  if (text.includes('"more"')) ++window.asked[document.hidden ? 'hidden' : 'seen'];
+  send.call(this, text);
+};
+let since_ms = 0;
+document.addEventListener('visibilitychange', () => {
+  if (document.hidden) since_ms = performance.now(); else window.hidden_ms += performance.now() - since_ms;
+});"""
+
+
+def costs_nothing_while_hidden(operator):
+    """A page that is hidden asks for no image and no state; seen again, it goes on."""
+    page = operator.page.ready()
+    page.script(kCountAsked)
+    page.wait_for(lambda: page.script("return window.asked.seen") > 4, "images and states")
+    with operator.browser.tab_in_front():
+        time.sleep(2.0)
+    seen = page.script("return window.asked.seen")
+    page.wait_for(lambda: page.script("return window.asked.seen") > seen + 4, "images and states again")
+    hidden_ms, asked = page.script("return [window.hidden_ms, window.asked]")
+    assert hidden_ms > 1500 and asked["hidden"] == 0, (hidden_ms, asked)
+    return f"hidden for {hidden_ms / 1e3:.1f} s, asked {asked['hidden']} times"
 
 
 def drives_by_hand(operator):
@@ -235,6 +327,33 @@ def keeps_other_sites_out(operator):
     site.shutdown()
 
 
+def asks_for_its_token_beyond_the_loopback(operator):
+    """Nothing is had without the token that is printed once; a script does not see the cookie that it becomes."""
+    listen = ("--virtual", "--listen", "0.0.0.0")
+    with tempfile.TemporaryDirectory() as folder, Console(program, folder, *listen) as open_one:
+        own, token = f"http://127.0.0.1:{open_one.port}/", open_one.url.split("?token=")[1]
+        assert len(token) == 32, open_one.url
+        driver = operator.browser.driver
+        driver.switch_to.new_window("window")
+        for address in (own, f"{own}main.js", f"{own}?token={token[:-1]}", f"{own}?token={token[1:]}0"):
+            driver.get(address)
+            assert "token" in driver.page_source and "Lodestone" not in driver.title, driver.page_source
+        said, link = handshake(open_one.port, Origin=own[:-1])
+        link.close()
+        assert " 403 " in said, said
+        driver.close()
+        driver.switch_to.window(operator.page.handle)
+        page = operator.browser.page(f"{own}?token={token}", "window")
+        assert page.script("return [location.href, document.cookie]") == [own, ""]
+        page.wait_for_mode("disarmed", 20.0)
+        driver.refresh()
+        page.wait_for(lambda: page.connected, "a connection")
+        said, link = handshake(open_one.port, Origin="http://evil.example", Cookie=f"lodestone={token}")
+        link.close()
+        assert " 403 " in said, said
+        driver.close()
+
+
 def shows_the_truth_after_a_reload(operator):
     page = operator.page.ready()
     page.click("unattended")
@@ -280,6 +399,7 @@ def records(operator):
     size = page.wait_for(film, "its film")
     page.click("replay-close")
     page.wait_for(lambda: "Report" in in_list("#runs .run"), "the run in the list")
+    assert in_list("#runs .run b") == kOddName and "spoiled" not in page.driver.title, in_list("#runs .run b")
     page.drive()
     page.driver.find_element(By.CSS_SELECTOR, "#runs .run a").click()  # in an attended run it asks first
     page.wait_for(lambda: page.element("dialog").is_displayed(), lambda: f"a question; it is {page.said}")
@@ -303,8 +423,30 @@ def report_tab(page):
     page.driver.close()
 
 
+def runs_a_job(operator):
+    """Its progress is shown, and it is ended; a STOP ends it, too."""
+    page = operator.page.ready()
+    page.script("document.getElementById('runs-panel').open = true")
+    def begin():
+        page.driver.find_element(By.CSS_SELECTOR, "[data-job=collect]").click()
+        page.wait_for(lambda: (page.state["job"] or {}).get("running"), "a job")
+    begin()
+    page.wait_for(lambda: page.state["job"]["done"] > 0, lambda: f"progress of {page.state['job']}", 120.0)
+    assert page.state["job"]["total"] == 1000, page.state["job"]
+    page.wait_for(lambda: " of 1000" in page.text("job-count"), "its progress on the page")
+    page.click("job-end")
+    ended = lambda: not page.state["job"]["running"] and "ended by the operator" in page.state["job"]["text"]
+    page.wait_for(ended, lambda: f"the end of {page.state['job']}", 20.0)
+    begin()
+    page.click("stop")
+    page.wait_for(ended, lambda: f"the end of {page.state['job']}", 20.0)
+    page.shows_stop("(button)")
+    page.script("document.getElementById('runs-panel').open = false")
+
+
 def fits_every_screen(operator):
-    """Nothing is cut off, STOP is in sight, and the browser complains of nothing, in each state."""
+    """Nothing is cut off, STOP is in sight, every text can be read by light and by dark, and the browser complains
+    of nothing, in each state."""
     page, console = operator.page, operator.console
     page.script("")
     page.errors()
@@ -317,7 +459,11 @@ def fits_every_screen(operator):
             wide = of.script("return document.documentElement.scrollWidth - innerWidth")
             assert wide <= 0, f"{name} at {width_px} px: {wide} px too wide"
             assert of.script(kStopIsSeen), f"{name} at {width_px} px: STOP is not in sight"
+        for scheme in kSchemes:
+            of.do("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+            assert not (faint := of.script(kFaint, kLeastContrast)), f"{name}, {scheme}: {faint}"
         of.do("Emulation.clearDeviceMetricsOverride")
+        of.do("Emulation.setEmulatedMedia", features=[])
     page.ready()
     screens("armed")
     page.click("arm")
@@ -326,7 +472,10 @@ def fits_every_screen(operator):
     page.ready().drive()
     screens("running")
     other = operator.browser.page(console.url, "window")
+    page.click("record")
+    page.wait_for(lambda: page.state["recording"], "recording")
     screens("watcher", other)
+    page.click("record")
     other.click("operate")
     page.wait_for(lambda: page.element("takeover").is_displayed(), "a request")
     screens("takeover")
@@ -372,6 +521,9 @@ def gives_way_where_the_page_is_busy(operator):
     return f"{free:.0f} images/s, {busy:.0f} on a busy page, then {again:.0f}"
 
 
+kOddName = "<img src=x onerror=document.title='spoiled'>50% #1"  # text, and never more
+
+
 def a_finished_run(folder):
     """What `lodestone` leaves of a run, with its report."""
     folder.mkdir(parents=True)
@@ -382,11 +534,13 @@ def a_finished_run(folder):
 
 
 with tempfile.TemporaryDirectory() as name:
-    a_finished_run(pathlib.Path(name) / "runs" / "a")
+    a_finished_run(pathlib.Path(name) / "runs" / kOddName)
     with Operator(program, f"{name}/console", "--virtual", "--set", f"runs={name}/runs") as operator:
         for case in (drives_to_a_click, follows_a_path, stops, stops_without_its_page, drives_by_hand,
-                     has_one_operator, keeps_other_sites_out, shows_the_truth_after_a_reload, records,
-                     fits_every_screen, gives_way_where_the_page_is_busy):
+                     drives_by_stick_and_gamepad, drives_by_keyboard, costs_nothing_while_hidden,
+                     has_one_operator, keeps_other_sites_out, asks_for_its_token_beyond_the_loopback,
+                     shows_the_truth_after_a_reload, records, runs_a_job, fits_every_screen,
+                     gives_way_where_the_page_is_busy):
             if len(sys.argv) > 2 and case.__name__ not in sys.argv[2:]:
                 continue
             begun_s = time.monotonic()
