@@ -5,7 +5,11 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/exports/policy_header.h"
 #include "lodestone/exports/policy_onnx.h"
+#include "lodestone/exports/policy_torchscript.h"
+#include "lodestone/inference/policy.h"
+#include "lodestone/nets/script_module.h"
 #include "verbs.h"
 
 namespace lodestone::apps {
@@ -42,9 +46,15 @@ std::function<void(const ExportOptions&)> policy_as(PolicyText text) {
   };
 }
 
+std::string policy_pt(const exports::PolicyContract& contract) {
+  return nets::encode_script(exports::policy_torchscript(contract));
+}
+
 const std::vector<Format>& formats() {
   static const std::vector<Format> all = {
       {"--policy", &ExportOptions::policy, ".onnx", policy_as(exports::policy_onnx)},
+      {"--policy", &ExportOptions::policy, ".h", policy_as(exports::policy_header)},
+      {"--policy", &ExportOptions::policy, ".pt", policy_as(policy_pt)},
   };
   return all;
 }
@@ -95,7 +105,10 @@ void add_export(Verb& program) {
   const auto options = std::make_shared<ExportOptions>();
   verb.add_option("--policy", &options->policy, "folder of a policy checkpoint or a released policy")
       .named("DIR");
-  verb.add_option("--to", &options->to, "what to write; its ending says how: .onnx").named("FILE").required();
+  verb.add_option("--to", &options->to,
+                  "what to write; its ending says how: .onnx, .h (C99), .pt (TorchScript)")
+      .named("FILE")
+      .required();
   verb.add_option("--force", &options->force, "replace --to when it exists");
   verb.run = [options] { run_export(*options); };
 }

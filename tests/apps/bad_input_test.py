@@ -108,7 +108,7 @@ check(["deploy", "--controller", "baseline", "--sensor", "simulated", "--task", 
 target = str(source / "models/target")
 check(["export", "--to", "policy.onnx"], 2, "export takes one of", "--policy")
 check(["export", "--policy", target], 2, "--to")
-check(["export", "--policy", target, "--to", "policy.onyx"], 2, "--to policy.onyx", ".onnx")
+check(["export", "--policy", target, "--to", "policy.onyx"], 2, "--to policy.onyx", ".onnx, .h, .pt")
 check(["export", "--policy", target, "--to", target + "/deploy.json"], 2, "deploy.json", "its ending", ".onnx")
 check(["export", "--policy", "missing", "--to", "policy.onnx"], 1, "missing")
 check(["export", "--policy", str(source / "models/segmenter"), "--to", "policy.onnx"], 1, "segmenter", "policy")

@@ -57,6 +57,17 @@ with tempfile.TemporaryDirectory() as folder:
     failed = run("rig", "field", "--coil", "+x", "--points", "missing.csv", "--out", f"{folder}/other.csv")
     expect(failed.returncode != 0 and "next:" not in failed.stderr, f"a failure has no next step: {failed.stderr!r}")
 
+with tempfile.TemporaryDirectory() as folder:
+    for name, begins in (("policy.onnx", b"\x08"), ("policy.h", b"/* A policy"), ("policy.pt", b"PK")):
+        file = pathlib.Path(folder) / "new" / name
+        words = ("export", "--policy", str(source / "models/centre"), "--to", str(file))
+        made = run(*words)
+        expect(made.returncode == 0 and file.read_bytes().startswith(begins), f"export --to {name}: {made.stderr!r}")
+        file.write_text("mine")
+        expect(run(*words).returncode == 2 and file.read_text() == "mine", f"export replaces {name}")
+        expect(run(*words, "--force").returncode == 0 and file.read_bytes().startswith(begins), f"export --force --to {name}")
+        expect([each.name for each in file.parent.iterdir() if each.name.startswith(name)] == [name], f"export leaves more than {name}")
+
 script = run("completion").stdout
 
 
