@@ -9,6 +9,7 @@
 #include "lodestone/nets/blas.h"
 #include "lodestone/rl/policy_environments.h"
 #include "lodestone/rl/policy_trainer.h"
+#include "lodestone/runs/resumable_run.h"
 #include "verbs.h"
 
 namespace lodestone::apps {
@@ -43,6 +44,7 @@ void train_policy(const CommonOptions& options) {
     made.policy = result;
     inference::set_policy_provenance(run.file("checkpoint"), common::artefact_to_json(made));
     common::write_artefact(file, result);
+    runs::show_result(run, common::artefact_to_json(result));
     run.finish();
     common::log_info("wrote " + run.path() + "/checkpoint and result.json");
   }

@@ -6,6 +6,7 @@
 #include "lodestone/nets/blas.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/rig_config.h"
+#include "lodestone/runs/resumable_run.h"
 #include "lodestone/segmentation/evaluation.h"
 #include "lodestone/segmentation/training.h"
 #include "verbs.h"
@@ -55,6 +56,7 @@ void train_segmenter(const CommonOptions& options) {
   vision::save_segmenter(run.file("checkpoint"), config.segmenter, result.weights,
                          common::config_to_json(config), metrics);
   common::write_json(run.file("evaluation.json"), metrics);
+  runs::show_result(run, metrics);
   run.finish();
   common::log_info("wrote " + run.path() + "/checkpoint, evaluation.json and predictions.png");
   if (evaluation.clean.poses == 0)

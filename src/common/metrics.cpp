@@ -33,12 +33,28 @@ void trim(const std::string& path, std::int64_t last_step) {
   if (kept != content) write_file_atomically(path, kept);
 }
 
+/// {"a": {"b": 1}} as {"a.b": 1}; lists stay whole.
+void flatten(const Json& json, const std::string& before, Json& flat) {
+  for (const auto& [key, value] : json.items())
+    if (value.is_object())
+      flatten(value, before + key + ".", flat);
+    else
+      flat[before + key] = value;
+}
+
+Json flat(const Json& json) {
+  Json made = Json::object();
+  flatten(json, "", made);
+  return made;
+}
+
 }  // namespace
 
-MetricsLog::MetricsLog(std::string folder, std::int64_t last_step, double earlier_s)
+MetricsLog::MetricsLog(std::string folder, std::int64_t last_step, double earlier_s, Json config)
     : folder_(std::move(folder)),
       last_step_(last_step),
       earlier_s_(earlier_s),
+      config_(std::move(config)),
       start_s_(SteadyClock().now_s()) {
   trim(folder_ + "/metrics.jsonl", last_step);
 }
@@ -61,10 +77,23 @@ void MetricsLog::write_image(std::int64_t step, const std::string& tag, std::str
   events().write_image(step, tag, png, width, height);
 }
 
+void MetricsLog::write_result(std::int64_t step, const Json& result) {
+  Scalars figures;
+  const Json values = flat(result);
+  for (const auto& [key, value] : values.items())
+    if (value.is_number()) figures.emplace_back("final/" + key, value.get<double>());
+  events().write(step, figures);
+  events().end_session();
+}
+
 TensorBoardWriter& MetricsLog::events() {
   if (!events_) {
     events_ = std::make_unique<TensorBoardWriter>(folder_);
     if (last_step_ != kEveryStep) events_->start_at(last_step_ == kNoStep ? 0 : last_step_ + 1);
+    if (!config_.empty()) {
+      events_->write_text(0, "config", "```json\n" + config_.dump(2) + "\n```\n");
+      events_->start_session(flat(config_));
+    }
   }
   return *events_;
 }

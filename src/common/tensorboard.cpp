@@ -57,6 +57,27 @@ std::string number_field(int field, std::int64_t value) {
   return tag(field, 0) + varint(static_cast<std::uint64_t>(value));
 }
 
+std::string double_field(int field, double value) { return tag(field, 1) + little_endian(value); }
+
+/// google.protobuf.Value
+std::string value_message(const Json& value) {
+  if (value.is_boolean()) return number_field(4, value.get<bool>() ? 1 : 0);
+  if (value.is_number()) return double_field(2, value.get<double>());
+  return bytes_field(3, value.is_string() ? value.get<std::string>() : value.dump());
+}
+
+constexpr const char* kHParams = "hparams";
+constexpr int kFloatType = 1;    // DataType of TensorProto
+constexpr int kStringType = 7;   // likewise
+constexpr int kTensorClass = 2;  // DataClass of SummaryMetadata
+constexpr int kSuccess = 1;      // Status of SessionEndInfo
+
+/// One float, which the HParams page takes no notice of but wants to be there.
+std::string null_tensor() {
+  const std::string one_dimension = bytes_field(2, number_field(1, 1));
+  return number_field(1, kFloatType) + bytes_field(2, one_dimension) + bytes_field(5, little_endian(0.0F));
+}
+
 double unix_time_s() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
@@ -92,6 +113,34 @@ void TensorBoardWriter::write_image(std::int64_t step, const std::string& name, 
   const std::string image =
       number_field(1, height) + number_field(2, width) + number_field(3, 3) + bytes_field(4, png);
   write_summary(step, bytes_field(1, bytes_field(1, name) + bytes_field(4, image)));
+}
+
+void TensorBoardWriter::write_text(std::int64_t step, const std::string& name, const std::string& markdown) {
+  const std::string scalar_shape;
+  write_plugin(step, name,
+               number_field(1, kStringType) + bytes_field(2, scalar_shape) + bytes_field(8, markdown), "text",
+               "");
+}
+
+void TensorBoardWriter::start_session(const Json& settings) {
+  std::string info;
+  for (const auto& [name, value] : settings.items())
+    info += bytes_field(1, bytes_field(1, name) + bytes_field(2, value_message(value)));
+  info += double_field(5, unix_time_s());
+  write_plugin(0, "_hparams_/session_start_info", null_tensor(), kHParams, bytes_field(3, info));
+}
+
+void TensorBoardWriter::end_session() {
+  const std::string info = number_field(1, kSuccess) + double_field(2, unix_time_s());
+  write_plugin(0, "_hparams_/session_end_info", null_tensor(), kHParams, bytes_field(4, info));
+}
+
+void TensorBoardWriter::write_plugin(std::int64_t step, const std::string& name, const std::string& tensor,
+                                     const std::string& plugin, const std::string& content) {
+  const std::string metadata =
+      bytes_field(1, bytes_field(1, plugin) + bytes_field(2, content)) + number_field(4, kTensorClass);
+  write_summary(step,
+                bytes_field(1, bytes_field(1, name) + bytes_field(8, tensor) + bytes_field(9, metadata)));
 }
 
 void TensorBoardWriter::write_summary(std::int64_t step, const std::string& summary) {

@@ -262,6 +262,7 @@ runs::DynamicsEvaluation train_into(runs::RunFolder& run, const data::Dataset& d
   save_model(run.file("checkpoint"), result.model, common::config_to_json(config),
              common::artefact_to_json(evaluation));
   common::write_artefact(run.file(runs::DynamicsEvaluation::kFile), evaluation);
+  runs::show_result(run, common::artefact_to_json(evaluation));
   run.finish();
   return evaluation;
 }

@@ -23,8 +23,8 @@ class Loop {
   double run() {
     const bool going_on = folder_.state().checkpoint.has_value();
     if (going_on) work_.load(folder_.path());
-    common::MetricsLog metrics(folder_.path(), going_on ? work_.progress().done : common::kNoStep,
-                               earlier_s_);
+    common::MetricsLog metrics(folder_.path(), going_on ? work_.progress().done : common::kNoStep, earlier_s_,
+                               folder_.config());
     common::Progress bar(text_.label, work_.progress().total);
     saved_s_ = shown_s_ = clock_.now_s();
     Progress now = work_.progress();
@@ -92,6 +92,10 @@ class Loop {
 };
 
 }  // namespace
+
+void show_result(const RunFolder& folder, const common::Json& result) {
+  common::MetricsLog(folder.path()).write_result(folder.state().done, result);
+}
 
 double run_resumably(RunFolder& folder, ResumableWork& work, const RunText& text) {
   folder.begin();

@@ -57,3 +57,22 @@ TEST_CASE("going on from a step drops what was logged beyond it, here and in Ten
   CHECK(start.numbers.at(2) == 2);
   CHECK(Message(start.bytes.at(7)).numbers.at(1) == 1);
 }
+
+TEST_CASE("TensorBoard is told how a run is configured, before its first curve, and what it came to") {
+  const lodestone::tests::TemporaryFolder folder;
+  {
+    MetricsLog log(folder.path(), kNoStep, 0.0, {{"model", {{"rate", 0.5}}}});
+    log.write(1, {{"loss", 1.5}});
+  }
+  const std::vector<std::string> before = event_records(folder.path());
+  REQUIRE(before.size() == 5);  // the version, the start, the configuration twice, the curve
+  CHECK(before[2].find("\"rate\": 0.5") != std::string::npos);
+  CHECK(before[3].find("model.rate") != std::string::npos);
+  MetricsLog(folder.path()).write_result(9, {{"kind", "test"}, {"one_step", {{"rms_mm", 0.25}}}});
+  std::string all;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    if (entry.path().extension() == ".lodestone") all += read_file(entry.path().string());
+  CHECK(all.find("final/one_step.rms_mm") != std::string::npos);
+  CHECK(all.find("final/kind") == std::string::npos);
+  CHECK(all.find("_hparams_/session_end_info") != std::string::npos);
+}

@@ -49,3 +49,60 @@ TEST_CASE("an image in the TensorBoard events reads back with its step, tag, siz
   CHECK(image.numbers.at(3) == 3);
   CHECK(image.bytes.at(4) == png);
 }
+
+namespace {
+
+/// The one value of the summary in an event.
+Message value_of(const std::string& record) {
+  return Message(Message(Message(record).bytes.at(5)).bytes.at(1));
+}
+
+/// Of a value that belongs to a plugin: its name, and what it keeps beside the tensor.
+Message plugin_of(const Message& value) {
+  const Message metadata(value.bytes.at(9));
+  CHECK(metadata.numbers.at(4) == 2);  // DATA_CLASS_TENSOR
+  return Message(metadata.bytes.at(1));
+}
+
+}  // namespace
+
+TEST_CASE("text in the TensorBoard events is a tensor of the text page") {
+  const lodestone::tests::TemporaryFolder folder;
+  TensorBoardWriter(folder.path()).write_text(3, "config", "**seed** 7");
+  const Message value = value_of(event_records(folder.path()).at(1));
+  CHECK(value.bytes.at(1) == "config");
+  CHECK(plugin_of(value).bytes.at(1) == "text");
+  const Message tensor(value.bytes.at(8));
+  CHECK(tensor.numbers.at(1) == 7);   // DT_STRING
+  CHECK(tensor.bytes.at(2).empty());  // of no dimension
+  CHECK(tensor.bytes.at(8) == "**seed** 7");
+}
+
+TEST_CASE("a session of the HParams page begins with its settings and ends with success") {
+  const auto setting = [](const Json& value) {
+    const lodestone::tests::TemporaryFolder folder;
+    TensorBoardWriter writer(folder.path());
+    writer.start_session({{"a.b", value}});
+    writer.end_session();
+    const std::vector<std::string> records = event_records(folder.path());
+    const Message started = value_of(records.at(1));
+    CHECK(started.bytes.at(1) == "_hparams_/session_start_info");
+    CHECK(plugin_of(started).bytes.at(1) == "hparams");
+    const Message start(Message(plugin_of(started).bytes.at(2)).bytes.at(3));
+    const Message ended = value_of(records.at(2));
+    CHECK(ended.bytes.at(1) == "_hparams_/session_end_info");
+    const Message end(Message(plugin_of(ended).bytes.at(2)).bytes.at(4));
+    CHECK(end.numbers.at(1) == 1);  // STATUS_SUCCESS
+    CHECK(end.bytes.at(2).size() == sizeof(double));
+    const Message entry(start.bytes.at(1));
+    CHECK(entry.bytes.at(1) == "a.b");
+    return Message(entry.bytes.at(2));
+  };
+  double number = 0.0;
+  std::memcpy(&number, setting(2.5e-4).bytes.at(2).data(), sizeof number);
+  CHECK(number == 2.5e-4);
+  CHECK(setting("mlp").bytes.at(3) == "mlp");
+  CHECK(setting(true).numbers.at(4) == 1);
+  CHECK(setting(false).numbers.at(4) == 0);
+  CHECK(setting({64, 32}).bytes.at(3) == "[64,32]");
+}

@@ -1,6 +1,7 @@
 #include "lodestone/runs/resumable_run.h"
 
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <sstream>
 
 #include "lodestone/common/artefact.h"
@@ -109,4 +110,19 @@ TEST_CASE("checkpoints are written as often as asked for") {
   Counting work;
   runs::run_resumably(run, work, {"counting", "numbers", 0.0});
   CHECK(work.saved == 6);
+}
+
+TEST_CASE("what a run came to stands beside its curves, with how it was configured") {
+  const tests::TemporaryFolder folder;
+  runs::RunRequest request = resumable_request(folder / "run");
+  request.config = {{"model", {{"rate", 0.5}}}};
+  runs::RunFolder run(request);
+  Counting work;
+  runs::run_resumably(run, work, {"counting", "numbers", 0.0});
+  runs::show_result(run, {{"errors", {{"rms_mm", 0.25}}}});
+  std::string events;
+  for (const auto& entry : std::filesystem::directory_iterator(run.path()))
+    if (entry.path().extension() == ".lodestone") events += common::read_file(entry.path().string());
+  for (const char* tag : {"config", "model.rate", "count", "final/errors.rms_mm", "session_end_info"})
+    CHECK(events.find(tag) != std::string::npos);
 }

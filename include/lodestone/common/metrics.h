@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "lodestone/common/json.h"
+
 namespace lodestone::common {
 
 /// Named numbers at one step.
@@ -23,8 +25,10 @@ class MetricsLog {
  public:
   /// Appends to what is there up to `last_step`. Lines beyond it were written by a killed process after its
   /// last checkpoint; their steps are run again, so that they are dropped (TensorBoard is told to do so).
-  /// `earlier_s` is the run's time before this process. Throws IoError.
-  explicit MetricsLog(std::string folder, std::int64_t last_step = kEveryStep, double earlier_s = 0.0);
+  /// `earlier_s` is the run's time before this process; `config`, where there is one, what the run is
+  /// configured by: TensorBoard shows it as text, and its values as hyperparameters. Throws IoError.
+  explicit MetricsLog(std::string folder, std::int64_t last_step = kEveryStep, double earlier_s = 0.0,
+                      Json config = {});
   ~MetricsLog();
 
   /// Writes {"step": step, "wall_s": ..., name: value...}. Throws IoError when the disk is full.
@@ -32,6 +36,9 @@ class MetricsLog {
   /// Puts an image (a whole PNG file, 8-bit RGB) into the TensorBoard events. Throws IoError.
   void write_image(std::int64_t step, const std::string& tag, std::string_view png, std::int64_t width,
                    std::int64_t height);
+  /// What the run came to: every number of `result` as `final/a.b` in the TensorBoard events, the row of the
+  /// run's hyperparameters with it. Throws IoError.
+  void write_result(std::int64_t step, const Json& result);
 
  private:
   class TensorBoardWriter& events();
@@ -39,6 +46,7 @@ class MetricsLog {
   std::string folder_;
   std::int64_t last_step_;
   double earlier_s_;
+  Json config_;
   std::ofstream lines_;
   std::unique_ptr<class TensorBoardWriter> events_;
   double start_s_;

@@ -45,4 +45,8 @@ struct RunText {
 /// finished by the caller, once results are written.
 double run_resumably(RunFolder& folder, ResumableWork& work, const RunText& text);
 
+/// Where the run's curves are, what it came to, too: the numbers of `result` (common::MetricsLog). Throws
+/// IoError.
+void show_result(const RunFolder& folder, const common::Json& result);
+
 }  // namespace lodestone::runs

@@ -69,6 +69,7 @@ class RunFolder {
   std::string file(const std::string& name) const { return request_.folder + "/" + name; }
   const std::string& verb() const { return request_.verb; }
   const RunState& state() const { return state_; }
+  const common::Json& config() const { return request_.config; }
 
   /// Makes the folder and writes what every run has; the first update() does it, too. Throws IoError.
   void begin();
