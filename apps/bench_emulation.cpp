@@ -86,6 +86,7 @@ void add_bench_emulation(Verb& bench) {
   add_shorthand(verb, options, "--policy", "policy", Shorthand::kText,
                 "folder of the policy checkpoint; without it the planner drives in the simulator of --set "
                 "dynamics=DIR, or else the proportional baseline");
+  add_mcap_option(verb, options, "a log of each square in the folder's `logs`, which Foxglove opens");
 }
 
 }  // namespace lodestone::apps

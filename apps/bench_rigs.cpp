@@ -29,9 +29,8 @@ void bench_rigs(const CommonOptions& options) {
   runs::RunFolder run(request);
   if (run.finished()) return print_results(run.path());
   run.begin();
-  experiments::RigsRun work(
-      config, deployment, job, run.path(),
-      experiments::virtual_driver(deployment.deployment, deployment.threads, false, ""));
+  experiments::RigsRun work(config, deployment, job, run.path(),
+                            experiments::virtual_driver(deployment.deployment, deployment.threads, false));
   runs::run_resumably(run, work, {"bench rigs", "trials", 0.0});
   print_results(run.path());
   run.finish();

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "common_options.h"
+#include "lodestone/common/files.h"
 #include "lodestone/common/log.h"
 #include "lodestone/control/decorators.h"
 #include "lodestone/control/policy_controller.h"
@@ -23,6 +24,7 @@ struct CollectConfig {
   std::int64_t threads = 0;
   std::string by = "explorer";
   std::string policy;
+  experiments::McapConfig mcap;
   control::GoalSeekerConfig seek;
   control::DecoratorConfig decorators;
 
@@ -40,6 +42,7 @@ struct CollectConfig {
             "gamepad",
             {"explorer", "policy", "keyboard", "gamepad"});
     v.field("policy", policy, "", "folder of the policy checkpoint that drives, with by = policy");
+    v.group("mcap", mcap, "a log of each session");
     v.group("seek", seek, "how a policy explores");
     v.group("decorators", decorators, "what is put around that policy");
   }
@@ -117,6 +120,15 @@ Sessions make_sessions(const CollectConfig& collect, const std::string& out,
   return sessions;
 }
 
+/// Every start of a run has logs of its own.
+void log_sessions(const Sessions& sessions, const experiments::McapConfig& config, runs::RunFolder& run) {
+  run.begin();
+  common::make_folders(run.file("logs"));
+  for (std::size_t session = 0; session < sessions.size(); ++session)
+    sessions[session]->log_into(experiments::fresh_log(run.file("logs/session-" + std::to_string(session))),
+                                config);
+}
+
 void print_recording(const runs::RunFolder& run, const runs::CollectionFacts& facts,
                      const data::Coverage& coverage) {
   std::printf("%lld transitions in %lld episodes: %s\n", static_cast<long long>(facts.transitions),
@@ -135,18 +147,21 @@ void collect(const CommonOptions& options) {
   choose_segmenter(config.collection.sensor);
   runs::RunRequest request{options.out, "collect", common::config_to_json(config), config.collection.seed,
                            options.resume};
-  request.free_keys = {"threads", "checkpoint_every_s", "rig.serial.port"};
+  request.free_keys = experiments::free_mcap_keys();
+  request.free_keys.insert(request.free_keys.end(), {"threads", "checkpoint_every_s", "rig.serial.port"});
   runs::RunFolder run(request);
   if (run.finished()) {
     common::log_info("collect: " + run.path() + " is finished already");
   } else {
     std::unique_ptr<TeleoperationWindow> window;
     const Sessions sessions = make_sessions(config, run.path(), window);
+    if (config.mcap.enabled) log_sessions(sessions, config.mcap, run);
     experiments::CollectionRun work(config.collection, sessions, config.repeatable(), config.threads,
                                     run.path());
     runs::run_resumably(
         run, work,
         {"collect", "transitions", config.repeatable() ? config.collection.checkpoint_every_s : 0.0});
+    for (const auto& session : sessions) session->finish_log();
   }
   const auto [facts, coverage] = experiments::summarise_recording(run);
   if (!run.finished()) run.finish();
@@ -164,6 +179,7 @@ void add_collect(Verb& program) {
   add_shorthand(verb, options, "--by", "by", Shorthand::kText, "explorer, policy, keyboard or gamepad");
   add_shorthand(verb, options, "--policy", "policy", Shorthand::kText,
                 "folder of the policy checkpoint for --by policy");
+  add_mcap_option(verb, options, "a log of each session in the run's `logs`, which Foxglove opens");
 }
 
 }  // namespace lodestone::apps

@@ -59,4 +59,11 @@ void add_virtual_rig_options(Verb& verb, CommonOptions& options, const std::stri
                 "seed of what is hidden in the virtual rig");
 }
 
+void add_mcap_option(Verb& verb, CommonOptions& options, const std::string& meaning) {
+  verb.add_option("--mcap", Flag{[&options] {
+                    options.overrides.push_back({"mcap.enabled=true", "--mcap"});
+                  }},
+                  meaning);
+}
+
 }  // namespace lodestone::apps

@@ -49,6 +49,9 @@ void add_shorthand(Verb& verb, CommonOptions& options, const std::string& flag, 
 /// --deviation and --rig-seed, for verbs with a virtual rig.
 void add_virtual_rig_options(Verb& verb, CommonOptions& options, const std::string& seed_key = "rig_seed");
 
+/// --mcap, for verbs that log what a rig does.
+void add_mcap_option(Verb& verb, CommonOptions& options, const std::string& meaning);
+
 /// What the verb's configuration comes to, over the defaults of Config. Throws ConfigError naming the file or
 /// option that held a wrong value.
 template <class Config>

@@ -48,6 +48,8 @@ struct ConsoleConfig : experiments::DeployConfig {
     if (deployment.sensor.kind != "camera")
       throw common::ConfigError("sensor.kind = \"" + deployment.sensor.kind +
                                 "\": the console shows what a camera sees; use \"camera\"");
+    if (mcap.enabled)
+      throw common::ConfigError("mcap.enabled = true: the console records by itself; deploy --mcap logs");
   }
 };
 

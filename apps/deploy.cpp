@@ -83,12 +83,13 @@ void drive(const DeployConfig& config, const DeploymentJob& job, runs::RunFolder
     rig = session::make_serial_session(config.deployment.rig, config.deployment.sensor,
                                        config.deployment.safety, terminal_operator(), run.path());
   run.begin();
-  std::string videos;
-  if (config.deployment.record.enabled) common::make_folders(videos = run.file("videos"));
+  experiments::TrialFolders folders;
+  if (config.deployment.record.enabled) common::make_folders(folders.videos = run.file("videos"));
+  if ((folders.mcap = config.mcap).enabled) common::make_folders(folders.logs = run.file("logs"));
   experiments::DeploymentRun work(
       config.deployment, job, run.path(),
-      rig ? experiments::session_driver(*rig, config.deployment, has_operator(), videos)
-          : experiments::virtual_driver(config.deployment, config.threads, config.realtime, videos));
+      rig ? experiments::session_driver(*rig, config.deployment, has_operator(), folders)
+          : experiments::virtual_driver(config.deployment, config.threads, config.realtime, folders));
   runs::run_resumably(run, work, {"deploy", "trials", 0.0});
   work.write_trials();
   const runs::DeploymentSummary summary = work.summary();
@@ -106,7 +107,8 @@ void deploy(const CommonOptions& options) {
   const DeploymentJob job = experiments::plan_job(config);
   runs::RunRequest request{options.out, "deploy", common::config_to_json(config), config.deployment.seed,
                            options.resume};
-  request.free_keys = {"threads", "realtime", "rig.serial.port"};
+  request.free_keys = experiments::free_mcap_keys();
+  request.free_keys.insert(request.free_keys.end(), {"threads", "realtime", "rig.serial.port"});
   runs::RunFolder run(request);
   if (!run.finished()) return drive(config, job, run);
   common::log_info("deploy: " + run.path() + " is finished already");
@@ -139,6 +141,7 @@ void add_deploy(Verb& program) {
   verb.add_option("--target-mm", target, "X,Y of the target of `point` in mm");
   verb.add_option("--record", Flag{[set] { set("record.enabled=true", "--record"); }},
                   "film the first trial of every task, rig and controller");
+  add_mcap_option(verb, options, "a log of each trial in the run's `logs`, which Foxglove opens");
   verb.add_option("--realtime", Flag{[set] { set("realtime=true", "--realtime"); }},
                   "wait as long as a real rig would (one trial at a time)");
 }

@@ -8,6 +8,7 @@
 #include "lodestone/exports/policy_header.h"
 #include "lodestone/exports/policy_onnx.h"
 #include "lodestone/exports/policy_torchscript.h"
+#include "lodestone/exports/run_log.h"
 #include "lodestone/inference/policy.h"
 #include "lodestone/nets/script_module.h"
 #include "verbs.h"
@@ -19,6 +20,7 @@ namespace fs = std::filesystem;
 
 struct ExportOptions {
   std::string policy;
+  std::string run;
   std::string to;
   bool force = false;
 };
@@ -31,10 +33,22 @@ struct Format {
   std::function<void(const ExportOptions&)> write;
 };
 
-void write_text(const std::string& file, const std::string& text) {
+void make_folder_of(const std::string& file) {
   const std::string folder = fs::path(file).parent_path().string();
   if (!folder.empty()) common::make_folders(folder);
+}
+
+void write_text(const std::string& file, const std::string& text) {
+  make_folder_of(file);
   common::write_file_atomically(file, text);
+}
+
+void write_log(const ExportOptions& options) {
+  make_folder_of(options.to);
+  const exports::RunLogFacts facts = exports::write_run_log(options.run, options.to);
+  const auto number = [](std::int64_t count) { return static_cast<long long>(count); };
+  std::printf("trials       %lld\nsteps        %lld\nimages       %lld\n", number(facts.trials),
+              number(facts.steps), number(facts.images));
 }
 
 using PolicyText = std::string (*)(const exports::PolicyContract&);
@@ -55,6 +69,7 @@ const std::vector<Format>& formats() {
       {"--policy", &ExportOptions::policy, ".onnx", policy_as(exports::policy_onnx)},
       {"--policy", &ExportOptions::policy, ".h", policy_as(exports::policy_header)},
       {"--policy", &ExportOptions::policy, ".pt", policy_as(policy_pt)},
+      {"--run", &ExportOptions::run, ".mcap", write_log},
   };
   return all;
 }
@@ -101,12 +116,14 @@ void run_export(const ExportOptions& options) {
 }  // namespace
 
 void add_export(Verb& program) {
-  Verb& verb = program.add_verb("export", "write a policy as a file that other programs run");
+  Verb& verb =
+      program.add_verb("export", "write a policy, or what a run recorded, as a file for other programs");
   const auto options = std::make_shared<ExportOptions>();
   verb.add_option("--policy", &options->policy, "folder of a policy checkpoint or a released policy")
       .named("DIR");
+  verb.add_option("--run", &options->run, "folder of a run of deploy").named("DIR");
   verb.add_option("--to", &options->to,
-                  "what to write; its ending says how: .onnx, .h (C99), .pt (TorchScript)")
+                  "what to write; its ending says how: .onnx, .h (C99), .pt (TorchScript), .mcap")
       .named("FILE")
       .required();
   verb.add_option("--force", &options->force, "replace --to when it exists");

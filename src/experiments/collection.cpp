@@ -139,7 +139,9 @@ control::LoopOutcome Collection::run(std::int64_t max_steps) {
   const control::LoopOutcome outcome = loop.run(seeing, reference, [&](const control::StepRecord& step) {
     sight.lost = sight.lost || !step.estimate.valid;
     if (teleoperator_ && teleoperator_->watch) teleoperator_->watch(step);
+    if (log_) log_->step(step, {});
   });
+  if (!outcome.completed) note(exports::LogLevel::kError, "stopped: " + outcome.stop_reason);
   if (common::interrupted()) throw common::Interrupted("collection stopped by the user");
   const bool gone = !outcome.completed && !bench_->coils().latched() && !outcome.steps.empty() &&
                     !outcome.steps.back().estimate.valid;
@@ -158,13 +160,31 @@ data::Episode Collection::next_episode(std::int64_t max_steps) {
       bench_->place(explorer_.next_start([this](const geometry::Pose2& pose) { return bench_->fits(pose); }));
       explorer_.placed();
       ++placements;
+      note(exports::LogLevel::kInfo, "the operator has placed the needle");
     }
     data::Episode episode = episode_of(run(max_steps).steps, action());
     if (episode.length() == 0) continue;
     episode.placements = placements;
+    note(exports::LogLevel::kInfo, "an episode of " + std::to_string(episode.length()) + " steps has ended");
+    if (log_) log_->flush();
     return episode;
   }
   throw common::HardwareError("collection stopped: the sensor gave no two poses in a row in 1000 attempts");
+}
+
+void Collection::log_into(const std::string& path, const McapConfig& config) {
+  log_.emplace(path, config,
+               std::map<std::string, std::string>{
+                   {"rig", common::config_to_json<physics::RigDescription>(config_.rig).dump()}},
+               StepLog::Sources{bench_->clock(), bench_->coils(), bench_->camera()});
+}
+
+void Collection::finish_log() {
+  if (log_) log_->finish();
+}
+
+void Collection::note(exports::LogLevel level, const std::string& text) {
+  if (log_) log_->event(level, text);
 }
 
 common::Json Collection::save() const {

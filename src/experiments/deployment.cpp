@@ -232,10 +232,8 @@ ControllerSource baseline_source(const DeploymentConfig& config, const Simulator
   return source;
 }
 
-std::string video_file(const std::string& folder, RigKind kind, const ControllerSource& source,
-                       const TrialPlan& plan) {
-  return folder + "/" + to_string(kind) + "-" + source.name + "-" + plan.task + "-" +
-         std::to_string(plan.index);
+std::string trial_name(RigKind kind, const ControllerSource& source, const TrialPlan& plan) {
+  return to_string(kind) + "-" + source.name + "-" + plan.task + "-" + std::to_string(plan.index);
 }
 
 TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& config, const TrialPlan& plan,
@@ -263,16 +261,16 @@ Deployment::Deployment(const DeploymentConfig& config, MakeDrive drive)
 
 std::vector<TrialResult> Deployment::run(const std::vector<TrialPlan>& plans, RigKind kind,
                                          const ControllerSource& source, common::ThreadPool& pool,
-                                         bool realtime, const std::string& video_folder) const {
+                                         bool realtime, const TrialFolders& folders) const {
   std::vector<TrialResult> results(plans.size());
   pool.for_each(plans.size(), [&](std::size_t trial) {
-    results[trial] = run_one(plans[trial], kind, source, realtime, video_folder);
+    results[trial] = run_one(plans[trial], kind, source, realtime, folders);
   });
   return results;
 }
 
 TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const ControllerSource& source,
-                                bool realtime, const std::string& video_folder) const {
+                                bool realtime, const TrialFolders& folders) const {
   const std::uint64_t seed = trial_seed(config_, plan);
   const bool explored = kind == RigKind::kExplored;
   const UnseenRig made = explored ? UnseenRig{config_.rig, static_cast<std::uint64_t>(config_.rig_seed), 0}
@@ -298,21 +296,19 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   control::ControlLoop loop(config_.loop, source.action, coils, *sensor, clock, &config_.rig,
                             identifier.get());
   const std::unique_ptr<control::Controller> controller = source.make(seed);
-  std::optional<TrialVideo> video;
-  const bool filmed = config_.record.enabled && sensor->camera() != nullptr && !video_folder.empty() &&
-                      plan.index < config_.record.trials;
-  if (filmed)
-    video.emplace(video_file(video_folder, kind, source, plan), config_.record, config_.loop.period_s(),
-                  sensing_.bench(), source.action.scale, plan);
-  const auto watch = [&](const TrialSample& sample) {
-    const session::CameraDetector* camera = sensor->camera();
-    if (video && camera->calibration())
-      video->show(camera->frame(), camera->calibration()->camera, sample.step);
-  };
+  TrialRecording recording(folders, config_.record,
+                           {trial_name(kind, source, plan),
+                            plan,
+                            {clock, coils, sensor->camera()},
+                            config_.rig,
+                            config_.loop.period_s(),
+                            source.action.scale,
+                            true});
   TrialResult result = run_trial(
-      plan, loop, *controller, [&rig] { return rig.true_pose(); }, config_.score, watch,
+      plan, loop, *controller, [&rig] { return rig.true_pose(); }, config_.score,
+      [&recording](const TrialSample& sample) { recording.show(sample); },
       [&coils] { return coils.reported(); });
-  if (video) video->finish();
+  recording.finish(result);
   result.rig = to_string(kind);
   result.controller = source.name;
   return result;

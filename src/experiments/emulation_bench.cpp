@@ -7,6 +7,7 @@
 
 #include "lodestone/common/build_facts.h"
 #include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
 #include "lodestone/common/progress.h"
@@ -92,18 +93,24 @@ void EmulationBench::time_round_trips() {
 }
 
 void EmulationBench::drive_in_real_time() {
-  result_.real_time = drive_squares("in real time");
+  result_.real_time = drive_squares("in real time", folders("real_time"));
   const BusyProcessors busy;
-  result_.under_load = drive_squares("on a busy machine");
+  result_.under_load = drive_squares("on a busy machine", folders("under_load"));
 }
 
-RealTimeSquares EmulationBench::drive_squares(const std::string& how) {
+TrialFolders EmulationBench::folders(const std::string& name) const {
+  TrialFolders made;
+  if ((made.mcap = config_.mcap).enabled) common::make_folders(made.logs = folder_ + "/logs/" + name);
+  return made;
+}
+
+RealTimeSquares EmulationBench::drive_squares(const std::string& how, const TrialFolders& folders) {
   RealTimeSquares squares;
   std::vector<double> deviations_ms;
   double unfinished = 0.0;
   for (std::int64_t index = 0; index < config_.timed_squares; ++index) {
     if (common::interrupted()) throw common::Interrupted("bench emulation: stopped by the user");
-    const std::vector<double> of_one = drive_square(index, how, squares);
+    const std::vector<double> of_one = drive_square(index, how, folders, squares);
     deviations_ms.insert(deviations_ms.end(), of_one.begin(), of_one.end());
     if (!squares.stop_reason.empty()) ++unfinished;
   }
@@ -115,7 +122,7 @@ RealTimeSquares EmulationBench::drive_squares(const std::string& how) {
 }
 
 std::vector<double> EmulationBench::drive_square(std::int64_t index, const std::string& how,
-                                                 RealTimeSquares& squares) {
+                                                 const TrialFolders& folders, RealTimeSquares& squares) {
   DeploymentConfig deployment = config_.deployment;
   const EmulatedRig emulated =
       make_emulated_rig(deployment.rig, static_cast<std::uint64_t>(deployment.rig_seed),
@@ -132,8 +139,18 @@ std::vector<double> EmulationBench::drive_square(std::int64_t index, const std::
   common::log_info("bench emulation: square " + std::to_string(index + 1) + " of " +
                    std::to_string(config_.timed_squares) + " " + how + " on " + live.port() + " under " +
                    live.camera());
-  const TrialResult trial =
-      run_on_session(*session, deployment, plan, source_, [&] { return live.true_pose(); });
+  TrialRecording recording(folders, deployment.record,
+                           {trial_name(RigKind::kReal, source_, plan),
+                            plan,
+                            {session->clock(), session->coils(), session->camera()},
+                            deployment.rig,
+                            deployment.loop.period_s(),
+                            source_.action.scale,
+                            true});
+  const TrialResult trial = run_on_session(
+      *session, deployment, plan, source_, [&] { return live.true_pose(); },
+      [&recording](const TrialSample& sample) { recording.show(sample); });
+  recording.finish(trial);
   if (!trial.completed) common::log_warning("square " + how + " stopped: " + trial.stop_reason);
   ++squares.squares;
   squares.pulses += watch.pulses();
@@ -155,8 +172,9 @@ void EmulationBench::compare_squares() {
   common::log_info("bench emulation: " + std::to_string(plans.size()) +
                    " squares with simulated coils, then as many with "
                    "the emulated bench");
-  const double simulated_mm = mean_error_mm(simulated.run(plans, RigKind::kExplored, source_, pool));
-  const auto by_bench = emulated.run(plans, RigKind::kExplored, source_, pool);
+  const double simulated_mm =
+      mean_error_mm(simulated.run(plans, RigKind::kExplored, source_, pool, false, folders("simulated")));
+  const auto by_bench = emulated.run(plans, RigKind::kExplored, source_, pool, false, folders("emulated"));
   double stopped = 0.0;
   for (const TrialResult& trial : by_bench) {
     if (trial.completed) continue;

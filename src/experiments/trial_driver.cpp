@@ -10,41 +10,41 @@
 namespace lodestone::experiments {
 namespace {
 
-/// One trial on the connected rig, watched, and filmed where that is asked for.
+/// One trial on the connected rig, watched, and recorded where that is asked for.
 TrialResult drive_one(session::RigSession& rig, const DeploymentConfig& config, const TrialPlan& plan,
-                      const ControllerSource& source, const std::string& video_folder,
-                      const TrialWatch& watch) {
-  std::optional<TrialVideo> video;
-  const RecordingConfig& record = config.record;
-  if (!video_folder.empty() && plan.index < record.trials)
-    video.emplace(video_file(video_folder, RigKind::kReal, source, plan), record, config.loop.period_s(),
-                  rig::bench_of(config.rig), source.action.scale, plan);
+                      const ControllerSource& source, const TrialFolders& folders, const TrialWatch& watch) {
+  TrialRecording recording(folders, config.record,
+                           {trial_name(RigKind::kReal, source, plan),
+                            plan,
+                            {rig.clock(), rig.coils(), rig.camera()},
+                            config.rig,
+                            config.loop.period_s(),
+                            source.action.scale,
+                            false});
   bool told = false;
   TrialResult result = run_on_session(rig, config, plan, source, {}, [&](const TrialSample& sample) {
-    const session::CameraDetector* camera = rig.camera();
     if (watch) watch(sample);
+    recording.show(sample);
     if (sample.step.rig_changed && !std::exchange(told, true))
       common::log_warning(
           "after " + std::to_string(std::lround(sample.step.time_s)) +
           " s the needle no longer moves as the simulator expects of any strength of the "
           "rig: look after coils, needle and camera, or learn the rig anew (lodestone adapt)");
-    if (video && camera->calibration())
-      video->show(camera->frame(), camera->calibration()->camera, sample.step);
   });
-  if (video) video->finish();
+  recording.finish(result);
   return result;
 }
 
 }  // namespace
 
 TrialDriver virtual_driver(const DeploymentConfig& config, std::int64_t threads, bool realtime,
-                           const std::string& video_folder) {
+                           const TrialFolders& folders) {
   const auto deployment = std::make_shared<const Deployment>(config);
   const auto pool = std::make_shared<common::ThreadPool>(realtime ? 1 : static_cast<std::size_t>(threads));
   TrialDriver driver;
   driver.drive = [=](const std::vector<TrialPlan>& plans, RigKind kind, const ControllerSource& source,
                      const TrialWatch&) {
-    return deployment->run(plans, kind, source, *pool, realtime, video_folder);
+    return deployment->run(plans, kind, source, *pool, realtime, folders);
   };
   driver.fits = [deployment](const geometry::Pose2& pose) { return deployment->fits(pose); };
   driver.stopped = [] { return std::string(); };
@@ -53,15 +53,15 @@ TrialDriver virtual_driver(const DeploymentConfig& config, std::int64_t threads,
 }
 
 TrialDriver session_driver(session::RigSession& rig, const DeploymentConfig& config, bool ask_to_place,
-                           const std::string& video_folder) {
+                           const TrialFolders& folders) {
   TrialDriver driver;
-  driver.drive = [&rig, config, ask_to_place, video_folder](const std::vector<TrialPlan>& plans, RigKind,
-                                                            const ControllerSource& source,
-                                                            const TrialWatch& watch) {
+  driver.drive = [&rig, config, ask_to_place, folders](const std::vector<TrialPlan>& plans, RigKind,
+                                                       const ControllerSource& source,
+                                                       const TrialWatch& watch) {
     std::vector<TrialResult> results;
     for (const TrialPlan& plan : plans) {
       if (ask_to_place) rig.place(plan.start);
-      results.push_back(drive_one(rig, config, plan, source, video_folder, watch));
+      results.push_back(drive_one(rig, config, plan, source, folders, watch));
     }
     return results;
   };

@@ -117,7 +117,7 @@ void McapWriter::write(std::uint16_t channel, std::uint64_t time_ns, std::string
 void McapWriter::flush() {
   if (!chunk_.empty()) write_chunk();
   file_.flush();
-  if (!file_) throw common::IoError("cannot write " + path_ + ": " + std::strerror(errno));
+  check();
 }
 
 void McapWriter::write_chunk() {
@@ -145,6 +145,7 @@ void McapWriter::write_chunk() {
   chunk_index_.clear();
   append(chunk + indexes);
   file_.flush();
+  check();
 }
 
 void McapWriter::finish() {
@@ -172,7 +173,7 @@ void McapWriter::finish() {
                               fixed<std::uint64_t>(footer.size() + sizeof(std::uint32_t)) + footer;
   append(checked + fixed(crc32_of(checked)) + std::string(kMagic));
   file_.close();
-  if (!file_) throw common::IoError("cannot write " + path_ + ": " + std::strerror(errno));
+  check();
 }
 
 std::string McapWriter::statistics() const {
@@ -187,9 +188,13 @@ std::string McapWriter::statistics() const {
                                  fixed(start_ns_) + fixed(end_ns_) + counted(counts));
 }
 
+void McapWriter::check() const {
+  if (!file_) throw common::IoError("cannot write " + path_ + ": " + std::strerror(errno));
+}
+
 void McapWriter::append(const std::string& bytes) {
   file_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!file_) throw common::IoError("cannot write " + path_ + ": " + std::strerror(errno));
+  check();
   size_ += bytes.size();
   crc_ = crc32_of(bytes, crc_);
 }

@@ -1,5 +1,7 @@
 #include "lodestone/exports/rig_log.h"
 
+#include <utility>
+
 namespace lodestone::exports {
 namespace {
 
@@ -7,6 +9,12 @@ constexpr const char* kDish = "dish";
 constexpr const char* kCamera = "camera";
 /// Who begins to look in the middle of a log needs to hear of the frame, too.
 constexpr std::uint64_t kFrameEvery_ns = 10'000'000'000;
+
+std::string listed(const std::vector<std::string>& faults) {
+  std::string text;
+  for (const std::string& fault : faults) text += (text.empty() ? "" : ", ") + fault;
+  return text;
+}
 
 }  // namespace
 
@@ -49,6 +57,21 @@ void RigLog::step(const LoggedStep& step) {
   if (step.current_A) writer_.write(pulses_, time_ns, coil_pulse_message(time_ns, *step.current_A));
   if (step.reading) writer_.write(status_, time_ns, coil_status_message(time_ns, *step.reading));
   writer_.write(steps_, time_ns, step_message(time_ns, step.facts));
+  tell_changes(step);
+}
+
+void RigLog::tell_changes(const LoggedStep& step) {
+  const StepFacts& facts = step.facts;
+  if (std::exchange(sensed_, facts.sensed) != facts.sensed)
+    event(step.time_ns, facts.sensed ? LogLevel::kInfo : LogLevel::kWarning,
+          facts.sensed ? "the needle is seen again" : "no pose: " + facts.reason);
+  if (!std::exchange(rig_changed_, facts.rig_changed) && facts.rig_changed)
+    event(step.time_ns, LogLevel::kWarning,
+          "the needle no longer moves as the simulator expects of any strength of the rig");
+  const std::vector<std::string> faults = step.reading ? step.reading->faults : faults_;
+  if (std::exchange(faults_, faults) != faults)
+    event(step.time_ns, faults.empty() ? LogLevel::kInfo : LogLevel::kError,
+          faults.empty() ? "the coils report no fault any more" : "the coils report: " + listed(faults));
 }
 
 void RigLog::image(std::uint64_t time_ns, std::uint64_t taken_ns, std::string_view jpeg) {

@@ -43,6 +43,16 @@ def expect(text, *parts):
         assert part in text, f"{part!r} is missing in:\n{text}"
 
 
+def read_log(how, file):
+    """A log as npm's readers see it: `indexed` where it has its end, else as a `stream`."""
+    reader = ["node", source / "tests/node/read_mcap.js", how, file]
+    return json.loads(subprocess.run(reader, check=True, stdout=subprocess.PIPE).stdout)
+
+
+def of(log, topic):
+    return [entry for entry in log["messages"] if entry["topic"] == topic]
+
+
 def start(*arguments, **options):
     return subprocess.Popen([*as_user, lodestone, *map(str, arguments)], stdin=subprocess.DEVNULL,
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **options)
@@ -84,7 +94,7 @@ try:
 
     # The loop with the camera's image, on the serial port.
     text = run("deploy", "--rig", bench, "--controller", "baseline", "--task", "centre", "--trials", 2,
-               *patient, "--set", "trials.point_seconds=4", "--out", folder / "deploy")
+               *patient, "--set", "trials.point_seconds=4", "--mcap", "--out", folder / "deploy")
     expect(text, "as the camera saw them")
     summary = json.loads((folder / "deploy/summary.json").read_text())
     assert summary["scored_by"] == "camera" and summary["baseline"]["centre"]["n_trials"] == 2, summary
@@ -97,6 +107,18 @@ try:
     assert "mean_error_mm" not in summary["baseline"]["centre"] and summary["baseline"]["centre"]["sensed"]["mean_error_mm"] > 0
     with (folder / "deploy/trajectories.csv").open() as file:
         assert not any("true" in column for column in csv.DictReader(file).fieldnames)
+    # Each trial has a log, at the wall clock's time, with the image of each step.
+    for trial in trials:
+        log = read_log("indexed", folder / f"deploy/logs/real-baseline-centre-{trial['trial']}.mcap")
+        steps = of(log, "/step")
+        assert len(steps) == len(trial["time_s"]) and not of(log, "/needle/truth"), len(steps)
+        assert 0 < len(of(log, "/camera/image")) <= len(steps), len(of(log, "/camera/image"))
+        assert abs(int(steps[-1]["time_ns"]) / 1e9 - time.time()) < 300, steps[-1]["time_ns"]
+        taken = of(log, "/camera/image")[-1]["message"]["timestamp"]
+        age_s = int(of(log, "/camera/image")[-1]["time_ns"]) / 1e9 - int(taken["seconds"]) - int(taken["nanos"]) / 1e9
+        assert 0 < age_s < 5, age_s
+        ended = of(log, "/log")[-1]["message"]["message"]
+        assert ended == ("the trial has ended" if trial["completed"] else "stopped: " + trial["stop_reason"]), ended
 
     # The stop file ends a run at once, and what was measured is written.
     running = start("deploy", "--rig", bench, "--controller", "baseline", "--task", "centre", "--trials", 5,
@@ -111,11 +133,13 @@ try:
 
     # Killed outright: the pulse ends by itself, the next run finds a bench in order.
     running = start("deploy", "--rig", bench, "--controller", "baseline", "--task", "centre", "--trials", 5,
-                    *patient, "--out", folder / "killed")
+                    *patient, "--mcap", "--out", folder / "killed")
     wait_for(folder / "killed/trajectories.csv", running)
-    time.sleep(2)
+    time.sleep(6)
     running.kill()
     running.wait()
+    log = read_log("stream", folder / "killed/logs/real-baseline-centre-0.mcap")  # to the last whole chunk
+    assert not log["whole"] and of(log, "/step") and of(log, "/camera/image") and of(log, "/coils/pulse"), log["chunks"]
     time.sleep(1)
     expect(run("rig", "check", "--rig", bench, "--no-camera", "--yes"), "currents are as asked")
 

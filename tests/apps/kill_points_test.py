@@ -142,7 +142,7 @@ policy = ("train-policy", "--config", source / "configs/quickstart/policy.json",
           "training.updates_per_step=0.005", "--set", "training.checkpoint_every_s=0.1")
 deploy = ("deploy", "--models", source / "models/target", "--task", "point", "--trials", "3", "--seed", "4", "--sensor",
           "simulated")
-collect = ("collect", "--sensor", "simulated", "--set", "transitions=120", "--set", "episode_steps=8", "--set", "sessions=2",
+collect = ("collect", "--mcap", "--sensor", "simulated", "--set", "transitions=120", "--set", "episode_steps=8", "--set", "sessions=2",
            "--set", "checkpoint_every_s=0")
 dynamics = ("train-dynamics", "--set", "model.hidden=[16]", "--set", "training.epochs=4", "--set",
             "training.checkpoint_interval_s=0")
@@ -160,8 +160,10 @@ adapt = ("adapt", "--models", source / "models/dynamics_best", "--sensor", "simu
 sweep("adapt", adapt, ["driving/transitions.h5", "learning/checkpoint/manifest.json", "model/manifest.json"])
 sweep("train-policy", policy, ["checkpoint/manifest.json"])
 sweep("train-segmenter", segmenter, ["checkpoint/manifest.json"], exit_code=1)  # it sees no needle yet, and says so
-sweep("deploy", deploy, ["summary.json", "trials.json", "trajectories.csv"])
+logged = (*deploy, "--mcap")
+logs = [f"logs/explored-policy-point-{trial}.mcap" for trial in range(3)]
+sweep("deploy", logged, ["summary.json", "trials.json", "trajectories.csv", *logs])
 sweep_sizes("collect", collect, ["transitions.h5", "coverage.json", "summary.json"])
-sweep_sizes("deploy", deploy, ["summary.json", "trials.json", "trajectories.csv"])
+sweep_sizes("deploy", logged, ["summary.json", "trials.json", "trajectories.csv", *logs])
 sweep_plan(["collect/transitions.h5", "dynamics/checkpoint/manifest.json"])
 sweep_report()

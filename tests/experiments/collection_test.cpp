@@ -1,12 +1,15 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
 
 #include "control/fakes.h"
+#include "exports/mcap_file.h"
 #include "lodestone/common/error.h"
 #include "lodestone/control/goal_seeker.h"
 #include "lodestone/data/coverage.h"
 #include "lodestone/experiments/collection.h"
+#include "temporary_folder.h"
 
 using namespace lodestone;
 
@@ -201,4 +204,24 @@ TEST_CASE("a policy that explores goes on after a restore as if never stopped") 
   const data::Episode next = whole.next_episode(10);
   CHECK(next.length() == 10);  // it does not stop where the explorer would
   check_same(next, resumed.next_episode(10));
+}
+
+TEST_CASE("what is explored is logged, and after every episode in the file") {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "session-0.mcap";
+  experiments::Collection collection(simulated());
+  collection.log_into(path, {});
+  std::size_t steps = 0;
+  for (std::size_t episode = 1; episode <= 3; ++episode) {
+    const auto before = std::filesystem::file_size(path);
+    steps +=
+        static_cast<std::size_t>(collection.next_episode(6).length()) + 1;  // and the closing observation
+    CHECK(std::filesystem::file_size(path) > before);
+  }
+  collection.finish_log();
+  const auto messages = tests::mcap_messages(path);
+  CHECK(messages.at("/step").size() >= steps);  // a run without two poses in a row is no episode
+  CHECK(messages.at("/log").size() >= 3);
+  CHECK(messages.count("/target") == 0);
+  CHECK(messages.count("/needle/truth") == 0);
 }

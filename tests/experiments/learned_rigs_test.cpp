@@ -48,8 +48,8 @@ TEST_CASE("a learner learns the rig that it drives, once, and others drive as th
   const experiments::DeployConfig config = two_on_each();
   const tests::TemporaryFolder folder;
   const std::vector<experiments::RigLearner> learners = {{1000, true}};
-  const auto driver = experiments::learning_driver(
-      experiments::virtual_driver(config.deployment, 1, false, ""), learners, config, folder.path());
+  const auto driver = experiments::learning_driver(experiments::virtual_driver(config.deployment, 1, false),
+                                                   learners, config, folder.path());
   CHECK(driver.batch % 2 == 0);
   experiments::ControllerSource learner;
   learner.name = learners[0].name();

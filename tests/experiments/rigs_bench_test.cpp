@@ -140,7 +140,7 @@ TEST_CASE("planners that learned their rigs are compared with the one that only 
   job.sources[0].name = "planner";  // whoever drives, it is the name that counts
   const tests::TemporaryFolder folder;
   experiments::RigsRun run(bench, config, job, folder.path(),
-                           experiments::virtual_driver(config.deployment, 1, false, ""));
+                           experiments::virtual_driver(config.deployment, 1, false));
   common::MetricsLog metrics(folder.path());
   while (!run.progress().finished) run.step(metrics);
 

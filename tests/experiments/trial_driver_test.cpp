@@ -19,7 +19,7 @@ TEST_CASE("virtual rigs take what the clock says in real time, and give the same
   const auto config = quick_trial_config();
   const auto source = experiments::baseline_source(config);
   const auto drive = [&](bool realtime) {
-    const experiments::TrialDriver driver = experiments::virtual_driver(config, 2, realtime, "");
+    const experiments::TrialDriver driver = experiments::virtual_driver(config, 2, realtime);
     CHECK(driver.batch == (realtime ? 2 : 4));
     CHECK(driver.stopped().empty());
     const auto plan = experiments::plan_trial(config, "point", 0, std::nullopt, std::nullopt, driver.fits);
@@ -36,7 +36,7 @@ TEST_CASE("on a session trials go one after the other, and what stops it is said
   auto config = quick_trial_config();
   const auto source = experiments::baseline_source(config);
   const auto session = session::make_virtual_session(config.rig, config.sensor, config.safety, {});
-  const experiments::TrialDriver driver = experiments::session_driver(*session, config, true, "");
+  const experiments::TrialDriver driver = experiments::session_driver(*session, config, true);
   CHECK(driver.batch == 1);
   CHECK_FALSE(driver.fits({1.0, 0.0, 0.0}));
   const auto plan = experiments::plan_trial(config, "centre", 0, std::nullopt, std::nullopt, driver.fits);

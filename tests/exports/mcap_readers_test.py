@@ -29,7 +29,7 @@ def check_whole(log):
     counts = {topic: len(of(log, topic)) for topic in
               ("/camera/image", "/needle/pose", "/needle/truth", "/target", "/tf", "/coils/pulse", "/coils/status", "/step", "/log")}
     assert counts == {"/camera/image": 100, "/needle/pose": 99, "/needle/truth": 100, "/target": 100, "/tf": 3, "/coils/pulse": 100,
-                      "/coils/status": 99, "/step": 100, "/log": 2}, counts
+                      "/coils/status": 99, "/step": 100, "/log": 6}, counts
     assert sum(counts.values()) == len(log["messages"])
 
     image = of(log, "/camera/image")[7]
@@ -55,7 +55,9 @@ def check_whole(log):
     assert lost["error_m"] == 0 and "action_x" not in lost  # known and 0, and not known
 
     events = [(entry["message"]["level"], entry["message"]["message"]) for entry in of(log, "/log")]
-    assert events == [("INFO", "begins"), ("ERROR", "stopped: too warm")]
+    assert events == [("INFO", "begins"), ("WARNING", "no pose: nothing is seen"), ("INFO", "the needle is seen again"),
+                      ("ERROR", "the coils report: over-temperature, stuck driver"), ("INFO", "the coils report no fault any more"),
+                      ("ERROR", "stopped: too warm")], events
 
 
 def main():

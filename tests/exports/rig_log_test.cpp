@@ -34,7 +34,39 @@ TEST_CASE("a step is told on the topics of what is known of it") {
     CHECK(messages.at(topic).size() == 1);
   CHECK(Message(messages.at("/camera/image").at(0)).bytes.at(2) == "jpeg");
   CHECK(Message(Message(messages.at("/camera/image").at(0)).bytes.at(1)).numbers.at(2) == 590'000'000);
-  CHECK(Message(messages.at("/log").at(0)).bytes.at(3) == "far");
+  CHECK(Message(messages.at("/log").back()).bytes.at(3) == "far");
+}
+
+TEST_CASE("what changes from step to step is told once, as an event") {
+  const TemporaryFolder folder;
+  const std::string path = folder / "log.mcap";
+  exports::RigLog log(path, {});
+  exports::LoggedStep step;
+  const auto next = [&](bool sensed, const std::vector<std::string>& faults, bool rig_changed) {
+    step.time_ns += 300'000'000;
+    step.facts.sensed = sensed;
+    step.facts.reason = sensed ? "" : "nothing is seen";
+    step.facts.rig_changed = rig_changed;
+    step.reading.emplace().faults = faults;
+    for (int again = 0; again < 2; ++again) log.step(step);
+  };
+  next(true, {}, false);
+  next(false, {}, false);
+  next(true, {"over-temperature", "stuck driver"}, false);
+  step.reading.reset();
+  log.step(step);  // nothing is reported, and so nothing new
+  next(true, {}, true);
+  next(true, {}, false);
+  log.finish();
+  std::vector<std::pair<std::uint64_t, std::string>> told;
+  for (const std::string& event : mcap_messages(path).at("/log"))
+    told.emplace_back(Message(event).numbers.at(2), Message(event).bytes.at(3));
+  CHECK(told == std::vector<std::pair<std::uint64_t, std::string>>{
+                    {3, "no pose: nothing is seen"},
+                    {2, "the needle is seen again"},
+                    {4, "the coils report: over-temperature, stuck driver"},
+                    {3, "the needle no longer moves as the simulator expects of any strength of the rig"},
+                    {2, "the coils report no fault any more"}});
 }
 
 TEST_CASE("the frame is told again every ten seconds") {

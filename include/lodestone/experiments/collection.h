@@ -8,6 +8,7 @@
 #include "lodestone/control/control_loop.h"
 #include "lodestone/control/explorer.h"
 #include "lodestone/data/dataset.h"
+#include "lodestone/experiments/step_log.h"
 #include "lodestone/rig/rig_config.h"
 #include "lodestone/safety/supervisor.h"
 #include "lodestone/session/rig_session.h"
@@ -92,6 +93,12 @@ class Collection {
   /// Interrupted (the episode is lost) and HardwareError.
   data::Episode next_episode(std::int64_t max_steps);
 
+  /// Logs all that follows in a file, which is flushed after every episode. Throws IoError, as next_episode()
+  /// does then.
+  void log_into(const std::string& path, const McapConfig& config);
+  /// Ends the log, where there is one. Throws IoError.
+  void finish_log();
+
   /// Everything that changes, between two episodes; going on after restore() is bitwise as if never stopped.
   common::Json save() const;
   /// Throws DataError when the state is malformed.
@@ -101,12 +108,14 @@ class Collection {
   task::ActionConfig action() const;
   /// Drives, and says whether the needle is to be placed before the next run.
   control::LoopOutcome run(std::int64_t max_steps);
+  void note(exports::LogLevel level, const std::string& text);
 
   CollectionConfig config_;
   std::unique_ptr<session::RigSession> bench_;
   std::optional<Teleoperator> teleoperator_;
   control::Explorer explorer_;
   bool to_be_placed_;
+  std::optional<StepLog> log_;
 };
 
 }  // namespace lodestone::experiments

@@ -19,7 +19,7 @@
 #include "lodestone/control/turn_in_place.h"
 #include "lodestone/experiments/score.h"
 #include "lodestone/experiments/trial.h"
-#include "lodestone/experiments/trial_video.h"
+#include "lodestone/experiments/trial_recording.h"
 #include "lodestone/inference/policy.h"
 #include "lodestone/rig/rig_config.h"
 #include "lodestone/session/rig_session.h"
@@ -191,9 +191,8 @@ TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& c
                            const ControllerSource& source, const TruePose& truth = {},
                            const TrialWatch& watch = {});
 
-/// Name of a trial's video, without ending.
-std::string video_file(const std::string& folder, RigKind kind, const ControllerSource& source,
-                       const TrialPlan& plan);
+/// Name of a trial's files, without ending.
+std::string trial_name(RigKind kind, const ControllerSource& source, const TrialPlan& plan);
 
 /// Runs trials, each on a virtual rig of its own with its own random streams, so that results depend neither
 /// on threads nor on which other trials are run.
@@ -202,18 +201,17 @@ class Deployment {
   /// `drive`, when given, must be safe to call from several threads.
   explicit Deployment(const DeploymentConfig& config, MakeDrive drive = {});
 
-  /// Results in the order of `plans`. With `realtime`, every trial takes as long as it says. Videos go into
-  /// `video_folder`, which exists; none are made when it is empty.
+  /// Results in the order of `plans`. With `realtime`, every trial takes as long as it says.
   std::vector<TrialResult> run(const std::vector<TrialPlan>& plans, RigKind kind,
                                const ControllerSource& source, common::ThreadPool& pool,
-                               bool realtime = false, const std::string& video_folder = "") const;
+                               bool realtime = false, const TrialFolders& folders = {}) const;
 
   /// Whether the needle lies inside the wall at a pose.
   bool fits(const geometry::Pose2& pose) const { return sample_rig_->fits(pose); }
 
  private:
   TrialResult run_one(const TrialPlan& plan, RigKind kind, const ControllerSource& source, bool realtime,
-                      const std::string& video_folder) const;
+                      const TrialFolders& folders) const;
 
   DeploymentConfig config_;
   MakeDrive drive_;

@@ -21,6 +21,7 @@ struct DeployConfig {
   std::string on_rig = "explored";
   std::string controller = "auto";
   bool realtime = false;
+  McapConfig mcap;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -43,6 +44,7 @@ struct DeployConfig {
             "these; auto: the planner where a simulator is named and no policy is, else both",
             {"auto", "planner", "policy", "baseline", "both"});
     v.field("realtime", realtime, "", "wait as long as a real rig would");
+    v.group("mcap", mcap, "logs of the trials");
   }
   /// Throws ConfigError where values do not fit each other.
   void validate() const;

@@ -19,6 +19,7 @@ struct EmulationBenchConfig {
   std::int64_t threads = 0;
   std::string policy;
   std::string dynamics;
+  McapConfig mcap;
   std::int64_t pulses = 12000;
   std::int64_t round_trips = 500;
   std::int64_t timed_squares = 3;
@@ -41,6 +42,7 @@ struct EmulationBenchConfig {
     v.field(
         "dynamics", dynamics, "",
         "folder of the dynamics checkpoint that the planner plans in, and that the bench is identified by");
+    v.group("mcap", mcap, "logs of the squares");
     v.field("pulses", pulses, "",
             "pulses of the run with a random fault a minute; 12000 take an hour of bench time", {0, 1e6});
     v.field("round_trips", round_trips, "", "answers of the firmware to time", {10, 100000});
@@ -150,9 +152,12 @@ class EmulationBench {
 
  private:
   void add(const std::string& figure, double value, const char* unit, double bound);
-  RealTimeSquares drive_squares(const std::string& how);
+  /// What is logged of trials, in a folder of this name; nothing where no logs are asked for.
+  TrialFolders folders(const std::string& name) const;
+  RealTimeSquares drive_squares(const std::string& how, const TrialFolders& folders);
   /// Adds one to `squares`; returns by how much each of its pulses came too early or too late.
-  std::vector<double> drive_square(std::int64_t index, const std::string& how, RealTimeSquares& squares);
+  std::vector<double> drive_square(std::int64_t index, const std::string& how, const TrialFolders& folders,
+                                   RealTimeSquares& squares);
 
   const EmulationBenchConfig& config_;
   std::string folder_;

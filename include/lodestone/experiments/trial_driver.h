@@ -21,14 +21,13 @@ struct TrialDriver {
   std::size_t batch = 1;                             ///< trials driven together
 };
 
-/// Virtual rigs on `threads` threads (0: one per processor; with `realtime` one trial at a time). Videos go
-/// into `video_folder`, which exists; none are made when it is empty.
+/// Virtual rigs on `threads` threads (0: one per processor; with `realtime` one trial at a time).
 TrialDriver virtual_driver(const DeploymentConfig& config, std::int64_t threads, bool realtime,
-                           const std::string& video_folder);
+                           const TrialFolders& folders = {});
 
 /// A connected rig, which must outlive the driver. `ask_to_place`: somebody places the needle before each
 /// trial.
 TrialDriver session_driver(session::RigSession& rig, const DeploymentConfig& config, bool ask_to_place,
-                           const std::string& video_folder);
+                           const TrialFolders& folders = {});
 
 }  // namespace lodestone::experiments

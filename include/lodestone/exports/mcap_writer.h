@@ -52,6 +52,7 @@ class McapWriter {
   };
 
   void append(const std::string& bytes);
+  void check() const;
   void write_chunk();
   std::string statistics() const;
 
