@@ -23,6 +23,20 @@ void flush_denormals_to_zero() {
 #endif
 }
 
+unsigned float_mode() {
+#if defined(__SSE3__) || defined(__x86_64__)
+  return _mm_getcsr();
+#else
+  return 0;
+#endif
+}
+
+void set_float_mode([[maybe_unused]] unsigned mode) {
+#if defined(__SSE3__) || defined(__x86_64__)
+  _mm_setcsr(mode);
+#endif
+}
+
 /// How long a thread looks again and again before it sleeps: waking one takes longer than a short shard.
 constexpr std::chrono::microseconds kSpin{50};
 
@@ -47,6 +61,9 @@ bool spin_until(const Condition& condition) {
 }
 
 }  // namespace
+
+DenormalsFlushed::DenormalsFlushed() : before_(float_mode()) { flush_denormals_to_zero(); }
+DenormalsFlushed::~DenormalsFlushed() { set_float_mode(before_); }
 
 struct ThreadPool::State {
   std::vector<std::thread> workers;

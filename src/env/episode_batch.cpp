@@ -24,6 +24,16 @@ void visit_numbers(Pose& pose, Observation& seen, Number& target_heading_rad, Ga
 
 }  // namespace
 
+void adopt_data(const data::DatasetInfo& info, task::TaskConfig& task, task::EncoderConfig& encoder,
+                task::ActionConfig& action) {
+  action.scale = info.action_scale;
+  action.unit = info.action_unit;
+  action.one_axis_at_a_time = info.one_axis_at_a_time;
+  task.dish_radius_m = info.workspace_radius_m;
+  encoder.length_scale_m = info.workspace_radius_m;
+  if (info.layout != data::StateLayout::kPose) encoder.heading = task::HeadingEncoding::kNone;
+}
+
 EpisodeBatch::EpisodeBatch(const EpisodeSettings& settings, const SensorNoise& noise, const std::string& name)
     : settings_(settings),
       noise_(noise),
@@ -35,7 +45,8 @@ EpisodeBatch::EpisodeBatch(const EpisodeSettings& settings, const SensorNoise& n
   }
   slots_.reserve(static_cast<std::size_t>(settings.count));
   for (std::int64_t i = 0; i < settings.count; ++i)
-    slots_.emplace_back(common::RandomStream(settings.seed, name, static_cast<std::uint64_t>(i)));
+    slots_.emplace_back(
+        common::RandomStream(settings.seed, name, settings.first_stream + static_cast<std::uint64_t>(i)));
   result_.observation.resize(slots_.size() * columns_);
   result_.final_observation.resize(slots_.size() * columns_);
   result_.reward.resize(slots_.size());

@@ -108,7 +108,9 @@ void MbsEnv::step_shard(std::size_t shard, const float* actions) {
   choose_drives(first, last, actions, *scratch);
   gather(first, last, *scratch);
   if (mean_of_all_) {
-    predict_mean(*scratch);
+    inference::predict_mean(members_, scratch->state.data(), scratch->gathered_drive.data(),
+                            static_cast<std::int64_t>(scratch->gathered_drive.size() / 2),
+                            scratch->next.data(), scratch->one_member, scratch->workspace);
   } else {
     predict(*scratch);
   }
@@ -202,28 +204,6 @@ void MbsEnv::predict(Scratch& scratch) {
     } else {
       members_[m].predict(state, drive, static_cast<std::int64_t>(rows), next, scratch.workspace);
     }
-  }
-}
-
-void MbsEnv::predict_mean(Scratch& scratch) const {
-  const std::size_t rows = scratch.gathered_drive.size() / 2;
-  if (rows == 0) return;
-  const double fraction = 1.0 / static_cast<double>(members_.size());
-  std::fill(scratch.next.begin(), scratch.next.end(), 0.0);
-  scratch.one_member.resize(scratch.next.size());
-  for (const inference::FoldedDynamics& member : members_) {
-    member.predict(scratch.state.data(), scratch.gathered_drive.data(), static_cast<std::int64_t>(rows),
-                   scratch.one_member.data(), scratch.workspace);
-    for (std::size_t k = 0; k < scratch.next.size(); ++k) {
-      // Headings are averaged as turns from the present one, which no cut of the circle can split.
-      const bool heading = state_size_ == 3 && k % 3 == 2;
-      const double change = scratch.one_member[k] - scratch.state[k];
-      scratch.next[k] += fraction * (heading ? geometry::wrap_angle(change) : change);
-    }
-  }
-  for (std::size_t k = 0; k < scratch.next.size(); ++k) {
-    scratch.next[k] += scratch.state[k];
-    if (state_size_ == 3 && k % 3 == 2) scratch.next[k] = geometry::wrap_angle(scratch.next[k]);
   }
 }
 

@@ -1,6 +1,9 @@
 #include "lodestone/inference/dynamics.h"
 
+#include <algorithm>
+
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/angle.h"
 
 namespace lodestone::inference {
 namespace {
@@ -20,6 +23,29 @@ std::vector<task::Move> moves_between(const Array& from, const Array& to, std::s
 }  // namespace
 
 std::string member_part(std::size_t member) { return "member_" + std::to_string(member); }
+
+void predict_mean(const std::vector<FoldedDynamics>& members, const double* state, const double* drive,
+                  std::int64_t rows, double* next, std::vector<double>& one_member,
+                  FoldedDynamics::Workspace& workspace) {
+  LODESTONE_CHECK(!members.empty(), "the ensemble has no member");
+  const auto size = static_cast<std::size_t>(members.front().state_size());
+  const std::size_t count = static_cast<std::size_t>(rows) * size;
+  const double fraction = 1.0 / static_cast<double>(members.size());
+  std::fill_n(next, count, 0.0);
+  one_member.resize(count);
+  for (const FoldedDynamics& member : members) {
+    member.predict(state, drive, rows, one_member.data(), workspace);
+    for (std::size_t k = 0; k < count; ++k) {
+      const bool heading = size == 3 && k % 3 == 2;
+      const double change = one_member[k] - state[k];
+      next[k] += fraction * (heading ? geometry::wrap_angle(change) : change);
+    }
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    next[k] += state[k];
+    if (size == 3 && k % 3 == 2) next[k] = geometry::wrap_angle(next[k]);
+  }
+}
 
 DynamicsConfig dynamics_config_of(const Json& facts, const std::string& what) {
   try {

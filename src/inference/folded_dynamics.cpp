@@ -247,6 +247,38 @@ void FoldedDynamics::predict_distribution(const double* state, const double* dri
   if (rows != 0) std::copy_n(evaluate(state, drive, rows, workspace), rows * mixture_.outputs(), output);
 }
 
+PredictedMixture FoldedDynamics::predict_mixture(const double* state, const double* drive, std::int64_t rows,
+                                                 Workspace& workspace) const {
+  const auto size = static_cast<std::size_t>(state_size_);
+  PredictedMixture mixture;
+  mixture.components = std::max<std::int64_t>(1, mixture_.components);
+  const auto components = static_cast<std::size_t>(mixture.components);
+  mixture.weight.assign(static_cast<std::size_t>(rows) * components, 1.0);
+  mixture.mean.resize(mixture.weight.size() * size);
+  mixture.spread.assign(mixture.weight.size() * size, 0.0);
+  if (rows == 0) return mixture;
+  const float* output = evaluate(state, drive, rows, workspace);
+  if (!distribution()) {
+    write_next(state, output, rows, mixture.mean.data());
+    return mixture;
+  }
+  std::vector<float> weight(components);
+  for (std::size_t row = 0; row < static_cast<std::size_t>(rows); ++row, output += mixture_.outputs()) {
+    mixture_weights(output, mixture_, weight.data());
+    std::copy(weight.begin(), weight.end(), &mixture.weight[row * components]);
+    const float* mean = output + components;
+    const float* spread = mean + components * size;
+    for (std::size_t k = 0; k < components; ++k) {
+      const std::size_t place = (row * components + k) * size;
+      write_next(state + row * size, mean + k * size, 1, &mixture.mean[place]);
+      for (std::size_t i = 0; i < size; ++i)
+        mixture.spread[place + i] =
+            mixture_spread(spread[k * size + i]) * static_cast<double>(output_std_[i]);
+    }
+  }
+  return mixture;
+}
+
 void FoldedDynamics::log_density(const double* state, const float* output, const double* seen,
                                  const double* noise, std::int64_t rows, double* out) const {
   const auto size = static_cast<std::size_t>(state_size_);

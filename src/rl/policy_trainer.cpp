@@ -270,13 +270,8 @@ TrainPolicyConfig adopt_rig(TrainPolicyConfig config) {
 }
 
 TrainPolicyConfig adopt_data(TrainPolicyConfig config, const data::DatasetInfo& info) {
-  config.action.scale = info.action_scale;
-  config.action.unit = info.action_unit;
-  config.action.one_axis_at_a_time = info.one_axis_at_a_time;
-  config.task.dish_radius_m = info.workspace_radius_m;
-  config.encoder.length_scale_m = info.workspace_radius_m;
+  env::adopt_data(info, config.task, config.encoder, config.action);
   config.learned_rig = info.rig;
-  if (info.layout != data::StateLayout::kPose) config.encoder.heading = task::HeadingEncoding::kNone;
   return config;
 }
 

@@ -14,7 +14,7 @@ import tempfile
 SEES_TORCH = {"nets", "segmentation", "dynamics", "rl"}
 # Modules that a program can be linked from without LibTorch.
 LINKS_WITHOUT_TORCH = {"common", "geometry", "physics", "data", "task", "imaging", "runs", "inference", "vision", "rig", "env", "emulation",
-                       "control", "safety", "session", "report"}
+                       "control", "safety", "session", "report", "python"}
 MAY_SEE_TORCH = {"src/experiments/speed_figures.cpp", "src/experiments/speed_figures.h"}  # time LibTorch itself
 # Who may see where the needle really is: the virtual rig with its rendered camera and simulated sensor, the emulation, and
 # scoring with whatever hands the truth to it.
@@ -31,12 +31,19 @@ def ladder_of(root):
     return {module: set(allowed.split(", ")) - {""} for module, allowed in rows if module != "apps"}
 
 
+def folders_of(root, module):
+    """Where the headers and sources of a module lie; those of the package of Python are at the top."""
+    if module == "python":
+        return (root / "python" / "src",)
+    return (root / "include" / "lodestone" / module, root / "src" / module)
+
+
 def faults(root):
     ladder = ladder_of(root)
     found = [f"docs/architecture.md: {module} may include {other}, which is no module"
              for module, allowed in ladder.items() for other in allowed - set(ladder)]
     for module, allowed in ladder.items():
-        for folder in (root / "include" / "lodestone" / module, root / "src" / module):
+        for folder in folders_of(root, module):
             for path in sorted(folder.rglob("*")):
                 if path.suffix not in (".h", ".cpp"):
                     continue
@@ -55,7 +62,7 @@ def faults(root):
                     listed = [i for i in INCLUDE.findall(path.read_text()) if i.startswith("lodestone/")]
                     if (root / "include" / own).exists() and (not listed or listed[0] != own):
                         found.append(f"{path.relative_to(root)}: its own header {own} must come first")
-    for top in ("include", "src", "apps"):
+    for top in ("include", "src", "apps", "python"):
         for path in sorted((root / top).rglob("*")):
             if path.suffix in (".h", ".cpp") and not SEES_TRUTH.search(str(path)):
                 for line, text in enumerate(path.read_text().splitlines(), 1):
@@ -90,7 +97,7 @@ def torch_faults(root, ladder):
     known = {}
     folders = [root / "apps"]
     for module in set(ladder) - SEES_TORCH:
-        folders += [root / "include" / "lodestone" / module, root / "src" / module]
+        folders += folders_of(root, module)
     for folder in folders:
         for path in sorted(folder.rglob("*")):
             if path.suffix not in (".h", ".cpp") or str(path.relative_to(root)) in MAY_SEE_TORCH:
@@ -107,7 +114,7 @@ def link_faults(root, ladder):
     links = {}
     torch = set()
     for module, allowed in ladder.items():
-        path = root / "src" / module / "CMakeLists.txt"
+        path = (root / "python" if module == "python" else root / "src" / module) / "CMakeLists.txt"
         text = path.read_text() if path.is_file() else ""
         links[module] = set(re.findall(r"lodestone::(\w+)", text))
         for call in re.findall(r"lodestone_module\(([^)]*)\)", text):

@@ -1,9 +1,12 @@
 #include "lodestone/common/thread_pool.h"
 
 #include <catch2/catch.hpp>
+#include <cfenv>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
+using lodestone::common::DenormalsFlushed;
 using lodestone::common::ThreadPool;
 
 TEST_CASE("every shard runs exactly once, at any number of threads") {
@@ -32,4 +35,24 @@ TEST_CASE("an exception in a shard reaches the caller and the pool goes on") {
   std::vector<int> runs(8, 0);
   pool.for_each(8, [&runs](std::size_t shard) { runs[shard] = 1; });
   CHECK(runs == std::vector<int>(8, 1));
+}
+
+TEST_CASE("denormal numbers are flushed only while that is asked for", "[unit]") {
+  volatile double smallest = 2.3e-308;
+  bool kept_before = false;
+  bool flushed_within = false;
+  bool kept_after = false;
+  std::thread([&] {
+    std::fesetenv(FE_DFL_ENV);  // whatever pools have set in the thread that made this one
+    kept_before = smallest / 4.0 > 0.0;
+    {
+      const DenormalsFlushed flushed;
+      flushed_within = smallest / 4.0 == 0.0;
+      const ThreadPool pool(1);  // sets it, too
+    }
+    kept_after = smallest / 4.0 > 0.0;
+  }).join();
+  CHECK(kept_before);
+  CHECK(flushed_within);
+  CHECK(kept_after);
 }

@@ -114,6 +114,32 @@ TEST_CASE("drives are bounded actions in the unit of the scale", "[unit]") {
   CHECK_THROWS_AS(episodes.check_actions({0.0F}), common::LogicFault);
 }
 
+TEST_CASE("an environment's random numbers are those of its stream, wherever it stands in a batch",
+          "[unit]") {
+  EpisodeBatch three(tests::plain_settings(3), {}, "test");
+  EpisodeSettings settings = tests::plain_settings(1);
+  settings.first_stream = 2;
+  EpisodeBatch third(settings, {}, "test");
+  CHECK(third.random(0).uniform() == three.random(2).uniform());
+}
+
+TEST_CASE("the data say what an action means and how far the state reaches", "[unit]") {
+  data::DatasetInfo info;
+  info.layout = data::StateLayout::kPosition;
+  info.action_unit = "percent";
+  info.action_scale = 89.0;
+  info.workspace_radius_m = 0.03;
+  info.one_axis_at_a_time = true;
+  EpisodeSettings settings;
+  adopt_data(info, settings.task, settings.encoder, settings.action);
+  CHECK(settings.action.scale == 89.0);
+  CHECK(settings.action.unit == "percent");
+  CHECK(settings.action.one_axis_at_a_time);
+  CHECK(settings.task.dish_radius_m == 0.03);
+  CHECK(settings.encoder.length_scale_m == 0.03);
+  CHECK(settings.encoder.heading == task::HeadingEncoding::kNone);
+}
+
 TEST_CASE("episodes of another number are refused", "[unit]") {
   CHECK_THROWS_AS(begun(tests::plain_settings(2)).load(begun(tests::plain_settings(3)).save()),
                   common::CheckpointError);

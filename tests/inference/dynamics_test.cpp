@@ -3,7 +3,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "env/linear_model.h"
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/angle.h"
 
 using namespace lodestone;
 using inference::DynamicsModel;
@@ -42,4 +44,16 @@ TEST_CASE("a dataset's description comes back, and a malformed one is named", "[
   CHECK_THROWS_AS(inference::dataset_info_of(facts, "it"), common::CheckpointError);
   facts["dataset"]["layout"] = "sideways";
   CHECK_THROWS_WITH(inference::dataset_info_of(facts, "it"), Catch::Contains("it: layout \"sideways\""));
+}
+
+TEST_CASE("an ensemble's mean averages turns, not headings", "[unit]") {
+  const DynamicsModel model = env::tests::linear_model(data::StateLayout::kPose, {1e-3, 3e-3}, {0.3, -0.1});
+  const double state[6] = {0.0, 0.01, 3.1, 0.02, 0.0, -1.0};
+  const double drive[4] = {2.0, 0.0, 0.0, 1.0};
+  double next[6];
+  std::vector<double> one_member;
+  inference::FoldedDynamics::Workspace workspace;
+  inference::predict_mean(model.members, state, drive, 2, next, one_member, workspace);
+  const double expected[6] = {0.004, 0.01, 3.2 - 2.0 * geometry::kPi, 0.02, 0.002, -0.9};
+  for (std::size_t i = 0; i < 6; ++i) CHECK(next[i] == Approx(expected[i]).margin(1e-6));
 }

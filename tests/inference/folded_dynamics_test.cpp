@@ -96,3 +96,47 @@ TEST_CASE("the density of a state is per metre and radian, and turns wrap around
   CHECK(log_density[0] == Approx(peak).epsilon(1e-4));
   CHECK(log_density[1] == Approx(peak - 0.5 - 0.125).epsilon(1e-3));
 }
+
+TEST_CASE("what is predicted can be had as a mixture in metres and radians", "[unit]") {
+  const DynamicsModel noisy = env::tests::noisy_linear_model(1e-3);
+  inference::FoldedDynamics::Workspace workspace;
+  const double state[6] = {0.01, 0.0, 3.0, -0.02, 0.01, -1.0};
+  const double drive[4] = {2.0, 0.0, -1.0, 4.0};
+  const inference::PredictedMixture one = noisy.members.front().predict_mixture(state, drive, 2, workspace);
+  CHECK(one.components == 1);
+  CHECK(one.weight == std::vector<double>{1.0, 1.0});
+  double mean[6];
+  noisy.members.front().predict(state, drive, 2, mean, workspace);
+  for (std::size_t i = 0; i < 6; ++i) {
+    CHECK(one.mean[i] == mean[i]);
+    CHECK(one.spread[i] == Approx(env::tests::kLinearNoise_m).epsilon(1e-4));
+  }
+  const DynamicsModel exact = env::tests::linear_model(data::StateLayout::kPosition, {1e-3}, {});
+  const inference::PredictedMixture value = exact.members.front().predict_mixture(state, drive, 1, workspace);
+  CHECK(value.components == 1);
+  CHECK(value.weight == std::vector<double>{1.0});
+  CHECK(value.mean[0] == Approx(0.012).margin(1e-7));
+  CHECK(value.spread == std::vector<double>{0.0, 0.0});
+}
+
+TEST_CASE("the components of a mixture are weighed and placed one by one", "[unit]") {
+  const DynamicsModel model =
+      inference::load_dynamics(std::string(LODESTONE_SOURCE_DIR) + "/models/dynamics_best");
+  inference::FoldedDynamics::Workspace workspace;
+  const double state[3] = {0.01, -0.005, 0.4};
+  const double drive[2] = {6.0, -4.0};
+  const inference::FoldedDynamics& member = model.members.front();
+  const inference::PredictedMixture mixture = member.predict_mixture(state, drive, 1, workspace);
+  REQUIRE(mixture.components == 3);
+  REQUIRE(mixture.mean.size() == 9);
+  double next[3];
+  member.predict(state, drive, 1, next, workspace);
+  double total = 0.0, x_m = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    total += mixture.weight[k];
+    x_m += mixture.weight[k] * mixture.mean[3 * k];
+    CHECK(mixture.spread[3 * k] > 0.0);
+  }
+  CHECK(total == Approx(1.0).epsilon(1e-6));
+  CHECK(x_m == Approx(next[0]).epsilon(1e-5));
+}

@@ -10,9 +10,23 @@ namespace lodestone::common {
 /// What is asked for, or one per processor where that is 0.
 std::int64_t thread_count(std::int64_t asked);
 
+/// Sets flush-to-zero for denormal numbers in this thread while it lives, and then what was set before: for
+/// programs of others, whose arithmetic is theirs.
+class DenormalsFlushed {
+ public:
+  DenormalsFlushed();
+  ~DenormalsFlushed();
+  DenormalsFlushed(const DenormalsFlushed&) = delete;
+  DenormalsFlushed& operator=(const DenormalsFlushed&) = delete;
+
+ private:
+  unsigned before_;
+};
+
 /// A fixed set of workers for data-parallel loops. The caller works too, so ThreadPool(1) starts no thread.
 /// Work is cut into shards by the caller; results must not depend on which worker runs a shard.
-/// Every worker sets flush-to-zero for denormal numbers.
+/// Every worker sets flush-to-zero for denormal numbers, and so does the thread that makes the pool, for
+/// good.
 class ThreadPool {
  public:
   /// threads: 1 or more; 0 means one per processor.

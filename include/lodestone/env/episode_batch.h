@@ -10,6 +10,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/random.h"
+#include "lodestone/data/dataset_info.h"
 #include "lodestone/env/vec_env.h"
 #include "lodestone/geometry/pose2.h"
 #include "lodestone/task/action.h"
@@ -25,10 +26,16 @@ struct EpisodeSettings {
   task::EncoderConfig encoder;
   task::ActionConfig action;
   std::uint64_t seed = 1;
+  std::uint64_t first_stream = 0;  ///< of the random streams of `seed`: environment i draws from i further
   std::shared_ptr<const task::Region> region;  ///< starts and goals lie in it; everywhere when null
   std::int64_t shrink_steps =
       0;  ///< steps of one environment over which the success radius shrinks; 0: it has
 };
+
+/// Fills in what the data that a simulator was learned from say of the rig: its reach, the drive that an
+/// action of 1 means, the one-axis rule, and that there is no heading.
+void adopt_data(const data::DatasetInfo& info, task::TaskConfig& task, task::EncoderConfig& encoder,
+                task::ActionConfig& action);
 
 /// What an environment adds to the task's own rules.
 struct StepEnd {
@@ -48,7 +55,7 @@ struct SensorNoise {
 /// thread.
 class EpisodeBatch {
  public:
-  /// `name` names the random streams: (seed, name, i).
+  /// `name` names the random streams: (seed, name, first_stream + i).
   EpisodeBatch(const EpisodeSettings& settings, const SensorNoise& noise, const std::string& name);
 
   EnvSpec spec() const;

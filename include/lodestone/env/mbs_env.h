@@ -100,7 +100,6 @@ class MbsEnv final : public VecEnv {
   void choose_drives(std::size_t first, std::size_t last, const float* actions, Scratch& scratch);
   void gather(std::size_t first, std::size_t last, Scratch& scratch) const;
   void predict(Scratch& scratch);
-  void predict_mean(Scratch& scratch) const;
   void measure_disagreement(Scratch& scratch) const;
   std::unique_ptr<Scratch> borrow_scratch();
   void give_back(std::unique_ptr<Scratch> scratch);

@@ -24,6 +24,13 @@ struct DynamicsModel {
 /// From a checkpoint of kind "dynamics", which dynamics::save_model writes. Throws CheckpointError.
 DynamicsModel load_dynamics(const std::string& folder);
 
+/// What all members together expect, their mean: writes `next` [rows, S] for `state` [rows, S] and `drive`
+/// [rows, 2] in the dataset's unit. Headings are averaged as turns from the present one, which no cut of the
+/// circle can split. `one_member` is scratch. `next` must not be `state`.
+void predict_mean(const std::vector<FoldedDynamics>& members, const double* state, const double* drive,
+                  std::int64_t rows, double* next, std::vector<double>& one_member,
+                  FoldedDynamics::Workspace& workspace);
+
 /// Shape and dataset that a checkpoint's facts tell. Throws CheckpointError naming `what`.
 DynamicsConfig dynamics_config_of(const common::Json& facts, const std::string& what);
 data::DatasetInfo dataset_info_of(const common::Json& facts, const std::string& what);

@@ -12,6 +12,15 @@
 
 namespace lodestone::inference {
 
+/// Next states as they are predicted, as mixtures of K Gaussians with diagonal covariance. Where a single
+/// value is predicted: one component without spread.
+struct PredictedMixture {
+  std::int64_t components = 1;  ///< K
+  std::vector<double> weight;   ///< [rows, K], each row adds up to 1
+  std::vector<double> mean;     ///< [rows, K, S] in m, m and rad, headings in (-pi, pi]
+  std::vector<double> spread;   ///< [rows, K, S] standard deviations in m, m and rad
+};
+
 /// A dynamics network for fast evaluation: normalisers and batch normalisation (evaluation mode) are folded
 /// into the linear layers, so that a step is a few float32 matrix products into buffers that are kept. Agrees
 /// with dynamics::Network::forward to rounding. predict() is const: threads share the network, each with
@@ -51,6 +60,10 @@ class FoldedDynamics {
   /// and how likely in it what was seen is.
   void log_density(const double* state, const float* output, const double* seen, const double* noise,
                    std::int64_t rows, double* out) const;
+
+  /// The predicted distribution of the next state.
+  PredictedMixture predict_mixture(const double* state, const double* drive, std::int64_t rows,
+                                   Workspace& workspace) const;
 
   int state_size() const { return state_size_; }
   /// A distribution over changes is predicted, not a single value.

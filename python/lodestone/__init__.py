@@ -1,0 +1,63 @@
+"""Lodestone from Python: learned simulators, policies and planners, and environments for reinforcement learning.
+
+Lengths are in m, headings in rad, currents in A. The origin is the dish centre, x points to coil +x, y to coil +y.
+The environments need Gymnasium, everything else numpy alone. LibTorch is not loaded.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+from typing import TYPE_CHECKING, Any
+
+from . import _lodestone, errors
+from .controllers import Planner, Policy, save_policy
+from .dynamics import Dynamics, Prediction
+from .errors import (CheckpointError, ConfigError, DataError, Error, HardwareError, IoError, NotFoundError)
+from .transitions import Transitions
+
+if TYPE_CHECKING:
+    from .mbs_env import MbsEnv
+    from .rig_env import RigEnv
+    from .sb3 import Sb3VecEnv, actor_layers
+    from .vector import MbsVectorEnv, make_vec
+
+__version__: str = _lodestone.version()
+
+# Name: where it lies, and what must be there besides.
+_ON_DEMAND = {"MbsEnv": ("mbs_env", "gymnasium"), "RigEnv": ("rig_env", "gymnasium"), "MbsVectorEnv": ("vector", "gymnasium"),
+              "make_vec": ("vector", "gymnasium"), "Sb3VecEnv": ("sb3", "stable_baselines3"),
+              "actor_layers": ("sb3", "stable_baselines3")}
+_PROJECTS = {"gymnasium": "Gymnasium", "stable_baselines3": "Stable-Baselines3"}
+
+__all__ = ["CheckpointError", "ConfigError", "DataError", "Dynamics", "Error", "HardwareError", "IoError",
+           "NotFoundError", "Planner", "Policy", "Prediction", "Transitions", "errors", "save_policy", *_ON_DEMAND]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _ON_DEMAND:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module, needed = _ON_DEMAND[name]
+    try:
+        return getattr(importlib.import_module(f".{module}", __name__), name)
+    except ModuleNotFoundError as error:
+        missing = (error.name or needed).partition(".")[0]
+        raise ImportError(f"lodestone.{name} needs {_PROJECTS.get(missing, missing)}, which is not installed: "
+                          f"pip install {missing.replace('_', '-')}") from error
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_ON_DEMAND])
+
+
+def _register() -> None:
+    """lodestone/Mbs-v0 and lodestone/Rig-v0, where Gymnasium is installed."""
+    if importlib.util.find_spec("gymnasium") is None:
+        return
+    from gymnasium.envs.registration import register
+
+    register("lodestone/Mbs-v0", entry_point=f"{__name__}.mbs_env:MbsEnv", vector_entry_point=f"{__name__}.vector:make_vec")
+    register("lodestone/Rig-v0", entry_point=f"{__name__}.rig_env:RigEnv")
+
+
+_register()

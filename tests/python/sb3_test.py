@@ -1,0 +1,101 @@
+"""Stable-Baselines3's TD3 learns in the learned simulator, and `lodestone deploy` drives a rig with its actor. In a soak it learns the centre."""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+import torch
+from stable_baselines3 import TD3
+from stable_baselines3.common.noise import NormalActionNoise
+from stable_baselines3.common.vec_env import VecMonitor
+
+import lodestone
+import support
+
+sys.path.append(str(support.source / "tests/apps"))
+import soak
+
+SAMPLE, MOST, BETWEEN = 3_000, 200_000, 10_000  # environment steps; an evaluation every BETWEEN
+EPISODES = 256
+
+
+def make_model(dynamics):
+    """TD3 with the numbers of configs/fast/policy_centre.json."""
+    torch.set_num_threads(1)
+    environments = lodestone.Sb3VecEnv(lodestone.make_vec(dynamics, 32, "centre", seed=1, threads=1))
+    return TD3("MlpPolicy", environments, learning_rate=lambda left: 1e-3 * max(left, 0.1), buffer_size=100_000, learning_starts=2000, batch_size=256,
+               gamma=0.97, train_freq=1, gradient_steps=4, action_noise=NormalActionNoise(np.zeros(2), np.full(2, 0.15)), target_policy_noise=0.1,
+               target_noise_clip=0.25, policy_kwargs={"net_arch": [128, 128]}, seed=1)
+
+
+def success_rate(act, environments, seed):
+    """Of the first episode of each environment."""
+    observation, _ = environments.reset(seed=seed)
+    reached, over = np.zeros((2, EPISODES), bool)
+    while not over.all():
+        observation, _, terminated, truncated, infos = environments.step(act(observation))
+        reached |= infos["success"] & ~over
+        over |= terminated | truncated
+    return reached.mean()
+
+
+def learn(model, environments):
+    """A sample of the training, or in a soak all of it: until 97 % of the episodes that it is chosen by succeed."""
+    if not soak.whole:
+        return model.learn(SAMPLE)
+    for _ in range(MOST // BETWEEN):
+        model.learn(BETWEEN, reset_num_timesteps=False)
+        if success_rate(lambda seen: model.predict(seen, deterministic=True)[0], environments, seed=7) >= 0.97:
+            break
+    return model
+
+
+class StableBaselines(unittest.TestCase):
+    def test_its_actor_becomes_a_policy(self):
+        dynamics = lodestone.Dynamics.load(support.models / "dynamics_best")
+        environments = lodestone.make_vec(dynamics, EPISODES, "centre", threads=1)
+        model = learn(make_model(dynamics), environments)
+        with tempfile.TemporaryDirectory() as place:
+            folder = pathlib.Path(place) / "policy"
+            lodestone.save_policy(folder, lodestone.actor_layers(model.policy.actor), contract=environments.contract)
+            policy = lodestone.Policy.load(folder)
+            observation, _ = environments.reset(seed=78)
+            np.testing.assert_allclose(policy.act(observation), model.predict(observation, deterministic=True)[0], atol=1e-5)
+            rate = success_rate(policy.act, environments, seed=77)
+            print(f"success in {EPISODES} fresh episodes after {model.num_timesteps} steps: {100 * rate:.1f} %")
+            if soak.whole:
+                self.assertGreaterEqual(rate, 0.95)
+            made = subprocess.run([support.program, "deploy", "--policy", folder, "--task", "centre", "--trials", "2", "--sensor", "simulated", "--out",
+                                   f"{place}/run"], capture_output=True, text=True, cwd=place)
+            self.assertEqual(made.returncode, 0, made.stderr)
+            trials = json.loads((pathlib.Path(place) / "run/trials.json").read_text())
+            self.assertEqual([trial["completed"] for trial in trials if trial["controller"] == "policy"], [True] * 2)
+        soak.told(model.num_timesteps, "steps of Stable-Baselines3's TD3")
+
+    def test_a_batch_is_what_it_wants(self):
+        """Its own wrapper agrees on rewards and ends; what it is given is its to keep."""
+        environments = lodestone.Sb3VecEnv(lodestone.make_vec(support.models / "dynamics_best", 4, "centre", threads=1))
+        environments.seed(3)
+        first = VecMonitor(environments).reset()
+        held = first.copy()
+        ends = []
+        for step in range(45):
+            observation, reward, done, infos = environments.step(np.zeros((4, 2), np.float32))
+            for i in np.flatnonzero(done):
+                ends.append(infos[i])
+        np.testing.assert_array_equal(first, held)
+        self.assertEqual(len(ends), 4)  # nothing moved, so all were cut
+        self.assertTrue(all(end["TimeLimit.truncated"] and not end["is_success"] for end in ends))
+        self.assertEqual(ends[0]["terminal_observation"].shape, observation[0].shape)
+
+    def test_another_network_is_refused(self):
+        environments = lodestone.Sb3VecEnv(lodestone.make_vec(lodestone.Dynamics.load(support.models / "dynamics_best"), 2))
+        model = TD3("MlpPolicy", environments, policy_kwargs={"activation_fn": torch.nn.Tanh, "net_arch": [8]})
+        with self.assertRaisesRegex(ValueError, "ReLU between them"):
+            lodestone.actor_layers(model.policy.actor)
+
+
+support.main()
