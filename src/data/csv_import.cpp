@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-#include "impossible_rows.h"
+#include "import_rows.h"
 #include "lodestone/common/csv_table.h"
 #include "lodestone/common/shown.h"
 #include "lodestone/common/spelling.h"
@@ -21,7 +21,6 @@ namespace {
 using common::CsvTable;
 using common::DataError;
 using common::joined;
-using common::RowError;
 
 const std::vector<std::string> kPulseColumns = {"coil",        "drive_percent", "x_before_mm",
                                                 "y_before_mm", "x_after_mm",    "y_after_mm"};
@@ -34,97 +33,14 @@ const std::vector<std::string> kLogColumns = {"camera_frame_number",
                                               "localization_y",
                                               "localization_angle"};
 
-constexpr double kFullDrivePercent = 100.0;
-// A measured current may overshoot the set one a little; further off the row is taken for a fault.
-constexpr double kCurrentMargin = 1.2;
+constexpr const char* kRemedy = "position_unit, centre_x and centre_y, or the rig's dish";
 // Where the dish is not known, positions beyond this many workspace radii cannot be; with fewer positions
 // than this, nobody can tell.
 constexpr double kUnknownDishMargin = 1.5;
 constexpr std::size_t kFewestPositions = 100;
-// More of them mean a wrong unit or centre, not glitches.
-constexpr double kMostImpossible = 0.05;
 // The recorded sphere's dish is not known: the workspace is the radius that this fraction of positions lies
 // in.
 constexpr double kWorkspaceQuantile = 0.995;
-constexpr double kLargestAngle = 1e6;  // rad or degrees; more turns than a log could count
-
-/// A number of a cell with a bound to both sides, beyond which it is garbage.
-double number_within(const CsvTable& table, std::size_t column, double bound) {
-  const double value = table.number(column);
-  if (std::abs(value) > bound) table.fail(column, fmt::format("within {:g} .. {:g}", -bound, bound));
-  return value;
-}
-
-/// Runs `read` on every row, and settles what a malformed one does.
-template <class Read, class OnSkip>
-void for_each_row(CsvTable& table, const CsvImportConfig& config, CsvImportResult& result, const Read& read,
-                  const OnSkip& on_skip) {
-  while (table.next()) {
-    ++result.rows;
-    try {
-      table.check_width();
-      read();
-    } catch (const RowError& error) {
-      if (config.on_error != OnError::kSkip)
-        throw DataError(std::string(error.what()) + " (--on-error skip leaves such rows out)");
-      ++result.skipped;
-      if (static_cast<std::int64_t>(result.problems.size()) < config.max_reported)
-        result.problems.emplace_back(error.what());
-      on_skip();
-    }
-  }
-}
-
-/// Episodes as they are read, and the line of the file that each observation comes from.
-class Recording {
- public:
-  explicit Recording(Dataset& dataset) : dataset_(dataset) {}
-
-  const std::vector<double>& seen() const { return episode_.observations; }
-  template <std::size_t S>
-  void observe(const std::array<double, S>& state, std::int64_t line) {
-    episode_.observations.insert(episode_.observations.end(), state.begin(), state.end());
-    lines_.push_back(line);
-  }
-  void act(const std::array<double, 2>& action) {
-    episode_.actions.insert(episode_.actions.end(), action.begin(), action.end());
-    episode_.terminations.push_back(0);
-    episode_.truncations.push_back(0);
-    episode_.zero_current.push_back(action[0] == 0.0 && action[1] == 0.0 ? 1 : 0);
-  }
-  /// Ends an episode: a recording never ends by itself, it is cut.
-  void cut() {
-    if (episode_.length() > 0) {
-      episode_.truncations.back() = 1;
-      dataset_.episodes.push_back(std::move(episode_));
-      lines_of_episodes_.push_back(std::move(lines_));
-    }
-    episode_ = Episode{};
-    lines_.clear();
-  }
-  const std::vector<std::vector<std::int64_t>>& lines() const { return lines_of_episodes_; }
-
- private:
-  Dataset& dataset_;
-  Episode episode_;
-  std::vector<std::int64_t> lines_;
-  std::vector<std::vector<std::int64_t>> lines_of_episodes_;
-};
-
-/// Takes out what lies beyond the limit, and says where it stood.
-void leave_out_impossible(CsvImportResult& result, const Recording& recording, double limit_m,
-                          const std::string& path) {
-  const auto found = separate_impossible(result.dataset, recording.lines(), limit_m);
-  if (static_cast<double>(found.size()) > kMostImpossible * static_cast<double>(result.rows))
-    throw DataError(path + ": " + std::to_string(found.size()) + " of " + std::to_string(result.rows) +
-                    " positions lie more than " + fmt::format("{:g}", limit_m * geometry::kMmPerM) +
-                    " mm from the centre, the first one in line " + std::to_string(found.front().line) +
-                    ": correct position_unit, centre_x and centre_y, or the rig's dish");
-  for (const ImpossiblePosition& position : found)
-    result.impossible.push_back(
-        fmt::format("{}:{}: a position {:.6g} mm from the centre, where nothing can be (limit {:.6g} mm)",
-                    path, position.line, position.radius_m * geometry::kMmPerM, limit_m * geometry::kMmPerM));
-}
 
 /// Distances from the centre, of all observations.
 std::vector<double> radii_of(const std::vector<Episode>& episodes) {
@@ -169,7 +85,7 @@ void read_pulses(CsvTable& table, const CsvImportConfig& config, const std::stri
   const std::vector<double> radii_m = radii_of(result.dataset.episodes);
   if (radii_m.size() >= kFewestPositions && config.impossible == Impossible::kLeaveOut)
     leave_out_impossible(result, recording,
-                         kUnknownDishMargin * common::percentile(radii_m, kWorkspaceQuantile), path);
+                         kUnknownDishMargin * common::percentile(radii_m, kWorkspaceQuantile), path, kRemedy);
 
   DatasetInfo& info = result.dataset.info;
   info.layout = StateLayout::kPosition;
@@ -252,7 +168,7 @@ void read_log(CsvTable& table, const CsvImportConfig& config, const std::string&
   for_each_row(table, config, result, read, cut);
   cut();
   if (config.impossible == Impossible::kLeaveOut)
-    leave_out_impossible(result, recording, config.dish_radius_m, path);
+    leave_out_impossible(result, recording, config.dish_radius_m, path, kRemedy);
 
   DatasetInfo& info = result.dataset.info;
   info.layout = StateLayout::kPose;
@@ -284,7 +200,7 @@ CsvImportResult import_csv(const std::string& path, const CsvImportConfig& confi
                     ") fits no known layout; known are pulses (" + joined(kPulseColumns) + ") and lab log (" +
                     joined(kLogColumns) + ")");
   }
-  result.dataset.info.control_period_s = config.control_period_s;
+  if (config.control_period_s > 0.0) result.dataset.info.control_period_s = config.control_period_s;
   result.dataset.info.seed = config.seed;
   result.dataset.info.source = path.substr(path.find_last_of('/') + 1);
   check_dataset(result.dataset, path);

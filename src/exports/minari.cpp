@@ -129,8 +129,9 @@ MinariSummary write_minari(const std::string& root, const data::Dataset& dataset
   check_id(settings.id);
   MinariSummary summary;
   summary.folder = (std::filesystem::path(root) / settings.id).string();
-  if (std::filesystem::exists(summary.folder))
-    throw common::ConfigError(summary.folder + " exists already: give another id, such as the next version");
+  if (std::filesystem::exists(summary.folder) && !settings.replace)
+    throw common::ConfigError(summary.folder +
+                              " exists already: give another id, such as the next version, or --force");
 
   const std::vector<TaskEpisode> episodes = task_episodes(dataset, settings.task, settings.seed);
   const auto columns =

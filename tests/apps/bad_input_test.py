@@ -170,6 +170,39 @@ with tempfile.TemporaryDirectory() as folder:
     for hidden in ([-1], [0], [1e12], [8] * 17):
         policy = resealed(folder, lambda manifest: manifest["facts"].update(hidden=hidden))
         check(["deploy", "--policy", str(policy), "--sensor", "simulated", "--out", "run"], 1, str(policy), "hidden = ")
+    odd = "t,X_mm,Y_mm,A,B,C,D\n" + "".join(f"{0.3 * i},{i % 20},{-i % 20},5,0,0,{i % 3}\n" for i in range(60))
+    log = written("odd.csv", odd)
+
+    def mapped(units="time=s,currents=A", columns="time=t,x=X,y=Y,currents=A|B|C|D"):
+        return ["--map", columns, "--units", units, "--out", "run.h5"]
+
+    check(["import", log, *mapped(), "--page", "run.h5"], 2, "the page's name, too")
+    check(["import", log, "--page", "a.html", "--out", "run.h5"], 2, "--page", "--map")
+    check(["import", log, "--map", "time=t,x=X,y=Y", "--out", "run.h5"], 2, "--map: currents is missing")
+    check(["import", log, "--map", "tmie=t", "--out", "run.h5"], 2, "did you mean time?")
+    check(["import", log, *mapped(columns="time=t,x=X,y=Yy,currents=A|B|C|D")], 1, "odd.csv:1", "\"Yy\" (y) is not in the header")
+    check(["import", log, *mapped("currents=A")], 1, "\"t\" (time) has no unit", "--units time=UNIT")
+    check(["import", log, *mapped("time=h")], 2, "h of time is none of s, ms, us, min")
+    check(["import", log, *mapped(), "--set", "map.separator=tab"], 1, "one column only", "map.separator")
+    check(["import", log, *mapped(), "--set", "map.decimal=comma"], 1, "odd.csv:2: column 1 (t)", "decimal comma")
+    check(["import", log, *mapped("time=ms,currents=A")], 1, "unit of time")
+    check(["import", log, *mapped("time=s,x=m,y=m,currents=A")], 1, "outside the dish of 42.5 mm", "correct columns or units")
+    check(["import", log, *mapped("time=s,currents=mA")], 1, "no current is above", "correct columns or units")
+    check(["import", log, *mapped("time=s,x=px,y=px,currents=A")], 1, "--pixel-m", "--calibration")
+    check(["import", log, *mapped(), "--pixel-m", "1e-4"], 1, "pixels have no use")
+    check(["import", log, *mapped(), "--pixel-m", "1e-4", "--calibration", "c.json"], 2, "map.pixel_m")
+    check(["import", log, *mapped("time=s,x=px,y=px,currents=A"), "--calibration", "missing.json"], 2, "missing.json")
+    back = written("back.csv", odd.replace("\n3.0,", "\n0.3,"))
+    check(["import", back, *mapped()], 1, "back.csv:12: column 1 (t)", "later than the row before")
+    check(["import", written("commas.csv", odd.replace(".", ",")), *mapped()], 1, "commas.csv:", "need another separator")
+    check(["import", written("both.csv", odd.replace(",5,0,", ",5,2,")), *mapped()], 1, "both.csv:2: column 5 (B)", "map.opposite_currents=net")
+    check(["import", written("below.csv", odd.replace(",5,0,", ",-5,0,")), *mapped()], 1, "below.csv:2: column 4 (A)", "map.negative_current=opposite")
+    check(["export", "--data", log, "--to", "minari:d"], 1, "odd.csv:1")
+    good = written("good.csv", "coil,drive_percent,x_before_mm,y_before_mm,x_after_mm,y_after_mm\n+x,40,1,0,1,0\n")
+    check(["export", "--data", good, "--to", "minari:d", "--id", "no id"], 2, "\"no id\"", "[namespace/]name-v0")
+    check(["export", "--data", good, "--to", "minari:d", "--task", "pose"], 2, "task.goal", "no heading")
+    check(["export", "--data", good, "--to", "d.hdf5"], 2, "--data becomes minari:")
+    check(["export", "--data", good, "--to", "minari:d", "--out", "x"], 2, "--to, not to --out")
     check(["import", written("sign.csv", "coil,drive_percent,x_before_mm,y_before_mm,x_after_mm,y_after_mm\n+x,40,+-1,0,1,0\n"),
            "--out", "run.h5"], 1, "sign.csv:2: column 3", '"+-1" must be a number')
     camera = {"method": "dish", "reprojection_rms_mm": 0.1, "reprojection_rms_px": 0.1, "width_px": 1280, "height_px": 1024,

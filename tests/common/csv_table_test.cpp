@@ -62,3 +62,31 @@ TEST_CASE("a sign too many, an open quote and what is no file are refused") {
   CHECK_THROWS_AS(CsvTable(folder / "pipe.csv"), common::IoError);
   CHECK_THROWS_AS(CsvTable("/dev/zero"), common::IoError);
 }
+
+TEST_CASE("cells may be separated by other characters, and numbers have a decimal comma") {
+  const tests::TemporaryFolder folder;
+  common::write_file_atomically(folder / "a.csv", "made by a logger\n\nt;x\n0,5;\"1,25\"\n1;2.5\n");
+  CsvTable table(folder / "a.csv", {';', ',', 2});
+  CHECK(table.header() == std::vector<std::string>{"t", "x"});
+  REQUIRE(table.next());
+  CHECK(table.line() == 4);
+  CHECK(table.number(0) == 0.5);
+  CHECK(table.number(1) == 1.25);
+  REQUIRE(table.next());
+  CHECK_THROWS_WITH(table.number(1), Catch::Contains("a number with a decimal comma"));
+}
+
+TEST_CASE("blanks and tabs in a row separate once, and a file without a header numbers its columns") {
+  const tests::TemporaryFolder folder;
+  common::write_file_atomically(folder / "a.txt", "  0.0   1.5\t-2 \n 0.1 1.6 \t -3\n");
+  CsvTable table(folder / "a.txt", {' ', '.', 0});
+  CHECK(table.header() == std::vector<std::string>{"1", "2", "3"});
+  REQUIRE(table.next());
+  table.check_width();
+  CHECK(table.line() == 1);
+  CHECK(table.number(2) == -2.0);
+  REQUIRE(table.next());
+  table.check_width();
+  CHECK(table.number(2) == -3.0);
+  CHECK_FALSE(table.next());
+}

@@ -75,6 +75,9 @@ TEST_CASE("an id that Minari would not take, and a folder that is there, are ref
   exports::write_minari(folder / "root", dataset, settings());
   CHECK_THROWS_WITH(exports::write_minari(folder / "root", dataset, settings()), Contains("exists already"));
   CHECK(exports::write_minari(folder / "root", dataset, settings("name-v1")).steps == 6);
+  exports::MinariSettings again = settings();
+  again.replace = true;
+  CHECK(exports::write_minari(folder / "root", tests::random_dataset(3, 3), again).steps == 9);
 }
 
 TEST_CASE("a recording is called by its file") {

@@ -35,7 +35,7 @@ struct CsvImportConfig {
   OnError on_error = OnError::kAbort;
   std::int64_t max_reported = 20;
   Impossible impossible = Impossible::kLeaveOut;
-  double control_period_s = 0.3;
+  double control_period_s = 0.0;
   PositionUnit position_unit = PositionUnit::kMm;
   AngleUnit angle_unit = AngleUnit::kRad;
   double centre_x = 0.0;
@@ -55,7 +55,11 @@ struct CsvImportConfig {
         "impossible", impossible, "",
         "what is done with positions where nothing can be, outside the dish or, where that is not known, far "
         "beyond all others: a glitch of the camera");
-    v.field("control_period_s", control_period_s, "s", "time between two rows of a recording", {1e-3, 60.0});
+    v.field(
+        "control_period_s", control_period_s, "s",
+        "time between two rows of a recording, or with --map the length of a pulse; 0: 0.3 s, or with --map "
+        "as recorded",
+        {0.0, 60.0});
     v.field("position_unit", position_unit, "", "lab log: unit of the position");
     v.field("angle_unit", angle_unit, "", "lab log: unit of the angle");
     v.field("centre_x", centre_x, "position_unit", "lab log: dish centre in the log's own coordinates",
@@ -74,6 +78,7 @@ struct CsvImportConfig {
   // No keys: the rig's.
   double max_current_A = 0.0;  ///< lab log: largest current of a coil; actions are scaled by it
   double dish_radius_m = 0.0;  ///< lab log: inner radius of the dish
+  double full_drive_A = 0.0;   ///< --map: current of 100 per cent; 0: not known
   common::Json rig;            ///< lab log: description of the rig, kept with the data
 };
 

@@ -14,6 +14,7 @@ struct MinariSettings {
   std::string id;         ///< "namespace/name-v0"
   task::TaskConfig task;  ///< by which rewards and ends are given; its dish is set
   std::uint64_t seed = 0;
+  bool replace = false;  ///< a dataset of this id
 };
 
 struct MinariSummary {
