@@ -59,7 +59,8 @@ TEST_CASE("what changes from step to step is told once, as an event") {
   next(true, {}, false);
   log.finish();
   std::vector<std::pair<std::uint64_t, std::string>> told;
-  for (const std::string& event : mcap_messages(path).at("/log"))
+  const auto messages = mcap_messages(path);
+  for (const std::string& event : messages.at("/log"))
     told.emplace_back(Message(event).numbers.at(2), Message(event).bytes.at(3));
   CHECK(told == std::vector<std::pair<std::uint64_t, std::string>>{
                     {3, "no pose: nothing is seen"},

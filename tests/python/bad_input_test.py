@@ -81,7 +81,7 @@ class Words(unittest.TestCase):
             self.check(ValueError, r"^l1.weight\[0, 0\] is nan", save, to, [(np.full((4, 8), np.nan), np.ones(4)), LAYERS[1]], contract=CONTRACT)
             self.check(ValueError, r"^layers\[0\] holds 1 arrays", save, to, [(np.ones((4, 8)),)], contract=CONTRACT)
             self.check(lodestone.ConfigError, "^save_policy: contract lacks encoder", save, to, LAYERS, contract={"action": {}, "goal": "", "rig": None})
-            self.check(lodestone.ConfigError, "encoder", save, to, LAYERS, contract={**CONTRACT, "encoder": {"heading": 3}})
+            self.check(lodestone.ConfigError, "contract is not that of an environment", save, to, LAYERS, contract={**CONTRACT, "encoder": {"heading": 3}})
             self.check((lodestone.ConfigError, lodestone.CheckpointError), "", save, to, [], contract=CONTRACT)
             self.assertEqual(os.listdir(place), [])
 
