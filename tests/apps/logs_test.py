@@ -141,8 +141,8 @@ def a_training():
     end = tags["_hparams_/session_end_info"]["hparams"]["sessionEndInfo"]
     assert end["status"] == "STATUS_SUCCESS", end
     evaluation = json.loads((out / "evaluation.json").read_text())
-    final = tags["final/one_step.position_rms_mm"]
-    assert final["step"] == 3 and abs(final["simpleValue"] / evaluation["one_step"]["position_rms_mm"] - 1) < 1e-6, final
+    final = tags["final/position_rms_mm"]
+    assert final["step"] == 3 and abs(final["simpleValue"] / evaluation["position_rms_mm"] - 1) < 1e-6, final
     assert any(tag.startswith("train") or "loss" in tag for tag in tags), list(tags)
 
 
