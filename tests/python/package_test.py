@@ -37,7 +37,7 @@ class Package(unittest.TestCase):
     def test_it_links_no_libtorch(self):
         linked = subprocess.run(["ldd", lodestone._lodestone.__file__], capture_output=True, text=True, check=True).stdout
         self.assertIn("libstdc++", linked)
-        self.assertNotRegex(linked, r"torch|c10|not found")
+        self.assertNotRegex(linked, r"libtorch|libc10|not found")
 
     def test_every_public_name_is_explained(self):
         for name in lodestone.__all__:
