@@ -161,7 +161,7 @@ sweep("adapt", adapt, ["driving/transitions.h5", "learning/checkpoint/manifest.j
 sweep("train-policy", policy, ["checkpoint/manifest.json"])
 sweep("train-segmenter", segmenter, ["checkpoint/manifest.json"], exit_code=1)  # it sees no needle yet, and says so
 logged = (*deploy, "--mcap")
-logs = [f"logs/explored-policy-point-{trial}.mcap" for trial in range(3)]
+logs = [f"logs/unseen-policy-point-{trial}.mcap" for trial in range(3)]
 sweep("deploy", logged, ["summary.json", "trials.json", "trajectories.csv", *logs])
 sweep_sizes("collect", collect, ["transitions.h5", "coverage.json", "summary.json"])
 sweep_sizes("deploy", logged, ["summary.json", "trials.json", "trajectories.csv", *logs])
