@@ -25,7 +25,8 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS libopenblas0-pthread)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "ninja-build, xdg-utils")  # plans; the console's page
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS slurm-client)
 file(STRINGS ${PROJECT_SOURCE_DIR}/third_party/packages.apt libraries REGEX "-dev$")
-list(REMOVE_ITEM libraries libtorch-dev libcli11-dev libsdl2-dev)  # the last two are the program's own
+# Left out: LibTorch, which is recommended, and what only the program or the package of Python is built with.
+list(REMOVE_ITEM libraries libtorch-dev libcli11-dev libsdl2-dev pybind11-dev python3-dev)
 list(JOIN libraries ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS)
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS libtorch-dev)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
 from typing import Any
 
-import gymnasium
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _lodestone
 from .controllers import checked_seed
 from .dynamics import Dynamics, as_dynamics
+from .single_env import SingleEnv
 from .tasks import Task, environment_config
-from .vector import spaces
 
 __all__ = ["MbsEnv"]
 
 
-class MbsEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
+class MbsEnv(SingleEnv[_lodestone.Environments]):
     """The learned simulator, one copy: lodestone/Mbs-v0. For many at once use make_vec().
 
     Attributes:
@@ -43,17 +41,8 @@ class MbsEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         """
         if render_mode is not None:
             raise ValueError(f"render_mode is {render_mode!r}: the learned simulator draws nothing; use lodestone/Rig-v0")
-        self._core: _lodestone.Environments | None = _lodestone.Environments(
-            as_dynamics(dynamics)._core, environment_config(task, **groups), 1, 0, checked_seed(stream), 1)
-        self.contract: dict[str, Any] = json.loads(self._core.contract())
-        self.observation_space, self.action_space = spaces(self._core.observation_size)
-        self._begun = False
-        self._ended = True
-
-    def _open_core(self) -> _lodestone.Environments:
-        if self._core is None:
-            raise gymnasium.error.ClosedEnvironmentError("the environment is closed; make another one")
-        return self._core
+        super().__init__(_lodestone.Environments(
+            as_dynamics(dynamics)._core, environment_config(task, **groups), 1, 0, checked_seed(stream), 1))
 
     def reset(self, *, seed: int | None = None,
               options: dict[str, Any] | None = None) -> tuple[NDArray[np.float32], dict[str, Any]]:
@@ -68,13 +57,7 @@ class MbsEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             observation [D], and no infos
         """
         core = self._open_core()
-        if options:
-            raise ValueError(f"options {sorted(options)} are not known; there are none")
-        if seed is not None:
-            seed = checked_seed(seed)
-        super().reset(seed=seed)
-        if seed is None and not self._begun:
-            seed = int(self.np_random.integers(1 << 63))
+        seed = self._seed_of(seed, options)
         # An episode that has ended has been followed by the next one already.
         observation = core.observation() if seed is None and self._ended else core.reset(seed)
         self._begun, self._ended = True, False
@@ -95,12 +78,6 @@ class MbsEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             TypeError: no real numbers
             ValueError: another shape, or a number that is not finite
         """
-        core = self._open_core()
-        if self._ended:
-            raise gymnasium.error.ResetNeeded("step() without an episode; call reset() first")
+        core = self._core_with_episode()
         _, reward, terminated, truncated, success, final, _, self._ended = core.step(action)
         return final[0].copy(), float(reward[0]), bool(terminated[0]), bool(truncated[0]), {"success": bool(success[0])}
-
-    def close(self) -> None:
-        """Lets it go. It cannot be used any more."""
-        self._core = None

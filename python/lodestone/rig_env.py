@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-import json
 import os
 import pathlib
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import gymnasium
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _lodestone
 from .controllers import checked_seed
+from .single_env import SingleEnv
 from .tasks import RIG_GROUPS, Task, environment_config, read_json
-from .vector import spaces
 
 __all__ = ["RigEnv"]
 
 
-class RigEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
+class RigEnv(SingleEnv[_lodestone.RigEnvironment]):
     """A rig, virtual or real: lodestone/Rig-v0. Spaces, rules and contract are those of MbsEnv.
 
     Every step is one of the control loop, behind the supervisor: observe, pulse, rest. What counts is what the
@@ -69,17 +67,7 @@ class RigEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         if given is not None and not isinstance(given, Mapping):
             raise TypeError(f"sensor is {given!r}, must be a dictionary of its keys")
         config = environment_config(task, RIG_GROUPS, rig=rig, sensor={**sensor, **(given or {})}, **groups)
-        self._core: _lodestone.RigEnvironment | None = _lodestone.RigEnvironment(
-            config, checked_seed(rig_seed), checked_seed(sensor_seed), operator)
-        self.contract: dict[str, Any] = json.loads(self._core.contract())
-        self.observation_space, self.action_space = spaces(self._core.observation_size)
-        self._begun = False
-        self._ended = True
-
-    def _open_core(self) -> _lodestone.RigEnvironment:
-        if self._core is None:
-            raise gymnasium.error.ClosedEnvironmentError("the environment is closed; make another one")
-        return self._core
+        super().__init__(_lodestone.RigEnvironment(config, checked_seed(rig_seed), checked_seed(sensor_seed), operator))
 
     def reset(self, *, seed: int | None = None,
               options: dict[str, Any] | None = None) -> tuple[NDArray[np.float32], dict[str, Any]]:
@@ -98,13 +86,7 @@ class RigEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             HardwareError: the rig is stopped, or its needle is not seen
         """
         core = self._open_core()
-        if options:
-            raise ValueError(f"options {sorted(options)} are not known; there are none")
-        if seed is not None:
-            seed = checked_seed(seed)
-        super().reset(seed=seed)
-        if seed is None and not self._begun:
-            seed = int(self.np_random.integers(1 << 63))
+        seed = self._seed_of(seed, options)
         self._ended = True
         observation = core.reset(seed)
         self._begun, self._ended = True, False
@@ -126,9 +108,7 @@ class RigEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             TypeError: no real numbers
             ValueError: another shape, or a number that is not finite
         """
-        core = self._open_core()
-        if self._ended:
-            raise gymnasium.error.ResetNeeded("step() without an episode; call reset() first")
+        core = self._core_with_episode()
         observation, reward, terminated, truncated, success, stopped = core.step(action)
         self._ended = terminated or truncated
         info: dict[str, Any] = {"success": success}
@@ -151,7 +131,3 @@ class RigEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             HardwareError: the cause is still there
         """
         self._open_core().rearm()
-
-    def close(self) -> None:
-        """Switches the coils off and lets the rig go. It cannot be used any more."""
-        self._core = None
