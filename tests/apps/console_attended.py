@@ -20,10 +20,12 @@ kTargets = ([0.6, 0.4], [0.4, 0.6], [0.6, 0.6], [0.4, 0.4])
 @contextlib.contextmanager
 def busy_processors():
     workers = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(os.cpu_count())]
-    yield
-    for worker in workers:
-        worker.kill()
-        worker.wait()
+    try:
+        yield
+    finally:
+        for worker in workers:
+            worker.kill()
+            worker.wait()
 
 
 with tempfile.TemporaryDirectory() as folder, Console(program, f"{folder}/console") as console, Browser() as browser:

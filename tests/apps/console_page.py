@@ -359,22 +359,27 @@ class Page:
                    lambda: f"stopped: {reason}; it is {self.said}", within_s)
 
     def ready(self):
-        """Has the seat, and the bench armed."""
+        """Has the seat, and the bench armed, however often a page that is slow to come is taken for silent."""
         self.wait_for(lambda: self.connected, "a connection")
         time.sleep(0.2)  # a page that is loaded asks for an empty seat
+        wait_until(self.armed, lambda: f"armed; it is {self.said}", 30.0)
+        return self
+
+    def armed(self):
+        """Takes one step towards it; whether it is there."""
         if not self.operating:
             self.click("operate")
             self.wait_for(lambda: self.operating, "the seat", 20.0)
-        if self.mode == "running":
+        mode = self.mode
+        if mode == "running":
             self.click("end")
-            self.wait_for_mode("armed")
-        if self.mode == "stopped":
+        elif mode in ("stopped", "disarmed"):
             self.click("arm")
-            self.click("dialog-yes")
-        elif self.mode == "disarmed":
-            self.click("arm")
-        self.wait_for_mode("armed")
-        return self
+            if mode == "stopped":
+                self.click("dialog-yes")
+        if mode != "armed":
+            self.wait_for(lambda: self.mode != mode, lambda: f"something else than {self.said}")
+        return mode == "armed"
 
     def choose(self, controller):
         self.driver.find_element(By.CSS_SELECTOR, f"#controller option[value={controller}]").click()
