@@ -7,6 +7,7 @@
 #include "lodestone/common/log.h"
 #include "lodestone/control/decorators.h"
 #include "lodestone/control/policy_controller.h"
+#include "lodestone/data/dataset_file.h"
 #include "lodestone/experiments/collection_run.h"
 #include "lodestone/experiments/seeking.h"
 #include "lodestone/nets/blas.h"
@@ -132,7 +133,7 @@ void log_sessions(const Sessions& sessions, const experiments::McapConfig& confi
 void print_recording(const runs::RunFolder& run, const runs::CollectionFacts& facts,
                      const data::Coverage& coverage) {
   std::printf("%lld transitions in %lld episodes: %s\n", static_cast<long long>(facts.transitions),
-              static_cast<long long>(*facts.episodes), run.file(experiments::kRecording).c_str());
+              static_cast<long long>(*facts.episodes), run.file(data::kRecordingFile).c_str());
   std::printf("placements by the operator: %lld, %.1f per 1,000 transitions\n",
               static_cast<long long>(*facts.placements), *facts.placements_per_1000);
   std::printf(

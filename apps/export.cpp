@@ -75,8 +75,11 @@ void write_log(const ExportOptions& options) {
   make_folder_of(options.to);
   const exports::RunLogFacts facts = exports::write_run_log(options.run, options.to);
   const auto number = [](std::int64_t count) { return static_cast<long long>(count); };
-  std::printf("trials       %lld\nsteps        %lld\nimages       %lld\n", number(facts.trials),
-              number(facts.steps), number(facts.images));
+  if (facts.episodes > 0)
+    std::printf("episodes     %lld\nsteps        %lld\n", number(facts.episodes), number(facts.steps));
+  else
+    std::printf("trials       %lld\nsteps        %lld\nimages       %lld\n", number(facts.trials),
+                number(facts.steps), number(facts.images));
 }
 
 using PolicyText = std::string (*)(const exports::PolicyContract&);
@@ -176,7 +179,7 @@ void add_export(Verb& program) {
   verb.add_option("--policy", &options.policy, "folder of a policy checkpoint or a released policy")
       .named("DIR");
   verb.add_option("--data", &options.data, "transitions: .h5, or .csv of recorded pulses").named("FILE");
-  verb.add_option("--run", &options.run, "folder of a run of deploy").named("DIR");
+  verb.add_option("--run", &options.run, "folder of a run of deploy or collect").named("DIR");
   verb.add_option(
           "--to", &options.to,
           "what to write; its ending says how: .onnx, .h (C99), .pt (TorchScript), .mcap, or minari:DIR "

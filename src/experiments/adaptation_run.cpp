@@ -74,7 +74,7 @@ std::string AdaptationRun::record(const std::string& stage, std::int64_t pulses,
   runs::RunRequest request{run_.file(stage), "collect", common::config_to_json(config), config.seed, true};
   request.free_keys = {"checkpoint_every_s", "rig.serial.port"};
   runs::RunFolder folder(request);
-  const std::string recording = folder.file(kRecording);
+  const std::string recording = folder.file(data::kRecordingFile);
   if (folder.finished()) return recording;
   std::optional<Teleoperator> driver;
   if (simulator != nullptr)

@@ -35,7 +35,7 @@ CollectionRun::CollectionRun(const CollectionConfig& config, const Sessions& ses
       sessions_(sessions),
       repeatable_(repeatable),
       pool_(static_cast<std::size_t>(threads)),
-      recording_(folder + "/" + kRecording) {}
+      recording_(folder + "/" + data::kRecordingFile) {}
 
 runs::Progress CollectionRun::progress() const {
   return {transitions_, config_.transitions, transitions_ >= config_.transitions,
@@ -106,7 +106,7 @@ void CollectionRun::load(const std::string& folder) {
 }
 
 RecordingSummary summarise_recording(const runs::RunFolder& run) {
-  const std::string recording = run.file(kRecording);
+  const std::string recording = run.file(data::kRecordingFile);
   data::fold_journal(recording);
   const data::Dataset dataset = data::read_dataset(recording);
   RecordingSummary summary;

@@ -14,6 +14,9 @@
 #include "lodestone/common/csv_table.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/data/dataset_file.h"
+#include "lodestone/data/journal.h"
+#include "lodestone/exports/recording_log.h"
 #include "lodestone/exports/rig_log.h"
 #include "lodestone/imaging/image_file.h"
 #include "lodestone/runs/deployment_results.h"
@@ -22,6 +25,7 @@ namespace lodestone::exports {
 namespace {
 
 constexpr std::uint64_t kSecond_ns = 1'000'000'000;
+constexpr const char* kTrajectories = "/trajectories.csv";
 
 /// Rig, controller, task and number of a trial.
 struct TrialKey {
@@ -216,19 +220,36 @@ std::map<std::string, std::string> facts_of(const std::string& run) {
   return facts;
 }
 
+RunLogFacts log_deployment(const std::string& run, const std::string& file) {
+  RunLog log(run, file, facts_of(run));
+  log.add(run + kTrajectories, false);
+  const std::string cut_short = run + "/trajectories_cut_short.csv";
+  if (std::filesystem::exists(cut_short)) log.add(cut_short, true);
+  return log.finish();
+}
+
+RunLogFacts log_collection(const std::string& run, const std::string& recording, const std::string& file) {
+  const data::Dataset dataset = data::read_dataset(recording);
+  RigLog log(file, facts_of(run));
+  RunLogFacts facts;
+  facts.episodes = static_cast<std::int64_t>(dataset.episodes.size());
+  facts.steps = log_recording(dataset, log);
+  log.finish();
+  return facts;
+}
+
 }  // namespace
 
 RunLogFacts write_run_log(const std::string& run, const std::string& file) {
-  const std::string trajectories = run + "/trajectories.csv";
-  if (!std::filesystem::exists(trajectories))
-    throw common::DataError(run + " holds no trajectories.csv: name the folder of a run of deploy");
+  const std::string recording = run + "/" + data::kRecordingFile;
+  const bool driven = std::filesystem::exists(run + kTrajectories);
+  if (!driven && !std::filesystem::exists(recording) &&
+      !std::filesystem::exists(data::journal_beside(recording)))
+    throw common::DataError(run + " holds neither trajectories.csv nor " + data::kRecordingFile +
+                            ": name the folder of a run of deploy or collect");
   const std::string staged = file + ".part";
   try {
-    RunLog log(run, staged, facts_of(run));
-    log.add(trajectories, false);
-    const std::string cut_short = run + "/trajectories_cut_short.csv";
-    if (std::filesystem::exists(cut_short)) log.add(cut_short, true);
-    const RunLogFacts facts = log.finish();
+    const RunLogFacts facts = driven ? log_deployment(run, staged) : log_collection(run, recording, staged);
     common::replace_file(staged, file);
     return facts;
   } catch (...) {

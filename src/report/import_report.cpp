@@ -177,7 +177,8 @@ std::string summary(const MappedImport& imported) {
                      fixed(cut.spacing_s, 4) + " s apart (median), became <b>" + grouped(driven) +
                      " pulses</b> of " + fixed(cut.period_s, 4) + " s and " +
                      grouped(static_cast<double>(cut.pulses.size()) - driven) + " rests, in " +
-                     grouped(static_cast<double>(imported.result.dataset.episodes.size())) + " episodes.";
+                     grouped(static_cast<double>(imported.result.dataset.episodes.size())) +
+                     (imported.result.dataset.episodes.size() == 1 ? " episode." : " episodes.");
   if (cut.interpolated > 0)
     html += " " + grouped(static_cast<double>(cut.interpolated)) + " poses were taken from between two rows.";
   if (imported.log.reversed > 0)

@@ -113,7 +113,7 @@ TEST_CASE("a run of an older version lacks some columns, and its log what they s
 TEST_CASE("a folder without trials and a damaged row are refused, and leave no file") {
   const TemporaryFolder run;
   CHECK_THROWS_WITH(exports::write_run_log(run.path(), run / "run.mcap"),
-                    Catch::Contains("no trajectories.csv"));
+                    Catch::Contains("neither trajectories.csv nor transitions.h5"));
   write(run / "trajectories.csv", kHeading + row(0, 0.0, true) + "explored,policy\n");
   CHECK_THROWS_WITH(exports::write_run_log(run.path(), run / "run.mcap"),
                     Catch::Contains("trajectories.csv:3"));

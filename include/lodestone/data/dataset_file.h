@@ -12,6 +12,9 @@ namespace lodestone::data {
 /// seed and rig parameters (JSON). Recorded steps that cannot be lie in a group `impossible` of the same
 /// form, where there are any. Files of earlier versions, with a group for each episode, are read, too.
 
+/// What a run records is in this file of its folder.
+constexpr const char* kRecordingFile = "transitions.h5";
+
 /// Reads `.h5` whole; throws DataError (not HDF5, missing group, wrong shape, NaN, wrong checksum: says
 /// where). Where a journal lies beside it, the recording is unfinished, and what the journal holds is read.
 Dataset read_dataset(const std::string& path);

@@ -47,9 +47,6 @@ class CollectionRun : public runs::ResumableWork {
   std::int64_t transitions_ = 0;
 };
 
-/// Name of the recording in the folder of a run.
-constexpr const char* kRecording = "transitions.h5";
-
 /// What a recording is, once all of it is there.
 struct RecordingSummary {
   runs::CollectionFacts facts;

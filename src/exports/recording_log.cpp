@@ -1,0 +1,47 @@
+#include "lodestone/exports/recording_log.h"
+
+#include <cmath>
+#include <string>
+
+#include "lodestone/task/action.h"
+
+namespace lodestone::exports {
+namespace {
+
+constexpr std::uint64_t kBetween_ns = 1'000'000'000;  // two episodes
+
+LoggedStep logged(const data::DatasetInfo& info, const data::Episode& episode, std::int64_t row) {
+  LoggedStep step;
+  const int width = data::state_size(info.layout);
+  const double* state = &episode.observations[static_cast<std::size_t>(row * width)];
+  step.sensed = geometry::Pose2{state[0], state[1], width > 2 ? state[2] : 0.0};
+  step.facts.sensed = true;
+  if (row == episode.length()) return step;  // nothing was done after the last
+  const double* drive = &episode.actions[static_cast<std::size_t>(row * data::kActionSize)];
+  step.facts.action = {drive[0] / info.action_scale, drive[1] / info.action_scale};
+  if (info.action_unit == "A") step.current_A = task::coil_currents({drive[0], drive[1]});
+  return step;
+}
+
+}  // namespace
+
+std::int64_t log_recording(const data::Dataset& dataset, RigLog& log) {
+  const auto period_ns = static_cast<std::uint64_t>(std::llround(1e9 * dataset.info.control_period_s));
+  std::uint64_t now_ns = 0;
+  std::int64_t steps = 0;
+  for (std::size_t e = 0; e < dataset.episodes.size(); ++e) {
+    const data::Episode& episode = dataset.episodes[e];
+    if (e > 0) now_ns += kBetween_ns;
+    log.event(now_ns, LogLevel::kInfo,
+              "episode " + std::to_string(e) + (episode.placements > 0 ? ", placed by the operator" : ""));
+    for (std::int64_t row = 0; row <= episode.length(); ++row, ++steps) {
+      if (row > 0) now_ns += period_ns;
+      LoggedStep step = logged(dataset.info, episode, row);
+      step.time_ns = now_ns;
+      log.step(step);
+    }
+  }
+  return steps;
+}
+
+}  // namespace lodestone::exports
