@@ -68,6 +68,7 @@ ControlLoop::ControlLoop(const ControlLoopConfig& config, const task::ActionConf
       sensor_(sensor),
       clock_(clock),
       identifier_(identifier) {
+  if (!(action.scale > 0.0)) throw common::LogicFault("control loop: an action of 1 must mean a current");
   if (rig != nullptr) recovery_.emplace(config.recovery, *rig);
 }
 

@@ -63,6 +63,13 @@ TEST_CASE("the loop pulses at the rig's clock and hands the controller its memor
   CHECK_FALSE(bench.device.on);
 }
 
+TEST_CASE("a loop whose actions would give no current is refused") {
+  Bench bench;
+  bench.action.scale = 0.0;
+  tests::FunctionController controller([](const task::Observation&) { return Vector2(1.0, 0.0); });
+  CHECK_THROWS_WITH(bench.run(controller), Catch::Contains("must mean a current"));
+}
+
 TEST_CASE("a controller is told the next points of a path, and of a point that it stays") {
   Bench bench;
   for (int step = 0; step < 8; ++step) bench.sensor.push(0.0, 0.0);
@@ -256,7 +263,7 @@ TEST_CASE("any thread may end a run in the middle of its rest, while others watc
     tests::ScriptedSensor sensor(clock);
     sensor.push(0.0, 0.0);
     safety::Supervisor coils(rig.coils(), safety::SafetyConfig{}, rig.config(), clock);
-    control::ControlLoop loop({}, {}, coils, sensor, clock);
+    control::ControlLoop loop({}, tests::paper_action(), coils, sensor, clock);
     tests::FunctionController controller([](const task::Observation&) { return Vector2(0.5, 0.0); });
     control::PointReference reference({0.01, 0.0}, 1.5);
     std::atomic<int> steps{0};

@@ -82,7 +82,9 @@ TEST_CASE("what hides a needle that lies still is gone when it has turned: the r
   safety::Supervisor coils(rig.coils(), {}, rig.config(), rig.clock());
   tests::FunctionController controller([](const task::Observation&) { return Vector2(0.2, 0.1); });
   const auto run = [&](const physics::RigDescription* looks_for_it) {
-    control::ControlLoop loop({}, {}, coils, sensor, rig.clock(), looks_for_it);
+    task::ActionConfig weak;  // it lies still
+    weak.scale = 1e-3;
+    control::ControlLoop loop({}, weak, coils, sensor, rig.clock(), looks_for_it);
     control::PointReference reference({0.0, 0.0}, 12.0);
     int steps = 0;
     return loop.run(controller, reference, [&](const control::StepRecord& record) {
