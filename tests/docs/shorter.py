@@ -1,0 +1,102 @@
+"""How the sample takes less time than the reader would need. The soak uses none of this.
+
+Words are put behind those of a command, which the program thus parses as written; `lodestone` and build/release/apps/lodestone
+of the sample do that, so that the shell is given the page's text. Keys: a page, or "" for all, and how a command begins; the
+longest that fits is taken.
+"""
+import json
+
+TRIALS = ("trials.count=1", "trials.point_seconds=1", "trials.square_side_m=0.004", "trials.circle_radius_m=0.003",
+          "reference.approach_limit_s=1", "score.completion_window_s=1")
+SIMULATED = (*TRIALS, "sensor.kind=simulated", "record.enabled=false")
+TRAINING = ("training.env_steps=4000", "training.warm_up_steps=1000", "training.evaluate_every=2000", "training.evaluation_episodes=8",
+            "training.updates_per_step=0.02")
+
+SETTINGS = {
+    ("", "adapt"): ("first.epochs=2", "learning.epochs=1"),
+    ("", "bench rigs"): TRIALS,
+    ("", "bench speed"): ("runs=1", "run_s=0.01", "images=10", "td3_batch=32", "mbs_environments=1000"),
+    ("", "collect"): ("transitions=300", "sensor.kind=simulated"),
+    ("docs/logs.md", "collect"): ("transitions=30", "sessions=1"),
+    ("", "deploy"): SIMULATED,
+    ("README.md", "deploy"): TRIALS,
+    ("docs/drive-a-bench.md", "deploy"): ("trials.point_seconds=2", "safety.max_late_s=1", "safety.max_late_steps=10", "safety.max_pose_age_s=2"),
+    ("docs/logs.md", "deploy"): TRIALS,
+    ("docs/see-the-needle.md", "deploy"): TRIALS,
+    ("", "train-dynamics"): ("training.epochs=2",),
+    ("", "train-policy"): TRAINING,
+}
+OPTIONS = {
+    ("", "bench paper"): ("--list",),
+    ("", "bench paper --scale quick --out runs/quick --only"): ("--report",),
+    ("", "console"): ("--port", "0"),
+}
+
+# Settings of the cells of configs/plans/quickstart.json, by verb.
+PLAN = {
+    "collect": ("transitions=600", "sensor.kind=simulated"),
+    "train-dynamics": ("training.epochs=4",),
+    "train-policy": TRAINING,
+    "deploy": SIMULATED,
+}
+
+# Of files that a page has the reader write: settings more, and other values.
+FILES = {"rate.json": {"settings": TRAINING, "seeds": 1}}
+
+# Numbers in code.
+CODE = {
+    ("docs/python.md", "model.learn(32_000)"): "model.learn(2_500)",
+}
+
+used = set()
+
+
+def more_words(page, words):
+    """What is put behind the words of a command."""
+    text = " ".join(words)
+    more = []
+    for table, options in ((SETTINGS, False), (OPTIONS, True)):
+        fitting = [key for key in table if key[0] in ("", page) and (text + " ").startswith(key[1] + " ")]
+        if fitting:
+            best = max(fitting, key=lambda key: (key[0] == page, len(key[1])))
+            used.add(best)
+            more += table[best] if options else [word for setting in table[best] for word in ("--set", setting)]
+    return more
+
+
+def hides(more, words):
+    """Whether the words set a key that those put behind them set again, so that the program would not look at its value."""
+    def keys(of):
+        return {value.partition("=")[0] for option, value in zip(of, of[1:]) if option == "--set"}
+    return bool(keys(more) & keys(words))
+
+
+def code(page, text):
+    for (of, long), short in CODE.items():
+        if of == page and long in text:
+            used.add((of, long))
+            text = text.replace(long, short)
+    return text
+
+
+def file(name, text):
+    """A file of JSON with what FILES says of it."""
+    changes = FILES.get(name)
+    if changes is None:
+        return text
+    content = json.loads(text)
+    return json.dumps({**content, **changes, "settings": [*content["settings"], *changes["settings"]]})
+
+
+def plan(file):
+    """Puts the settings of PLAN behind those of a plan's cells."""
+    content = json.loads(file.read_text())
+    for cell in content["cells"]:
+        cell["settings"] = [*cell.get("settings", ()), *PLAN[cell["verb"]]]
+    file.write_text(json.dumps(content))
+
+
+def faults():
+    """Entries that were of no use."""
+    return [f"{page or 'all pages'}: shorter.py of tests/docs has {what!r}, which nothing begins with any more"
+            for table in (SETTINGS, OPTIONS, CODE) for page, what in table if (page, what) not in used]
