@@ -14,7 +14,7 @@ kSettled = 4        # faults, until the memory is that of every later one
 kMoreMemory_MB = 20.0
 
 program = sys.argv[1]
-minutes = float(sys.argv[2]) if len(sys.argv) > 2 else 120.0 if soak.whole else 1.0
+minutes = float(sys.argv[2]) if len(sys.argv) > 2 else 120.0 if soak.whole else 0.3
 every_s = min(kEvery_s, 60.0 * minutes / (2 * kSettled))
 draw = random.Random(soak.seed)
 faults = {**kFaults, **kStops}

@@ -44,7 +44,7 @@ TEST_CASE("learners are told apart by their pulses and where they begin") {
   CHECK_NOTHROW(of.validate());
 }
 
-TEST_CASE("a learner learns the rig that it drives, once, and others drive as they did") {
+TEST_CASE("a learner learns the rig that it drives, once, and others drive as they did", "[slow]") {
   const experiments::DeployConfig config = two_on_each();
   const tests::TemporaryFolder folder;
   const std::vector<experiments::RigLearner> learners = {{1000, true}};

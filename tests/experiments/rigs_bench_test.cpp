@@ -124,7 +124,7 @@ TEST_CASE("the bench finds its models in one folder, and what goes around contro
   CHECK_THROWS_AS(bench.controller_names(), common::ConfigError);
 }
 
-TEST_CASE("planners that learned their rigs are compared with the one that only identifies them") {
+TEST_CASE("planners that learned their rigs are compared with the one that only identifies them", "[slow]") {
   experiments::RigsBenchConfig bench = four_rigs();
   bench.threads = 1;
   bench.rigs = 1;

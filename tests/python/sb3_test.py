@@ -20,7 +20,7 @@ import support
 sys.path.append(str(support.source / "tests/apps"))
 import soak
 
-SAMPLE, WHOLE, BETWEEN = 3_000, 200_000, 10_000  # environment steps; an evaluation every BETWEEN
+SAMPLE, WHOLE, BETWEEN = 3_000, 120_000, 10_000  # environment steps; an evaluation every BETWEEN
 EPISODES = 256
 TRIALS = 50  # on a rig
 
@@ -101,7 +101,7 @@ class StableBaselines(unittest.TestCase):
             self.assertTrue(all(trial["completed"] for trial in trials))
             if soak.whole:
                 self.assertGreaterEqual(rate, 0.95)
-                run("train-policy", "--config", support.source / "configs/fast/policy_centre.json", "--dynamics", support.models / "dynamics_best",
+                run("train-policy", "--config", support.source / "configs/fast/policy_centre.json", "--set", f"dynamics={support.models}/dynamics_best",
                     "--set", f"training.env_steps={WHOLE}", "--out", "native", place=place)
                 native = deploy("native/checkpoint", TRIALS, place, "driven_natively")
                 errors = [np.mean([trial["final_error_mm"] for trial in driven]) for driven in (trials, native)]
