@@ -361,7 +361,9 @@ class Page:
     def ready(self):
         """Has the seat, and the bench armed, however often a page that is slow to come is taken for silent."""
         self.wait_for(lambda: self.connected, "a connection")
-        time.sleep(0.2)  # a page that is loaded asks for an empty seat
+        asks_s = time.monotonic() + 2.0  # a page that is loaded asks for an empty seat; a click then would give it back
+        while not self.operating and time.monotonic() < asks_s:
+            time.sleep(0.05)
         wait_until(self.armed, lambda: f"armed; it is {self.said}", 30.0)
         return self
 
