@@ -92,7 +92,7 @@ def an_older_run(seen):
     assert all(abs(temperature[0][coil] - temperature[1][coil]) < 1e-6 for coil in ("px", "mx", "py", "my")), temperature
     assert not list(folder.glob("*.part"))
     text = run("export", "--run", folder / "nothing", "--to", folder / "nothing.mcap", code=1)
-    assert "no trajectories.csv" in text and not (folder / "nothing.mcap").exists(), text
+    assert "neither trajectories.csv nor transitions.h5" in text and not (folder / "nothing.mcap").exists(), text
 
 
 def a_run_that_is_killed():

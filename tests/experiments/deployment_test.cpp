@@ -68,6 +68,7 @@ TEST_CASE("one policy drives trials in several threads with the same results") {
   tests::draw_weights(policy, 7);
   experiments::ControllerSource source;
   source.name = "policy";
+  source.action = policy.action;
   source.make = [policy](std::uint64_t) { return std::make_unique<control::PolicyController>(policy); };
   const auto todo = plans(config, deployment, "centre", 6);
   std::vector<std::string> prints;

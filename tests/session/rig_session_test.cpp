@@ -6,6 +6,7 @@
 
 #include "control/fakes.h"
 #include "lodestone/control/control_loop.h"
+#include "paper_rig.h"
 #include "session/ground_truth_conformance.h"
 #include "session/operator_conformance.h"
 
@@ -69,7 +70,7 @@ TEST_CASE("a rig may be watched while the loop drives it, and stopped from there
   const auto bench = session::make_virtual_session({}, sensing("camera"), {}, {}, true);
   tests::FunctionController controller([](const task::Observation&) { return geometry::Vector2(0.3, 0.0); });
   control::PointReference reference({0.01, 0.0}, 1e6);
-  control::ControlLoop loop({}, {}, bench->coils(), bench->sensor(), bench->clock());
+  control::ControlLoop loop({}, tests::paper_action(), bench->coils(), bench->sensor(), bench->clock());
   std::atomic<int> steps{0};
   std::atomic<bool> ended{false};
   control::LoopOutcome outcome;
