@@ -5,6 +5,7 @@
 // After the policy come x and y of the needle in m, its heading in rad, x and y of the target in m.
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 
 #include "lodestone/common/error.h"
 #include "lodestone/control/policy_controller.h"
@@ -17,7 +18,12 @@ using namespace lodestone;
 int main(int count, char** words) try {
   if (count != 7)
     throw common::ConfigError("usage: load_policy POLICY X_m Y_m HEADING_rad TARGET_X_m TARGET_Y_m");
-  const auto number = [words](int i) { return std::atof(words[i]); };
+  const auto number = [words](int i) {
+    char* end = nullptr;
+    const double value = std::strtod(words[i], &end);
+    if (end == words[i] || *end != '\0') throw common::ConfigError(std::string(words[i]) + " is no number");
+    return value;
+  };
   const inference::Policy policy = inference::load_policy(words[1]);
   control::PolicyController controller(policy);
   controller.reset();  // before every needle that has been placed

@@ -68,7 +68,9 @@ ControlLoop::ControlLoop(const ControlLoopConfig& config, const task::ActionConf
       sensor_(sensor),
       clock_(clock),
       identifier_(identifier) {
-  if (!(action.scale > 0.0)) throw common::LogicFault("control loop: an action of 1 must mean a current");
+  if (!(action.scale > 0.0))
+    throw common::ConfigError(
+        "an action of 1 would mean no current: the largest one (rig.coils.max_current_A) must be above 0");
   if (rig != nullptr) recovery_.emplace(config.recovery, *rig);
 }
 

@@ -270,5 +270,6 @@ for preset in sorted((source / "configs").glob("*/*.json")):
     expected = first_missing.get(preset.parts[-2:], "--out" if preset.parent.name == "simulator" else of_verb.get(verb, "--out"))
     check([*verb.split(), "--config", str(preset)], 2, expected)
 
+soak.told(checked, "bad inputs")
 print("\n".join(failures) or f"every bad input of {checked} was reported in one line")
 sys.exit(bool(failures))

@@ -1,21 +1,13 @@
 # Installs the build tree into a scratch prefix, then configures, builds and runs two consumers against it: one of
 # every module, and one of those without LibTorch, which must not even be looked for.
-function(run)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE failed OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(failed)
-    message(FATAL_ERROR "${ARGN}\n${output}")
-  endif()
-  set(output "${output}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/../installed_tree.cmake)
 
 function(build source folder)
   run("${CMAKE_COMMAND}" -G Ninja -S ${source} -B ${folder} -DCMAKE_PREFIX_PATH=${SCRATCH}/prefix -DCMAKE_BUILD_TYPE=Release ${ARGN})
   run("${CMAKE_COMMAND}" --build ${folder})
 endfunction()
 
-file(REMOVE_RECURSE ${SCRATCH})
-run("${CMAKE_COMMAND}" --install ${BUILD} --prefix ${SCRATCH}/prefix --component runtime)
-run("${CMAKE_COMMAND}" --install ${BUILD} --prefix ${SCRATCH}/prefix --component dev)
+install_tree()
 
 build(${SOURCE} ${SCRATCH}/build)
 run(${SCRATCH}/build/consumer)

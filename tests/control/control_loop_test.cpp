@@ -67,7 +67,7 @@ TEST_CASE("a loop whose actions would give no current is refused") {
   Bench bench;
   bench.action.scale = 0.0;
   tests::FunctionController controller([](const task::Observation&) { return Vector2(1.0, 0.0); });
-  CHECK_THROWS_WITH(bench.run(controller), Catch::Contains("must mean a current"));
+  CHECK_THROWS_WITH(bench.run(controller), Catch::Contains("rig.coils.max_current_A"));
 }
 
 TEST_CASE("a controller is told the next points of a path, and of a point that it stays") {

@@ -1,16 +1,8 @@
 # Installs the build tree into a scratch prefix, and builds the examples as a project of their own against it: all of
 # them in a soak, else one without LibTorch and one that drives a rig.
-function(run)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE failed OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(failed)
-    message(FATAL_ERROR "${ARGN}\n${output}")
-  endif()
-  set(output "${output}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/../installed_tree.cmake)
 
-file(REMOVE_RECURSE ${SCRATCH})
-run("${CMAKE_COMMAND}" --install ${BUILD} --prefix ${SCRATCH}/prefix --component runtime)
-run("${CMAKE_COMMAND}" --install ${BUILD} --prefix ${SCRATCH}/prefix --component dev)
+install_tree()
 run("${CMAKE_COMMAND}" -G Ninja -S ${SOURCE} -B ${SCRATCH}/build -DCMAKE_PREFIX_PATH=${SCRATCH}/prefix -DCMAKE_BUILD_TYPE=Release)
 set(programs load_policy own_coils)
 if(DEFINED ENV{LODESTONE_SOAK})

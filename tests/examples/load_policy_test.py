@@ -30,5 +30,9 @@ class LoadPolicy(support.InFolder):
         for command in support.versions("load_policy"):
             self.assertIn(str(self.folder), support.refusal(*command, self.folder, 0, 0, 0, 0, 0))
 
+    def test_what_is_no_number_is_refused(self):
+        for command in support.versions("load_policy"):
+            self.assertIn("here", support.refusal(*command, support.models / "target", "here", 0, 0, 0, 0))
+
 
 support.main()
