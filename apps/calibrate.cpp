@@ -232,6 +232,7 @@ void add_calibrate(Verb& program) {
       .named("FILE...");
   verb.add_option("--print-board", &options.print_board, "write the board to print").named("PNG");
   add_calibrate_coils(verb);
+  add_calibrate_field(verb);
 }
 
 }  // namespace lodestone::apps

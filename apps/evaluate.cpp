@@ -111,6 +111,7 @@ void add_evaluate(Verb& program) {
   Verb& verb = program.add_verb("evaluate", "measure a checkpoint on data; prints JSON");
   add_dynamics(verb);
   add_segmenter(verb);
+  add_evaluate_field(verb);
 }
 
 }  // namespace lodestone::apps

@@ -24,6 +24,8 @@ void add_bench(Verb& program);
 void add_report(Verb& program);
 void add_check(Verb& program);
 void add_status(Verb& program);
+void add_compare(Verb& program);
+void add_figures(Verb& program);
 void add_plan(Verb& program);
 void add_sweep(Verb& program);
 void add_config(Verb& program);
@@ -38,6 +40,8 @@ void add_bench_rigs(Verb& bench);
 void add_bench_speed(Verb& bench);
 void add_bench_tracking(Verb& bench);
 void add_calibrate_coils(Verb& calibrate);
+void add_calibrate_field(Verb& calibrate);
+void add_evaluate_field(Verb& evaluate);
 void add_rig_check(Verb& rig);
 void add_rig_emulate(Verb& rig);
 

@@ -22,7 +22,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 # is content with, and what static libraries leave to who links them.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS libopenblas0-pthread)
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "ninja-build, xdg-utils")  # plans; the console's page
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "ninja-build, xdg-utils, gnuplot-nox, librsvg2-bin")  # plans; the console's page; figures
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS slurm-client)
 file(STRINGS ${PROJECT_SOURCE_DIR}/third_party/packages.apt libraries REGEX "-dev$")
 # Left out: LibTorch, which is recommended, and what only the program or the package of Python is built with.

@@ -2,10 +2,55 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "lodestone/common/error.h"
 
 namespace lodestone::common {
+namespace {
+
+/// Differences other than zero by size, each with twice its rank: equal sizes share the mean of theirs.
+struct SignedRanks {
+  std::vector<std::int64_t> twice;
+  std::int64_t twice_above = 0, twice_below = 0;  ///< sums over the differences above and below zero
+  double ties = 0.0;                              ///< sum of t^3 - t over the groups of equal ones
+};
+
+SignedRanks signed_ranks(std::vector<double> differences) {
+  differences.erase(std::remove(differences.begin(), differences.end(), 0.0), differences.end());
+  std::sort(differences.begin(), differences.end(),
+            [](double a, double b) { return std::abs(a) < std::abs(b); });
+  SignedRanks ranks;
+  for (std::size_t first = 0, last = 0; first < differences.size(); first = last) {
+    while (last < differences.size() && std::abs(differences[last]) == std::abs(differences[first])) ++last;
+    const auto twice = static_cast<std::int64_t>(first + 1 + last);
+    for (std::size_t i = first; i < last; ++i) {
+      ranks.twice.push_back(twice);
+      (differences[i] > 0.0 ? ranks.twice_above : ranks.twice_below) += twice;
+    }
+    const auto tied = static_cast<double>(last - first);
+    ranks.ties += tied * tied * tied - tied;
+  }
+  return ranks;
+}
+
+/// Probability that a sum of ranks is at most `twice_sum` / 2 where every sign is as likely as its opposite.
+double exact_tail(const std::vector<std::int64_t>& twice_ranks, std::int64_t twice_sum) {
+  const std::int64_t total = std::accumulate(twice_ranks.begin(), twice_ranks.end(), std::int64_t{0});
+  std::vector<double> chance(static_cast<std::size_t>(total) + 1, 0.0);
+  chance[0] = 1.0;
+  std::int64_t reach = 0;
+  for (const std::int64_t rank : twice_ranks) {
+    reach += rank;
+    for (std::int64_t sum = reach; sum >= 0; --sum) {
+      double& here = chance[static_cast<std::size_t>(sum)];
+      here = 0.5 * (here + (sum >= rank ? chance[static_cast<std::size_t>(sum - rank)] : 0.0));
+    }
+  }
+  return std::accumulate(chance.begin(), chance.begin() + twice_sum + 1, 0.0);
+}
+
+}  // namespace
 
 double percentile(std::vector<double> values, double fraction) {
   if (values.empty()) return 0.0;
@@ -135,6 +180,18 @@ Interval nested_bootstrap_interval(const std::vector<std::vector<double>>& group
     statistics.push_back(statistic(drawn));
   }
   return {percentile(statistics, 0.5 * (1.0 - level)), percentile(statistics, 1.0 - 0.5 * (1.0 - level))};
+}
+
+double signed_rank_p(const std::vector<double>& differences) {
+  constexpr std::size_t kMostExact = 200;
+  const SignedRanks ranks = signed_ranks(differences);
+  if (ranks.twice.empty()) return 1.0;
+  const std::int64_t twice_less = std::min(ranks.twice_above, ranks.twice_below);
+  if (ranks.twice.size() <= kMostExact) return std::min(1.0, 2.0 * exact_tail(ranks.twice, twice_less));
+  const auto n = static_cast<double>(ranks.twice.size());
+  const double deviation = std::sqrt(n * (n + 1.0) * (2.0 * n + 1.0) / 24.0 - ranks.ties / 48.0);
+  const double z = (0.25 * n * (n + 1.0) - 0.5 * static_cast<double>(twice_less) - 0.5) / deviation;
+  return std::min(1.0, std::erfc(z / std::sqrt(2.0)));
 }
 
 }  // namespace lodestone::common

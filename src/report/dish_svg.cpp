@@ -28,6 +28,13 @@ std::string text(double value) {
   return buffer;
 }
 
+/// Six significant digits.
+std::string precise(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.6g", value);
+  return buffer;
+}
+
 std::string attribute(const char* name, double value) {
   return std::string(" ") + name + "=\"" + text(value) + "\"";
 }
@@ -128,7 +135,8 @@ void DishSvg::map(const std::vector<MapCell>& cells, double side_mm, double low,
                   const std::string& legend, int decimals) {
   const double span = high > low ? high - low : 1.0;
   for (const MapCell& cell : cells)
-    cells_ += "<rect" + attribute("x", scale_ * (cell.x_mm - side_mm / 2)) +
+    cells_ += "<rect class=\"cell\" data-value=\"" + precise(cell.value) + "\"" +
+              attribute("x", scale_ * (cell.x_mm - side_mm / 2)) +
               attribute("y", scale_ * (-cell.y_mm - side_mm / 2)) + attribute("width", scale_ * side_mm) +
               attribute("height", scale_ * side_mm) + " fill=\"" + map_colour((cell.value - low) / span) +
               "\"/>";
@@ -161,10 +169,10 @@ void DishSvg::line(const Points& points, const std::string& colour, double width
 
 void DishSvg::dot(double x_mm, double y_mm, double radius, const std::string& colour, bool hollow,
                   double opacity) {
-  marks_ += "<circle" + attribute("cx", scale_ * x_mm) + attribute("cy", scale_ * -y_mm) +
-            attribute("r", radius) + attribute("opacity", opacity) +
-            (hollow ? " class=\"hollow\" fill=\"#ffffff\" stroke-width=\"0.35\" stroke=\"" : " fill=\"") +
-            escape(colour) + "\"/>";
+  marks_ +=
+      std::string("<circle class=\"mark") + (hollow ? " hollow\"" : "\"") + attribute("cx", scale_ * x_mm) +
+      attribute("cy", scale_ * -y_mm) + attribute("r", radius) + attribute("opacity", opacity) +
+      (hollow ? " fill=\"#ffffff\" stroke-width=\"0.35\" stroke=\"" : " fill=\"") + escape(colour) + "\"/>";
 }
 
 void DishSvg::target(double x_mm, double y_mm, double radius_mm, const std::string& colour) {
@@ -172,8 +180,8 @@ void DishSvg::target(double x_mm, double y_mm, double radius_mm, const std::stri
   const double y = scale_ * -y_mm;
   const double r = scale_ * radius_mm;
   const double arm = 0.45 * r;
-  marks_ += "<g fill=\"none\" stroke-width=\"0.4\" stroke=\"" + escape(colour) + "\"><circle" +
-            attribute("cx", x) + attribute("cy", y) + attribute("r", r) + "/><line" +
+  marks_ += "<g class=\"target\" fill=\"none\" stroke-width=\"0.4\" stroke=\"" + escape(colour) +
+            "\"><circle" + attribute("cx", x) + attribute("cy", y) + attribute("r", r) + "/><line" +
             attribute("x1", x - arm) + attribute("x2", x + arm) + attribute("y1", y) + attribute("y2", y) +
             "/><line" + attribute("x1", x) + attribute("x2", x) + attribute("y1", y - arm) +
             attribute("y2", y + arm) + "/></g>";
@@ -185,9 +193,10 @@ std::string DishSvg::svg(const std::string& label) const {
   const double right = legend_.empty() ? kFrame * r + 1.0 : (kFrame + 0.70) * r;
   const double top = kFrame * r + 1.0;
   const double bottom = compact_ ? top : (kFrame + 0.34) * r;
-  return "<svg role=\"img\" aria-label=\"" + escape(label) + "\" viewBox=\"" + text(-left) + " " +
-         text(-top) + " " + text(left + right) + " " + text(top + bottom) + "\"><title>" + escape(label) +
-         "</title><defs><clipPath id=\"dish\"><circle cx=\"0\" cy=\"0\"" + attribute("r", r) +
+  return "<svg role=\"img\" aria-label=\"" + escape(label) +
+         "\" xmlns=\"http://www.w3.org/2000/svg\" data-mm=\"" + precise(1.0 / scale_) + "\" viewBox=\"" +
+         text(-left) + " " + text(-top) + " " + text(left + right) + " " + text(top + bottom) + "\"><title>" +
+         escape(label) + "</title><defs><clipPath id=\"dish\"><circle cx=\"0\" cy=\"0\"" + attribute("r", r) +
          "/></clipPath></defs>" + coils() +
          "<circle class=\"ground rim\" cx=\"0\" cy=\"0\" fill=\"#ffffff\" stroke=\"#5b6773\" "
          "stroke-width=\"0.6\"" +

@@ -63,12 +63,16 @@ std::string joined(const std::vector<std::string>& items) {
 
 }  // namespace
 
+std::map<std::string, std::string> values_by_key(const Json& config) {
+  std::map<std::string, std::string> values;
+  flatten(config, "", values);
+  return values;
+}
+
 std::vector<std::string> differing_keys(const Json& there, const Json& here,
                                         const std::vector<std::string>& ignored) {
-  std::map<std::string, std::string> before;
-  std::map<std::string, std::string> now;
-  flatten(there, "", before);
-  flatten(here, "", now);
+  std::map<std::string, std::string> before = values_by_key(there);
+  std::map<std::string, std::string> now = values_by_key(here);
   for (const std::string& key : ignored) {
     before.erase(key);
     now.erase(key);

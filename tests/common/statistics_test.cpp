@@ -112,3 +112,30 @@ TEST_CASE("the difference of two means has an interval that widens with their sp
   CHECK(none.high > 0.0);
   CHECK(common::difference_interval({}, low, common::RandomStream(1, "draw")).high == 0.0);
 }
+
+TEST_CASE("the signed-rank test counts every choice of signs, and shares ranks where sizes are equal") {
+  // Heights of cross- and self-fertilised plants (Darwin, 1876): rank sums of 96 and 24.
+  const std::vector<double> plants = {6, 8, 14, 16, 23, 24, 28, 29, 41, -48, 49, 56, 60, -67, 75};
+  CHECK(common::signed_rank_p(plants) == Approx(0.041259765625).epsilon(1e-12));
+  // Of ones, it is the sign test: two of ten below zero, 2 (1 + 10 + 45) / 1024.
+  CHECK(common::signed_rank_p({1, 1, 1, 1, -1, 1, 1, -1, 1, 1, 0, 0}) == Approx(112.0 / 1024.0));
+  CHECK(common::signed_rank_p({2.0}) == 1.0);
+  CHECK(common::signed_rank_p({0.0, 0.0}) == 1.0);
+  CHECK(common::signed_rank_p({}) == 1.0);
+  CHECK(common::signed_rank_p({1, 2, 3, 4, 5}) == Approx(2.0 / 32.0));
+}
+
+TEST_CASE("where the signed-rank test becomes a normal one, its p hardly changes") {
+  RandomStream random(3, "differences");
+  std::vector<double> differences;
+  for (int i = 0; i < 200; ++i) differences.push_back(std::round(10.0 * (random.normal() + 0.15)) / 10.0);
+  differences.erase(std::remove(differences.begin(), differences.end(), 0.0), differences.end());
+  const double exact = common::signed_rank_p(differences);
+  CHECK(exact > 1e-4);
+  CHECK(exact < 0.2);
+  while (differences.size() <= 200) {  // as many on either side, smaller than all others
+    differences.push_back(1e-6);
+    differences.push_back(-1e-6);
+  }
+  CHECK(common::signed_rank_p(differences) == Approx(exact).epsilon(0.15));
+}

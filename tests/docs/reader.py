@@ -34,6 +34,10 @@ def pulses(checkout, _):
     write_rows(checkout.root / "pulses.csv", rows)
 
 
+def field_samples(checkout, _):
+    shutil.copy(checkout.root / "tests/physics/octomag_field.csv", checkout.root / "samples.csv")
+
+
 def odd_log(checkout, _):
     """A log in pixels of 0.09 mm about (640, 512), y down."""
     draw = random.Random(2)
@@ -82,7 +86,7 @@ def old_run(checkout, kept):
 
 HAS = {
     "docs/beyond-the-paper.md": [description("paper.json")],
-    "docs/bring-your-own-rig.md": [points],
+    "docs/bring-your-own-rig.md": [points, field_samples],
     "docs/deploy-safely.md": [quickstart],
     "docs/drive-a-bench.md": [quickstart, description("serial.json")],
     "docs/export.md": [imported_pulses, torchscript],

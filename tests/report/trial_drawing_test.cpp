@@ -42,7 +42,8 @@ TEST_CASE("moments at which the needle was not seen are marked, and said in the 
 
 TEST_CASE("a drawing becomes a file that opens by itself, an empty one none") {
   const lodestone::tests::TemporaryFolder folder;
-  write_svg(folder / "images/a.svg", "<svg viewBox=\"0 0 1 1\"></svg>");
+  const auto trials = read_trials({point_trial("policy", "explored")});
+  write_svg(folder / "images/a.svg", draw_trials({&trials[0]}, 42.5, "some"));
   CHECK(holds(lodestone::common::read_file(folder / "images/a.svg"), "xmlns=\"http://www.w3.org/2000/svg\""));
   write_svg(folder / "images/b.svg", "");
   CHECK_THROWS(lodestone::common::read_file(folder / "images/b.svg"));

@@ -9,7 +9,7 @@ using namespace lodestone;
 
 namespace {
 
-rl::TrainPolicyConfig small_config() {
+rl::TrainPolicyConfig small_training() {
   rl::TrainPolicyConfig config;
   config.threads = 1;
   config.training.environments = 3;
@@ -22,7 +22,7 @@ const std::string kModel = std::string(LODESTONE_SOURCE_DIR) + "/models/dynamics
 }  // namespace
 
 TEST_CASE("The plain simulator needs no dynamics and is of the rig", "[rl]") {
-  rl::TrainPolicyConfig config = small_config();
+  rl::TrainPolicyConfig config = small_training();
   config.simulator = rl::Simulator::kPhysics;
   config.rig.dish.radius_m = 0.03;
   const rl::PolicyEnvironments made = rl::make_policy_environments(config);
@@ -37,7 +37,7 @@ TEST_CASE("The plain simulator needs no dynamics and is of the rig", "[rl]") {
 }
 
 TEST_CASE("The learned simulator must be named, and its data say what they know", "[rl]") {
-  rl::TrainPolicyConfig config = small_config();
+  rl::TrainPolicyConfig config = small_training();
   CHECK_THROWS_WITH(rl::make_policy_environments(config), Catch::Contains("--set dynamics=DIR"));
   config.dynamics = kModel;
   config.rig.dish.radius_m = 0.03;
@@ -47,7 +47,7 @@ TEST_CASE("The learned simulator must be named, and its data say what they know"
 }
 
 TEST_CASE("The reachable region is mapped from the dynamics' data", "[rl]") {
-  rl::TrainPolicyConfig config = small_config();
+  rl::TrainPolicyConfig config = small_training();
   config.simulator = rl::Simulator::kPhysics;
   config.task.within = task::Within::kReachable;
   CHECK_THROWS_WITH(rl::make_policy_environments(config), Catch::Contains("needs data to map"));
@@ -58,7 +58,7 @@ TEST_CASE("The reachable region is mapped from the dynamics' data", "[rl]") {
 }
 
 TEST_CASE("Recorded steps that are wanted must be there", "[rl]") {
-  rl::TrainPolicyConfig config = small_config();
+  rl::TrainPolicyConfig config = small_training();
   config.simulator = rl::Simulator::kPhysics;
   config.replay.environments = 2;
   config.recorded = "/nowhere.h5";

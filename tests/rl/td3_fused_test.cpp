@@ -5,8 +5,8 @@
 #include "rl/td3_samples.h"
 
 using namespace lodestone::rl;
-using tests::identical;
-using tests::random_buffer;
+using lodestone::rl::tests::identical;
+using lodestone::rl::tests::random_buffer;
 
 TEST_CASE("Updates do not depend on the number of threads", "[rl]") {
   Td3Config config;

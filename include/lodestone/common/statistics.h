@@ -57,4 +57,10 @@ Interval nested_bootstrap_interval(const std::vector<std::vector<double>>& group
                                    const std::function<double(const std::vector<double>&)>& statistic,
                                    RandomStream random, std::int64_t resamples = 2000, double level = 0.95);
 
+/// Two-sided p of Wilcoxon's signed-rank test that paired differences lie as often and as far above zero as
+/// below: zeros are dropped, equal sizes share their rank. Exact for up to 200 differences (every choice of
+/// signs counted, so of differences of 1 and -1 it is the exact sign test), normal with the correction for
+/// ties and continuity beyond. 1 when no difference is other than zero.
+double signed_rank_p(const std::vector<double>& differences);
+
 }  // namespace lodestone::common

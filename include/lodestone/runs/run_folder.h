@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -93,6 +94,10 @@ class RunFolder {
 std::optional<RunState> find_run(const std::string& folder);
 /// Whether a process works in the folder right now.
 bool is_running(const std::string& folder);
+
+/// Every value of a configuration as text, by its dotted key; of a list of objects by the number of each,
+/// too.
+std::map<std::string, std::string> values_by_key(const common::Json& config);
 
 /// Dotted keys in which two configurations differ, as "key = here (there: value)". Keys of `ignored` do not
 /// count.

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lodestone/physics/field_samples.h"
+#include "lodestone/physics/measured_field.h"
+
+namespace lodestone::physics {
+
+/// How far a field is from samples.
+struct FieldError {
+  std::int64_t samples = 0;
+  double relative_rms = 0.0;          ///< RMS of the difference's magnitude over that of the samples' own
+  double rms_T = 0.0;                 ///< of the difference's magnitude
+  double direction_median_deg = 0.0;  ///< angle between the two
+  double direction_p95_deg = 0.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("samples", samples);
+    v.field("relative_rms", relative_rms);
+    v.field("rms_T", rms_T);
+    v.field("direction_median_deg", direction_median_deg);
+    v.field("direction_p95_deg", direction_p95_deg);
+  }
+};
+
+/// Throws DataError when a sample lies outside the field's box, or has another number of coils.
+FieldError field_error(const MeasuredField& field, const FieldSamples& samples);
+
+/// A field fitted to samples, and how well it explains samples that it was not fitted to.
+struct FieldFit {
+  MeasuredField field;
+  FieldError fitted;                       ///< on what it was fitted to
+  FieldError held_out;                     ///< each fifth of the samples by a fit to the rest
+  std::vector<double> held_out_by_degree;  ///< relative RMS of degree 1, 2, ...
+};
+
+/// Least squares of solid harmonics to samples, a set for each coil and one for the field without currents;
+/// of the degrees that the samples suffice for, up to 8, the one that explains held-out samples best. Throws
+/// DataError where there are too few samples, they lie in a plane or on a line, or even the best fit leaves
+/// more than a tenth of the field.
+FieldFit fit_field(const FieldSamples& samples);
+
+}  // namespace lodestone::physics
