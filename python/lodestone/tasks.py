@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from .controllers import to_json
-from .errors import ConfigError, NotFoundError
+from .errors import ConfigError, IoError, NotFoundError
 
 __all__ = ["Task", "TASKS"]
 
@@ -27,11 +27,15 @@ _OF_THE_LEARNER = {"seed", "threads", "method", "dynamics", "simulator", "record
 
 
 def read_json(path: pathlib.Path) -> dict[str, Any]:
-    """An object of a file with comments. Raises NotFoundError and ConfigError."""
+    """An object of a file with comments. Raises NotFoundError, IoError and ConfigError."""
     try:
-        text = path.read_text()
+        text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise NotFoundError(f"{path} does not exist") from None
+    except OSError as error:
+        raise IoError(f"{path} cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise ConfigError(f"{path} is no JSON: it is no text in UTF-8") from None
     try:
         whole = json.loads(re.sub(r"^\s*//.*$", "", text, flags=re.MULTILINE))
     except ValueError as error:

@@ -27,13 +27,13 @@ def spaces(observation_size: int) -> tuple[gymnasium.spaces.Box, gymnasium.space
             gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32))
 
 
-def checked_count(num_envs: int) -> int:
-    """Raises TypeError or ValueError where it is no number of environments."""
-    if isinstance(num_envs, bool) or not isinstance(num_envs, (int, np.integer)):
-        raise TypeError(f"num_envs is {num_envs!r}, must be a whole number")
-    if not 1 <= num_envs <= 1 << 20:
-        raise ValueError(f"num_envs is {num_envs}, must be within 1 .. {1 << 20}")
-    return int(num_envs)
+def checked_whole(name: str, value: int, least: int, most: int) -> int:
+    """Raises TypeError or ValueError where it is no whole number within these bounds."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
+        raise TypeError(f"{name} is {value!r}, must be a whole number")
+    if not least <= value <= most:
+        raise ValueError(f"{name} is {value}, must be within {least} .. {most}")
+    return int(value)
 
 
 class MbsVectorEnv(VectorEnv):
@@ -63,11 +63,11 @@ class MbsVectorEnv(VectorEnv):
         """See make_vec()."""
         if render_mode is not None:
             raise ValueError(f"render_mode is {render_mode!r}: the learned simulator draws nothing; use lodestone/Rig-v0")
-        self.num_envs = checked_count(num_envs)
+        self.num_envs = checked_whole("num_envs", num_envs, 1, 1 << 20)
         self._given = None if seed is None else checked_seed(seed)
         self._copy = copy
         self._core = _lodestone.Environments(as_dynamics(dynamics)._core, environment_config(task, **groups),
-                                             self.num_envs, 0 if seed is None else self._given, 0, threads)
+                                             self.num_envs, 0 if seed is None else self._given, 0, checked_whole("threads", threads, 0, 1024))
         self.contract: dict[str, Any] = json.loads(self._core.contract())
         self.single_observation_space, self.single_action_space = spaces(self._core.observation_size)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)

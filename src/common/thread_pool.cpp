@@ -6,8 +6,12 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
+
+#include "lodestone/common/error.h"
 
 #if defined(__SSE3__) || defined(__x86_64__)
 #include <xmmintrin.h>
@@ -80,6 +84,15 @@ struct ThreadPool::State {
   std::atomic<bool> stopping{false};
   std::exception_ptr failure;
 
+  ~State() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      stopping = true;
+    }
+    wake.notify_all();
+    for (std::thread& worker : workers) worker.join();
+  }
+
   /// Returns when `condition` holds, which is announced through `announced` under the mutex.
   template <class Condition>
   void wait(std::condition_variable& announced, const Condition& condition) {
@@ -123,17 +136,16 @@ ThreadPool::ThreadPool(std::size_t threads) : state_(std::make_unique<State>()) 
   if (threads == 0) threads = processors;
   flush_denormals_to_zero();
   state_->spin = threads <= processors;
-  for (std::size_t i = 1; i < threads; ++i) state_->workers.emplace_back([this] { state_->loop(); });
+  try {
+    for (std::size_t i = 1; i < threads; ++i)
+      state_->workers.emplace_back([state = state_.get()] { state->loop(); });
+  } catch (const std::system_error&) {
+    throw IoError("cannot start " + std::to_string(threads) + " threads: no more than " +
+                  std::to_string(size()) + " can be had now; ask for fewer");
+  }
 }
 
-ThreadPool::~ThreadPool() {
-  {
-    const std::lock_guard<std::mutex> lock(state_->mutex);
-    state_->stopping = true;
-  }
-  state_->wake.notify_all();
-  for (std::thread& worker : state_->workers) worker.join();
-}
+ThreadPool::~ThreadPool() = default;
 
 std::size_t ThreadPool::size() const { return state_->workers.size() + 1; }
 

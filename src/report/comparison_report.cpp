@@ -31,8 +31,7 @@ const std::vector<Shown>& shown_figures() {
   static const std::vector<Shown> kShown = {
       {"error (mm)", [](const ComparisonRow& row) { return std::optional(row.error_mm); }, 2},
       {"failed (%)", [](const ComparisonRow& row) { return std::optional(row.failed); }, 1, 100.0},
-      {"of these stopped early (%)", [](const ComparisonRow& row) { return std::optional(row.stopped); }, 1,
-       100.0},
+      {"stopped early (%)", [](const ComparisonRow& row) { return std::optional(row.stopped); }, 1, 100.0},
       {"error where both succeeded (mm)", [](const ComparisonRow& row) { return row.error_of_successes_mm; },
        2},
       {"time to reach, where both did (s)", [](const ComparisonRow& row) { return row.seconds_to_reach; }, 2},
@@ -76,7 +75,6 @@ std::string picture(const Comparison& comparison, const ComparisonRow& row) {
   const std::string& other = comparison.runs[static_cast<std::size_t>(row.other)];
   LineChart chart{fmt::format("{}-{}-{}", row.task, row.rig, row.other), row.task + ", " + row.rig,
                   "error of " + first + " (mm)", "error of " + other + " (mm)"};
-  chart.small = true;
   chart.from_zero = true;
   LineSeries trials{"a trial", {}, kPolicyColour};
   trials.dots = true;

@@ -1,10 +1,15 @@
 #include "lodestone/common/thread_pool.h"
 
+#include <sys/resource.h>
+
 #include <catch2/catch.hpp>
 #include <cfenv>
+#include <fstream>
 #include <stdexcept>
 #include <thread>
 #include <vector>
+
+#include "lodestone/common/error.h"
 
 using lodestone::common::DenormalsFlushed;
 using lodestone::common::ThreadPool;
@@ -56,3 +61,25 @@ TEST_CASE("denormal numbers are flushed only while that is asked for", "[unit]")
   CHECK(flushed_within);
   CHECK(kept_after);
 }
+
+#ifndef __SANITIZE_ADDRESS__  // which takes what addresses there are
+TEST_CASE("where the system gives no more threads, the pool says so and lets go those that it has") {
+  rlimit before{};
+  REQUIRE(getrlimit(RLIMIT_AS, &before) == 0);
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  constexpr std::size_t kPage = 4096, kFewStacks = 64 << 20;
+  const rlimit tight{pages * kPage + kFewStacks, before.rlim_max};
+  REQUIRE(setrlimit(RLIMIT_AS, &tight) == 0);
+  std::string said;
+  try {
+    const ThreadPool pool(1000);
+  } catch (const lodestone::common::IoError& error) {
+    said = error.what();
+  }
+  setrlimit(RLIMIT_AS, &before);
+  CHECK(said.find("cannot start 1000 threads: no more than") != std::string::npos);
+  const ThreadPool after(2);
+  CHECK(after.size() == 2);
+}
+#endif

@@ -29,7 +29,7 @@ class DenormalsFlushed {
 /// good.
 class ThreadPool {
  public:
-  /// threads: 1 or more; 0 means one per processor.
+  /// threads: 1 or more; 0 means one per processor. Throws IoError where so many cannot be started.
   explicit ThreadPool(std::size_t threads = 0);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
