@@ -17,19 +17,21 @@ struct CalibrateFieldOptions {
   std::string rig_file;
 };
 
-/// What an error of the field means for the needle that lies in it.
-void print_torque(const physics::FieldError& error, const std::string& rig_file) {
-  rig::RigConfig rig;
-  if (!rig_file.empty())
-    rig = common::config_from_json<rig::RigConfig>(common::read_json_file(rig_file), rig_file);
+/// What an error of the field means for the needle that lies in it: most where the error is across it.
+void print_torque(const physics::FieldError& error, const rig::RigConfig& rig) {
   // Friction on a rod that turns about its middle: its weight, spread evenly, at a quarter of the length.
   const double breakaway_N_m = 0.25 * rig.breakaway_N() * rig.needle.length_m;
   const double torque_N_m = rig.needle.moment_A_m2 * error.rms_T;
-  std::printf("to the needle (%.3g A m^2) that is a torque of %.2g N m, %.2g of what turns it from rest\n",
-              rig.needle.moment_A_m2, torque_N_m, torque_N_m / breakaway_N_m);
+  std::printf(
+      "to a needle of %.3g A m^2 that is a torque of at most %.2g N m, %.2g of what turns it from rest\n",
+      rig.needle.moment_A_m2, torque_N_m, torque_N_m / breakaway_N_m);
 }
 
 void calibrate_field(const CalibrateFieldOptions& options) {
+  rig::RigConfig rig;  // the paper's, where none is named
+  if (!options.rig_file.empty())
+    rig =
+        common::config_from_json<rig::RigConfig>(common::read_json_file(options.rig_file), options.rig_file);
   const physics::FieldSamples samples = physics::read_field_samples(options.samples);
   physics::FieldFit fit;
   try {
@@ -47,7 +49,7 @@ void calibrate_field(const CalibrateFieldOptions& options) {
       "left of held-out samples %.3g mT (%.2f %%), its direction off by %.2f degrees (95 %%: below %.2f)\n",
       1e3 * fit.held_out.rms_T, 100.0 * fit.held_out.relative_rms, fit.held_out.direction_median_deg,
       fit.held_out.direction_p95_deg);
-  print_torque(fit.held_out, options.rig_file);
+  print_torque(fit.held_out, rig);
   std::printf("field    %s\n", options.out.c_str());
 }
 
@@ -79,7 +81,8 @@ void add_calibrate_field(Verb& calibrate) {
       .named("FILE.csv")
       .required();
   verb.add_option("--out", &options->out, "where the field is written").named("FILE").with_default();
-  verb.add_option("--rig", &options->rig_file, "rig.json: whose needle the residual is told for")
+  verb.add_option("--rig", &options->rig_file,
+                  "rig.json: whose needle the residual is told for; without it the paper's")
       .named("FILE");
   verb.run = [options] { calibrate_field(*options); };
 }

@@ -15,7 +15,7 @@ struct FiguresOptions {
 
 void figures(const FiguresOptions& options) {
   for (const std::string& name : report::save_figures(options.page, options.out))
-    std::printf("%s/%s\n", options.out.c_str(), name.c_str());
+    std::printf("%s/%s.csv, and as drawings\n", options.out.c_str(), name.c_str());
 }
 
 }  // namespace

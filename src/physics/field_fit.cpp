@@ -233,11 +233,10 @@ FieldFit fit_field(const FieldSamples& samples) {
     fit.held_out = error;
   }
   if (!(fit.held_out.relative_rms <= kMostLeft))
-    throw common::DataError(
-        fmt::format("even the best fit leaves {:.0f} % of the field unexplained (at most {:.0f}): is a "
-                    "column in another unit, are "
-                    "two of them swapped, or do cores saturate?",
-                    100.0 * fit.held_out.relative_rms, 100.0 * kMostLeft));
+    throw common::DataError(fmt::format(
+        "even the best fit leaves {:.0f} % of the field unexplained (at most {:.0f}): is a column in "
+        "another unit, are two of them swapped, do cores saturate, or are {} samples too few for {} coils?",
+        100.0 * fit.held_out.relative_rms, 100.0 * kMostLeft, samples.size(), samples.coils));
   fit.field = solve(total(sums, kFolds), samples, box, best, highest);
   fit.fitted = field_error(fit.field, samples);
   return fit;

@@ -114,10 +114,23 @@ std::string caution(const Comparison& comparison) {
                      fmt::join(keys, ", "));
 }
 
+/// How many trials had no partner; empty where all had one.
+std::string left_out(const Comparison& comparison) {
+  std::string text;
+  for (const ComparisonRow& row : comparison.rows)
+    if (row.left_out > 0)
+      text += fmt::format("{}{}, {}: {} trials of {} and {}",
+                          text.empty() ? "Without a partner, and so left out: " : "; ", row.task, row.rig,
+                          row.left_out, comparison.runs.front(),
+                          comparison.runs[static_cast<std::size_t>(row.other)]);
+  return text.empty() ? "" : text + ".";
+}
+
 std::string text_of(const Comparison& comparison, const std::vector<std::vector<std::string>>& cells) {
   std::string text;
   for (const ComparisonRow& row : comparison.rows) text += row.sentence + "\n";
-  if (const std::string line = caution(comparison); !line.empty()) text += line + "\n";
+  for (const std::string& line : {caution(comparison), left_out(comparison)})
+    if (!line.empty()) text += line + "\n";
   text += "\n";
   for (const auto& row : cells)
     text += fmt::format("{:<18} {}: {}: {} -> {}, difference {}, p {}, n {}\n", row[0], row[1], row[2],
@@ -132,8 +145,8 @@ std::string write_comparison_report(const Comparison& comparison, const std::str
   HtmlPage page(fmt::format("{} runs, trial by trial", comparison.runs.size()),
                 "held against " + comparison.runs.front());
   std::string said = sentences_html(comparison);
-  if (const std::string line = caution(comparison); !line.empty())
-    said += "<p class=\"missing\">" + escape(line) + "</p>";
+  for (const std::string& line : {caution(comparison), left_out(comparison)})
+    if (!line.empty()) said += "<p class=\"missing\">" + escape(line) + "</p>";
   if (comparison.rows.size() > 1)
     said += fmt::format(
         "<p>Each of the {} rows has intervals of its own: of twenty differences that are none, one "

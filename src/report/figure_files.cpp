@@ -168,7 +168,7 @@ void run_tool(const std::vector<std::string>& words, const std::string& package)
 
 }  // namespace
 
-std::vector<std::string> save_figures(const std::string& page, const std::string& folder) {
+std::vector<std::string> save_figures(const std::string& page, const std::string& folder) try {
   const std::vector<Found> figures = figures_of(common::read_file(page));
   if (figures.empty())
     throw common::ConfigError("figures: " + page +
@@ -205,6 +205,8 @@ std::vector<std::string> save_figures(const std::string& page, const std::string
     for (const auto& [file, mm] : *files)
       run_tool({"rsvg-convert", "-f", "pdf", "-o", file + ".pdf", file + ".svg"}, "librsvg2-bin");
   return names;
+} catch (const Json::exception& error) {
+  throw common::DataError(page + ": a chart of it is damaged (" + error.what() + "); write the page again");
 }
 
 }  // namespace lodestone::report

@@ -102,25 +102,27 @@ std::string scope(const ComparisonRow& row) {
 
 std::string about_errors(const ComparisonRow& row, const std::string& first, const std::string& other) {
   const PairedFigure& error = row.error_mm;
-  if (!error.above_zero() && !error.below_zero())
-    return fmt::format("the errors of {} and {} are not told apart ({:+.2f} mm, 95 %: {:+.2f} to {:+.2f})",
-                       other, first, error.difference, error.interval[0], error.interval[1]);
+  if (!error.larger() && !error.smaller())
+    return fmt::format(
+        "the errors of {} and {} are not told apart ({:+.2f} mm, 95 %: {:+.2f} to {:+.2f}; p {:.2f})", other,
+        first, error.difference, error.interval[0], error.interval[1], error.signed_rank_p);
   const double low = std::min(std::abs(error.interval[0]), std::abs(error.interval[1]));
   const double high = std::max(std::abs(error.interval[0]), std::abs(error.interval[1]));
   return fmt::format("the error of {} is {:.2f} mm {} than that of {} (95 %: {:.2f} to {:.2f})", other,
-                     std::abs(error.difference), error.below_zero() ? "smaller" : "larger", first, low, high);
+                     std::abs(error.difference), error.smaller() ? "smaller" : "larger", first, low, high);
 }
 
 std::string about_failures(const ComparisonRow& row) {
   const PairedFigure& failed = row.failed;
   const auto share = [](double fraction) { return fmt::format("{:.1f}", 100.0 * fraction); };
   const std::string both = share(failed.other) + " % against " + share(failed.first) + " %";
-  if (!failed.above_zero() && !failed.below_zero())
+  if (!failed.larger() && !failed.smaller())
     return failed.other == 0.0 && failed.first == 0.0
                ? "none fails"
-               : "how often they fail is not told apart (" + both + ")";
+               : fmt::format("how often they fail is not told apart ({}; p {:.2f})", both,
+                             failed.signed_rank_p);
   return fmt::format("it fails {}: {} (95 %: {:+.1f} to {:+.1f} points)",
-                     failed.below_zero() ? "less often" : "more often", both, 100.0 * failed.interval[0],
+                     failed.smaller() ? "less often" : "more often", both, 100.0 * failed.interval[0],
                      100.0 * failed.interval[1]);
 }
 
@@ -129,8 +131,8 @@ std::string sentence(const ComparisonRow& row, const std::string& first, const s
   const std::string where = row.task + ", " + row.rig;
   if (row.error_mm.units < kLeastUnits)
     return fmt::format("{}: {} are too few to say anything of {} and {}.", where, scope(row), other, first);
-  const bool apart = (row.error_mm.below_zero() && row.failed.above_zero()) ||
-                     (row.error_mm.above_zero() && row.failed.below_zero());
+  const bool apart =
+      (row.error_mm.smaller() && row.failed.larger()) || (row.error_mm.larger() && row.failed.smaller());
   return fmt::format("{}: {}{}{} ({}).", where, about_errors(row, first, other), apart ? ", but " : "; ",
                      about_failures(row), scope(row));
 }

@@ -70,6 +70,30 @@ TEST_CASE("a difference that may be chance is not told as one") {
   CHECK(told <= 13);  // of 95 % intervals, 5 of 100 miss; 13 has a chance below 0.1 %
 }
 
+TEST_CASE("six trials are enough for a sentence only where all of them say the same") {
+  common::RandomStream random(2, "scatter");
+  int told = 0;
+  for (int run = 0; run < 200; ++run) {
+    std::vector<double> first, other;
+    for (int trial = 0; trial < 6; ++trial) {
+      first.push_back(1.0 + random.uniform(0.0, 0.5));
+      other.push_back(1.0 + random.uniform(0.0, 0.5));
+    }
+    const auto row = runs::compare_runs({run_of("A", first), run_of("B", other)}).rows.front();
+    if (!holds(row.sentence, "not told apart")) ++told;
+  }
+  CHECK(told >= 1);
+  CHECK(told <= 16);  // the test's chance is 2 of 64: 6 are expected; an interval alone would tell some 20
+  const std::vector<double> six(kErrors_mm.begin(), kErrors_mm.begin() + 6);
+  CHECK(holds(runs::compare_runs({run_of("A", six), run_of("B", plus(six, 0.1))}).rows.front().sentence,
+              "0.10 mm larger"));
+  std::vector<double> five_of_six = plus(six, 0.1);
+  five_of_six[0] -= 0.15;  // the smallest difference, and the only one below zero
+  const auto row = runs::compare_runs({run_of("A", six), run_of("B", five_of_six)}).rows.front();
+  CHECK(row.error_mm.interval[0] > 0.0);
+  CHECK(holds(row.sentence, "not told apart"));
+}
+
 TEST_CASE("a run that fails more often is not simply better, however close its errors are") {
   // B is stopped close to the target in three of eight: a stopped needle can have a small error.
   std::vector<double> errors_mm = plus(kErrors_mm, -0.3);
@@ -81,7 +105,7 @@ TEST_CASE("a run that fails more often is not simply better, however close its e
   }
   const auto row = runs::compare_runs({run_of("A", kErrors_mm), other}).rows.front();
   CHECK(row.stopped.other == Approx(0.75));
-  CHECK(row.failed.above_zero());
+  CHECK(row.failed.larger());
   CHECK(holds(row.sentence, "but it fails more often: 75.0 % against 0.0 %"));
   REQUIRE(row.error_of_successes_mm);
   CHECK(row.error_of_successes_mm->pairs == 2);
