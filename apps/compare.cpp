@@ -41,7 +41,7 @@ void add_compare(Verb& program) {
   verb.add_option(
           "runs", &options->runs,
           "folders that deploy or bench rigs wrote with the same seed; FOLDER:CONTROLLER where several "
-          "controllers drove, as runs/quickstart:baseline")
+          "controllers drove, as runs/any:baseline")
       .named("DIR")
       .required();
   verb.add_option("--out", &options->out, "folder of report.html and comparison.json")

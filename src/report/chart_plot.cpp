@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace lodestone::report {
@@ -11,7 +12,8 @@ using common::Json;
 
 constexpr double kPixelsPerMm = 96.0 / 25.4;
 constexpr double kHeightToWidth = 0.62;
-constexpr double kFontPixels = 10.0;  // 7.5 pt, whatever the width
+constexpr double kLegendLinePixels = 15.0;  // above the plot, a line for each name
+constexpr double kFontPixels = 10.0;        // 7.5 pt, whatever the width
 
 std::string csv_cell(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
@@ -130,14 +132,18 @@ std::string chart_csv(const Json& spec) {
 
 std::string chart_gnuplot(const Json& spec, const std::string& out, double width_mm) {
   const double width = kPixelsPerMm * width_mm;
+  const auto named =
+      std::count_if(spec.at("series").begin(), spec.at("series").end(),
+                    [](const Json& series) { return !series.at("name").get<std::string>().empty(); });
+  const double height = kHeightToWidth * width + kLegendLinePixels * static_cast<double>(named);
   std::string script = fmt::format(
       "reset session\nset terminal svg size {:.0f},{:.0f} font 'Helvetica,{:.0f}' noenhanced background rgb "
       "'white'\nset output {}\n",
-      width, kHeightToWidth * width, kFontPixels, gnuplot_text(out));
+      width, height, kFontPixels, gnuplot_text(out));
   script +=
       "set datafile missing '?'\nset border 3 lc rgb '#5b6773'\nset tics nomirror out\nset grid lc rgb "
       "'#e3e7ea'\n"
-      "set key top left reverse Left samplen 1.5\n";
+      "set key above left reverse Left samplen 1.5\n";
   if (const auto title = spec.at("title").get<std::string>(); !title.empty())
     script += "set title " + gnuplot_text(title) + "\n";
   script += "set xlabel " + gnuplot_text(spec.at("x_label")) + "\nset ylabel " +

@@ -40,7 +40,7 @@ TEST_CASE("gnuplot is told the same: labels, styles, and the area between two ed
   const std::string script = report::chart_gnuplot(
       spec_of(nullptr, {low, high, line("mean", {{0.0, 1.5}, {1.0, 1.6}}), dots}), "a.svg", 85.0);
   CHECK(holds(script, "set title 'Bob''s'"));
-  CHECK(holds(script, "size 321,199"));
+  CHECK(holds(script, "size 321,229"));
   CHECK(holds(script, "0.0 2.0 1.0\n1.0 2.1 1.1\n"));
   CHECK(holds(script, "using 1:2:3 with filledcurves"));
   CHECK(holds(script, "with points"));
