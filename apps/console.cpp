@@ -163,6 +163,9 @@ void console(const ConsoleOptions& given) {
   if (options.virtual_rig || options.emulate)
     options.overrides.push_back({"rig.backend=virtual", options.emulate ? "--emulate" : "--virtual"});
   auto config = resolve_config<ConsoleConfig>(options);
+  if (!config.deployment.rig.coils.each.empty())
+    throw common::ConfigError("rig.coils.each lists " + std::to_string(config.deployment.rig.coils.count()) +
+                              " coils; the console shows the four around the dish");
   if (config.policy.empty() && config.dynamics.empty()) {
     use_models(options, shipped_folder("models") + "/any_rig");
     config = resolve_config<ConsoleConfig>(options);

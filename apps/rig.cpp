@@ -29,12 +29,12 @@ struct FieldOptions : CommonOptions {
 
 void field(const FieldOptions& options) {
   const auto config = resolve_config<FieldConfig>(options);
-  const int coil = rig::coil_index(options.coil);
+  const physics::CoilsDescription& coils = config.rig.coils;
+  const physics::CoilDescription coil = coils.coil(rig::coil_index(coils, options.coil));
   const std::vector<geometry::Vector2> points = geometry::read_points_csv(options.points);
-  const std::string csv =
-      rig::field_csv(points, rig::field_per_ampere(config.rig.coils.geometry, coil, points));
+  const std::string csv = rig::field_csv(points, rig::field_per_ampere(coil, points));
   if (!options.plot.empty()) {
-    rig::write_field_plot(options.plot, config.rig.coils.geometry, coil, config.rig.dish.radius_m, points);
+    rig::write_field_plot(options.plot, coil, config.rig.dish.radius_m, points);
     common::log_info("rig field: wrote " + options.plot);
   }
   if (options.out.empty()) {
@@ -57,7 +57,9 @@ void add_rig(Verb& program) {
                             "gaussmeter");
   auto& options = configure<FieldConfig>(verb, field);
   add_common_options(verb, options);
-  verb.add_option("--coil", &options.coil, "which coil: +x, -x, +y or -y").named("NAME").required();
+  verb.add_option("--coil", &options.coil, "which coil: +x, -x, +y or -y, or a name of rig.coils.each")
+      .named("NAME")
+      .required();
   verb.add_option("--points", &options.points,
                   "CSV with the columns x_m,y_m: points of the dish plane in metres from its centre")
       .named("FILE")

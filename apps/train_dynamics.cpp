@@ -29,7 +29,7 @@ struct DynamicsRunConfig {
 /// Recordings say what rig they are of.
 void check_rig(const CommonOptions& options, const rig::RigConfig& rig, const data::DatasetInfo& info) {
   if (options.rig_file.empty() || !info.rig.contains("coils")) return;
-  if (info.rig != common::config_to_json<physics::RigDescription>(rig))
+  if (physics::completed_rig(info.rig) != common::config_to_json<physics::RigDescription>(rig))
     throw common::DataError("the recordings are of a rig with other figures than " + options.rig_file +
                             ": leave --rig out, or record that rig");
 }

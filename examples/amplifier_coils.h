@@ -21,12 +21,13 @@ class AmplifierCoils final : public lodestone::rig::Coils {
 
   void apply(const lodestone::rig::CoilPulse& pulse) override {
     std::array<int, vendor::Amplifier::kChannels> current_mA;
-    for (int coil = 0; coil < lodestone::rig::kCoilCount; ++coil)
+    for (std::size_t coil = 0; coil < vendor::Amplifier::kChannels; ++coil)
       current_mA[kChannel[coil]] = thousandths(pulse.current_A[coil]);
     if (!amplifier_.pulse(current_mA, thousandths(pulse.duration_s)))
       throw lodestone::common::HardwareError(
           "amplifier: it refuses a pulse; see its limits of current and duration");
-    for (const double current_A : pulse.current_A) log_ << current_A << ',';
+    for (std::size_t coil = 0; coil < vendor::Amplifier::kChannels; ++coil)
+      log_ << pulse.current_A[coil] << ',';
     log_ << pulse.duration_s << '\n';
   }
 
@@ -34,7 +35,7 @@ class AmplifierCoils final : public lodestone::rig::Coils {
 
   lodestone::rig::CoilStatus status() override {
     lodestone::rig::CoilStatus status;
-    for (int coil = 0; coil < lodestone::rig::kCoilCount; ++coil) {
+    for (std::size_t coil = 0; coil < vendor::Amplifier::kChannels; ++coil) {
       status.current_A[coil] = 1e-3 * amplifier_.current_mA()[kChannel[coil]];
       status.temperature_C[coil] = amplifier_.temperature_C()[kChannel[coil]];
     }

@@ -10,7 +10,6 @@
 #include "lodestone/common/error.h"
 #include "lodestone/control/policy_controller.h"
 #include "lodestone/inference/policy.h"
-#include "lodestone/rig/coils.h"
 #include "lodestone/task/action.h"
 
 using namespace lodestone;
@@ -35,8 +34,9 @@ int main(int count, char** words) try {
 
   const auto current_A = task::coil_currents(task::axis_drive(action, policy.action));
   std::printf("action %.6f %.6f\n", action.x(), action.y());
-  for (int coil = 0; coil < rig::kCoilCount; ++coil)
-    std::printf("coil %s %.6f %s\n", rig::kCoilNames[coil], current_A[coil], policy.action.unit.c_str());
+  const char* const names[] = {"+x", "-x", "+y", "-y"};
+  for (std::size_t coil = 0; coil < current_A.size(); ++coil)
+    std::printf("coil %s %.6f %s\n", names[coil], current_A[coil], policy.action.unit.c_str());
 } catch (const common::Error& error) {
   std::fprintf(stderr, "load_policy: %s\n", error.what());
   return 1;

@@ -25,14 +25,16 @@ std::string bounds_text(const Bounds& bounds) {
 
 }  // namespace
 
+/// A list comes from one place, with all that is in it.
 std::string ConfigSources::given(const std::string& path) const {
   if (!by_path_) return "";
-  const auto found = by_path_->find(path);
+  const auto found = by_path_->find(path.substr(0, path.find('[')));
   return found == by_path_->end() ? "" : found->second;
 }
 
 std::string ConfigSources::of(const std::string& path) const {
   if (!by_path_) return name_;
+  if (path.find('[') != std::string::npos) return of(path.substr(0, path.find('[')));
   const std::string below = path + ".";
   for (const auto& [key, source] : *by_path_)
     if (key == path || key.compare(0, below.size(), below) == 0) return source;
@@ -130,6 +132,15 @@ void ConfigReader::field(const char* key, std::vector<std::int64_t>& value, cons
   if (!json->is_array()) fail(key, *json, expectation);
   value.clear();
   for (const Json& item : *json) value.push_back(whole_number(key, *json, item, expectation, bounds));
+}
+
+void ConfigReader::field(const char* key, std::vector<std::string>& value, const char*, const char*) {
+  const Json* json = find(key);
+  if (json == nullptr) return;
+  const auto is_text = [](const Json& item) { return item.is_string(); };
+  if (!json->is_array() || !std::all_of(json->begin(), json->end(), is_text))
+    fail(key, *json, "a list of texts");
+  value = json->get<std::vector<std::string>>();
 }
 
 void ConfigReader::field(const char* key, Range& value, const char*, const char*, Bounds bounds) {

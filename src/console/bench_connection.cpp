@@ -133,9 +133,9 @@ std::string Bench::State::cause() {
   } catch (const common::HardwareError& error) {
     return error.what();
   }
-  for (std::size_t coil = 0; coil < rig::kCoilCount; ++coil)
+  for (std::size_t coil = 0; coil < session->coils().reported()->current_A.size(); ++coil)
     if (std::abs(session->coils().reported()->current_A[coil]) >= kOff_A)
-      return std::string("coil ") + rig::kCoilNames[coil] + " still measures a current";
+      return "coil " + parts.config.rig.coils.name(coil) + " still measures a current";
   const std::lock_guard<common::PriorityMutex> lock(mutex);
   if (!shown.pose) return "";
   if (shown.pose->fault) return shown.pose->reason;

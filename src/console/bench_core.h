@@ -22,6 +22,7 @@
 #include "lodestone/control/control_loop.h"
 #include "lodestone/control/held_drive.h"
 #include "lodestone/control/steered_reference.h"
+#include "lodestone/physics/per_coil.h"
 
 namespace lodestone::console {
 
@@ -68,8 +69,8 @@ struct Bench::State {
   std::optional<double> blind_since_s;  // the sensor has failed since, on the wall clock
   std::atomic<double> asked_s{-1e9};    // likewise; stop() asks for another question
   std::uint64_t runs = 0;
-  std::optional<rig::CoilStatus> reported;       // by the coils, last
-  std::array<double, rig::kCoilCount> last_A{};  // as asked in the last step
+  std::optional<rig::CoilStatus> reported;      // by the coils, last
+  physics::PerCoil last_A{0.0, 0.0, 0.0, 0.0};  // as asked in the last step
   std::thread bench, switch_thread;
 
   // The thread of the bench, and what it is asked to do.

@@ -107,7 +107,7 @@ void Bench::State::finish(const control::LoopOutcome& outcome) {
     shown.run.reset();
     shown.unattended = shown.attended = false;
     shown.target_m.reset();
-    last_A = {};
+    last_A.assign(last_A.size(), 0.0);
     if (shown.mode == Mode::kRunning && (outcome.completed || how == Ending::kByOperator))
       shown.mode = Mode::kArmed;
   }

@@ -7,6 +7,7 @@
 #include "lodestone/common/artefact.h"
 #include "lodestone/geometry/angle.h"
 #include "lodestone/physics/dipole_coil.h"
+#include "lodestone/physics/per_coil.h"
 
 namespace lodestone::console {
 namespace {
@@ -47,7 +48,7 @@ Json limit(const char* name, double value, double bound, const char* unit_of_bot
   return {{"name", name}, {"value", value}, {"bound", bound}, {"unit", unit_of_both}};
 }
 
-double largest(const std::array<double, rig::kCoilCount>& values) {
+double largest(const physics::PerCoil& values) {
   double most = 0.0;
   for (const double value : values) most = std::max(most, std::abs(value));
   return most;
@@ -105,8 +106,7 @@ Json LiveView::pose(const BenchState& state, const std::optional<ImageMap>& map)
 Json LiveView::field(const BenchState& state, const ImageMap& map) const {
   Json arrows = Json::array();
   if (largest(state.on_A) == 0.0) return arrows;
-  std::vector<physics::DipoleCoil> coils;
-  for (int coil = 0; coil < rig::kCoilCount; ++coil) coils.emplace_back(rig_.coils.geometry, coil);
+  const std::vector<physics::DipoleCoil> coils = physics::dipole_coils(rig_.coils);
   const double step_m = 2.0 * rig_.dish.radius_m / (kArrows - 1);
   for (int row = 0; row < kArrows; ++row) {
     for (int column = 0; column < kArrows; ++column) {

@@ -154,7 +154,7 @@ struct Recording::State {
     annotation.target_m = state.target_m;
     annotation.reference_m = state.plan_m;
     annotation.travelled_m = {state.trail_m};
-    annotation.coil_current_A = state.on_A;
+    annotation.coil_current_A = state.on_A.list();
     annotation.task = state.run ? state.run->task : common::name_of(state.mode);
     annotation.time_s = state.now_s - *start_s;
     imaging::annotate(image, *state.camera, annotation);

@@ -71,7 +71,9 @@ ControlLoop::ControlLoop(const ControlLoopConfig& config, const task::ActionConf
   if (!(action.scale > 0.0))
     throw common::ConfigError(
         "an action of 1 would mean no current: the largest one (rig.coils.max_current_A) must be above 0");
-  if (rig != nullptr) recovery_.emplace(config.recovery, *rig);
+  if (rig == nullptr) return;
+  recovery_.emplace(config.recovery, *rig);
+  drive_ = physics::CoilDrive(*rig);
 }
 
 LoopOutcome ControlLoop::run(Controller& controller, Reference& reference, const Observer& observer) {
@@ -122,10 +124,21 @@ void ControlLoop::pulse(const StepRecord& record) {
                                             : std::vector<physics::PulseOutcome>{});
 }
 
+void ControlLoop::drive(StepRecord& record, const geometry::Vector2& drive_A) const {
+  record.drive_A = drive_A;
+  record.current_A = drive_.current_A(drive_A);
+}
+
 void ControlLoop::look_for_it(StepRecord& record) {
   const std::optional<geometry::Vector2> probe_A = recovery_ ? recovery_->next_probe() : std::nullopt;
   record.probe = probe_A.has_value();
-  if (probe_A) record.current_A = task::coil_currents(*probe_A);
+  if (!probe_A) return;
+  // A probe says how much any coil may get: a drive along both axes may ask more of one that serves both.
+  drive(record, *probe_A);
+  const double allowed_A = probe_A->cwiseAbs().maxCoeff();
+  double most_A = 0.0;
+  for (const double current_A : record.current_A) most_A = std::max(most_A, std::abs(current_A));
+  if (most_A > allowed_A) drive(record, *probe_A * ((1.0 - 1e-9) * allowed_A / most_A));
 }
 
 void ControlLoop::follow(Controller& controller, Reference& reference, const Observer& observer,
@@ -148,6 +161,7 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     coils_.begin_step(start_s + due_s);
     StepRecord record;
     record.time_s = due_s;
+    record.current_A.assign(drive_.coils(), 0.0);
     record.estimate = sensed(sensor_);
     record.estimate.valid = record.estimate.valid && finite(record.estimate.pose);
     record.estimate.either_way = record.estimate.either_way && finite(record.estimate.pose);
@@ -175,7 +189,7 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
       }
       if (!record.last) {
         record.action = checked(controller.act(observed()));
-        record.current_A = task::coil_currents(task::axis_drive(record.action, action_));
+        drive(record, task::axis_drive(record.action, action_));
       }
       if (recovery_) recovery_->seen(record.estimate.pose);
       memory.has_pose = true;
@@ -190,7 +204,7 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
       record.either_way = agreed.has_value();
       if (agreed) {
         record.action = checked(*agreed);
-        record.current_A = task::coil_currents(task::axis_drive(record.action, action_));
+        drive(record, task::axis_drive(record.action, action_));
       } else if (!record.last) {
         look_for_it(record);
       }

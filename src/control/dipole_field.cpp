@@ -3,21 +3,14 @@
 #include <cmath>
 
 #include "lodestone/geometry/angle.h"
-#include "lodestone/task/action.h"
 
 namespace lodestone::control {
 
-DipoleField::DipoleField(const physics::CoilGeometry& coil) {
-  for (int index = 0; index < 4; ++index) coils_.emplace_back(coil, index);
-}
+DipoleField::DipoleField(const physics::RigDescription& rig) : drive_(rig), field_(rig) {}
 
-physics::FieldGradient DipoleField::at(const geometry::Vector2& axis_drive_A,
+physics::FieldGradient DipoleField::at(const geometry::Vector2& drive_A,
                                        const geometry::Vector2& position_m) const {
-  const auto current_A = task::coil_currents(axis_drive_A);
-  physics::FieldGradient sum;
-  for (std::size_t coil = 0; coil < coils_.size(); ++coil)
-    if (current_A[coil] != 0.0) coils_[coil].add(current_A[coil], position_m, sum);
-  return sum;
+  return field_.at(drive_.current_A(drive_A), position_m);
 }
 
 geometry::Vector2 unit_drive_along(const geometry::Vector2& direction,

@@ -7,7 +7,7 @@
 namespace lodestone::control {
 
 DipolePull::DipolePull(const physics::RigDescription& rig)
-    : moment_A_m2_(rig.needle.moment_A_m2), field_(rig.coils.geometry) {}
+    : moment_A_m2_(rig.needle.moment_A_m2), field_(rig) {}
 
 geometry::Vector2 DipolePull::pull_N(const geometry::Vector2& axis_drive_A,
                                      const geometry::Vector2& position_m) const {

@@ -22,7 +22,7 @@ std::int64_t alternating(std::int64_t index) { return index % 2 == 1 ? (index + 
 
 Freeing::Freeing(const FreeingConfig& config, const physics::RigDescription& rig)
     : config_(config),
-      field_(rig.coils.geometry),
+      field_(rig),
       pull_(rig),
       breakaway_N_(rig.breakaway_N()),
       max_current_A_(rig.coils.max_current_A) {}

@@ -13,7 +13,7 @@ constexpr std::int64_t kStepsPerProbe =
 }  // namespace
 
 Recovery::Recovery(const RecoveryConfig& config, const physics::RigDescription& rig)
-    : config_(config), field_(rig.coils.geometry), pull_(rig) {}
+    : config_(config), field_(rig), pull_(rig) {}
 
 void Recovery::reset() {
   last_.reset();

@@ -16,8 +16,8 @@ constexpr double kTurned_deg = 2.0;
 }  // namespace
 
 TurnInPlace::TurnInPlace(std::unique_ptr<Controller> inner, const TurnConfig& config,
-                         const physics::CoilGeometry& coil, double scale_A)
-    : inner_(std::move(inner)), config_(config), scale_A_(scale_A), field_(coil) {}
+                         const physics::RigDescription& rig, double scale_A)
+    : inner_(std::move(inner)), config_(config), scale_A_(scale_A), field_(rig) {}
 
 void TurnInPlace::reset() {
   inner_->reset();

@@ -32,8 +32,11 @@ EmulatedBench::EmulatedBench(rig::VirtualRig& rig)
       clock_(std::make_unique<BenchClock>(*this)),
       start_s_(rig.clock().now_s()),
       now_s_(start_s_) {
-  stuck_.fill(std::numeric_limits<double>::quiet_NaN());
-  short_.fill(1.0);
+  if (rig.config().coils.count() != 2 * controllers_.size())
+    throw common::ConfigError("rig.coils.each lists " + std::to_string(rig.config().coils.count()) +
+                              " coils; the emulated coil controller has outputs for four");
+  stuck_.assign(4, std::numeric_limits<double>::quiet_NaN());
+  short_.assign(4, 1.0);
   set_supply_V(rig.config().supply_V);
   arduino_ = std::make_unique<Arduino>(
       [this](std::uint8_t byte) {
@@ -73,9 +76,7 @@ bool EmulatedBench::host_read(std::uint8_t& byte) {
   return true;
 }
 
-std::array<double, rig::kCoilCount> EmulatedBench::current_A() const {
-  return rig_.coils().status().current_A;
-}
+physics::PerCoil EmulatedBench::current_A() const { return rig_.coils().status().current_A; }
 
 void EmulatedBench::set_plugged(bool plugged) {
   const Lock lock(mutex_);
@@ -122,7 +123,7 @@ void EmulatedBench::inject_to_host(const std::vector<std::uint8_t>& bytes) {
 
 /// What the controllers put on the coils from now on.
 void EmulatedBench::drive_rig() {
-  std::array<double, rig::kCoilCount> duty{};
+  physics::PerCoil duty{};
   for (std::size_t c = 0; c < controllers_.size(); ++c) {
     const std::array<double, 2> output = controllers_[c].duty();
     duty[2 * c] = output[0];
@@ -130,7 +131,7 @@ void EmulatedBench::drive_rig() {
   }
   for (std::size_t i = 0; i < duty.size(); ++i)
     duty[i] = (std::isnan(stuck_[i]) ? duty[i] : stuck_[i]) / short_[i];
-  if (!contactor_closed_ && !welded_) duty.fill(0.0);
+  if (!contactor_closed_ && !welded_) duty.assign(duty.size(), 0.0);
   if (duty == driven_ && supply_V_ == driven_supply_V_) return;
   driven_ = duty;
   driven_supply_V_ = supply_V_;

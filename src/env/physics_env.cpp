@@ -24,6 +24,7 @@ geometry::Pose2 beyond_wall_when_touching(geometry::Pose2 pose, double dish_radi
 PhysicsEnv::PhysicsEnv(const EpisodeSettings& settings, const physics::RigDescription& rig,
                        const PhysicsEnvConfig& config, std::int64_t threads)
     : rig_(rig),
+      drive_(rig),
       config_(config),
       drawn_(static_cast<std::size_t>(settings.count)),
       simulators_(config.randomise.enabled ? drawn_.size() : 1,
@@ -89,8 +90,8 @@ void PhysicsEnv::step_one(std::size_t i, const float* action) {
   const geometry::Vector2 drive_A = episodes_.drive(i, action);
   geometry::Pose2 next = episodes_.pose(i);
   if (!drive_A.isZero(0.0)) {
-    next = simulators_[simulators_.size() > 1 ? i : 0].step(next, task::coil_currents(drive_A),
-                                                            config_.pulse_s, config_.rest_s);
+    next = simulators_[simulators_.size() > 1 ? i : 0].step(next, drive_.current_A(drive_A), config_.pulse_s,
+                                                            config_.rest_s);
     next = beyond_wall_when_touching(next, rig_.dish.radius_m);
   }
   if (episodes_.finish(i, next)) begin(i);

@@ -136,6 +136,7 @@ control::LoopOutcome Collection::run(std::int64_t max_steps) {
   control::ControlLoop loop(loop_config(config_), action(), bench_->coils(), bench_->sensor(),
                             bench_->clock(), config_.explorer.self_reset ? &config_.rig : nullptr,
                             teleoperator_ ? teleoperator_->identifier.get() : nullptr);
+  loop.drive_with(physics::CoilDrive(config_.rig));
   const control::LoopOutcome outcome = loop.run(seeing, reference, [&](const control::StepRecord& step) {
     sight.lost = sight.lost || !step.estimate.valid;
     if (teleoperator_ && teleoperator_->watch) teleoperator_->watch(step);

@@ -50,14 +50,20 @@ task::ActionConfig in_ampere(const DeploymentConfig& config, task::ActionConfig 
   return action;
 }
 
-/// What of the rig a policy or a simulator depends on and that differs from what it was trained for.
+/// What of the rig a policy or a simulator depends on and that differs from what it was trained for. Throws
+/// ConfigError where a drive means something else for the coils.
 void warn_of_another_rig(const DeploymentConfig& config, const common::Json& trained_for,
                          const std::string& what) {
   if (!trained_for.is_object()) return;
   const common::Json here = common::config_to_json<physics::RigDescription>(config.rig);
+  const common::Json then = physics::completed_rig(trained_for);
+  if (then["drive"]["kind"] != here["drive"]["kind"])
+    throw common::ConfigError(
+        what + ": its drives are those of rig.drive.kind = " + then["drive"]["kind"].dump() +
+        ", this rig has " + here["drive"]["kind"].dump() + "; it was trained for another rig");
   std::string differs;
-  for (const char* part : {"coils", "needle", "dish", "fluid", "friction", "supply_V"})
-    if (trained_for.contains(part) && trained_for[part] != here[part])
+  for (const char* part : {"coils", "drive", "needle", "dish", "fluid", "friction", "supply_V"})
+    if (trained_for.contains(part) && then[part] != here[part])
       differs += (differs.empty() ? "" : ", ") + std::string(part);
   if (!differs.empty())
     common::log_warning(what + " was trained for a rig with other figures of: " + differs);
@@ -85,8 +91,8 @@ std::unique_ptr<control::Controller> decorated(std::unique_ptr<control::Controll
                                                const DeploymentConfig& config, double scale_A) {
   controller = control::decorate(std::move(controller), config.decorators);
   if (config.turn.current_A > 0.0)
-    controller = std::make_unique<control::TurnInPlace>(std::move(controller), config.turn,
-                                                        config.rig.coils.geometry, scale_A);
+    controller =
+        std::make_unique<control::TurnInPlace>(std::move(controller), config.turn, config.rig, scale_A);
   return controller;
 }
 
@@ -276,7 +282,7 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   const UnseenRig made = explored ? UnseenRig{config_.rig, static_cast<std::uint64_t>(config_.rig_seed), 0}
                                   : unseen_rig(config_, plan.task, plan.index);
   common::SteadyClock wall;  // outlives the rig
-  rig::VirtualRig rig(made.config, made.seed, sample_rig_->field_table());
+  rig::VirtualRig rig(made.config, made.seed, sample_rig_->fields());
   // The scatter from pulse to pulse belongs to the trial, or trials on the explored rig would all see the
   // same.
   common::Json state = rig.save();

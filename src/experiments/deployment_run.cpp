@@ -50,7 +50,12 @@ runs::Progress DeploymentRun::progress() const {
 
 void DeploymentRun::step(common::MetricsLog& /*metrics*/) {
   if (!recorder_) {
-    recorder_.emplace(folder_ + kTrajectories, job_.rigs.front() != RigKind::kReal, rows_);
+    std::vector<std::string> coils = {"px", "mx", "py", "my"};
+    if (const auto& each = config_.rig.coils.each; !each.empty()) {
+      coils.clear();
+      for (const physics::CoilDescription& coil : each) coils.push_back(coil.name);
+    }
+    recorder_.emplace(folder_ + kTrajectories, job_.rigs.front() != RigKind::kReal, rows_, coils);
     if (rows_ == 0) common::write_file_atomically(folder_ + kJournal, "");
     journal_.open(folder_ + kJournal, std::ios::app);
     check(journal_, folder_ + kJournal);

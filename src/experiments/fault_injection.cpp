@@ -14,6 +14,7 @@
 #include "lodestone/control/control_loop.h"
 #include "lodestone/emulation/emulated_bench.h"
 #include "lodestone/emulation/lockstep_port.h"
+#include "lodestone/physics/per_coil.h"
 #include "lodestone/rig/serial_coils.h"
 #include "lodestone/safety/supervisor.h"
 
@@ -106,15 +107,13 @@ struct Chain {
     serial.max_pulse_s = 0.5;
     timing.max_invalid_poses = 10;  // a run is 6 s long, and must show that it stops
     action.scale = kDrive_A;
-    bench.watch = [this](double now_s, const std::array<double, rig::kCoilCount>& current_A) {
-      watch(now_s, current_A);
-    };
+    bench.watch = [this](double now_s, const physics::PerCoil& current_A) { watch(now_s, current_A); };
   }
 
   void connect();
   void start_anew() { supervisor.emplace(*coils, safety::SafetyConfig{}, rig.config(), clock); }
 
-  void watch(double now_s, const std::array<double, rig::kCoilCount>& current_A) {
+  void watch(double now_s, const physics::PerCoil& current_A) {
     bool flowing = false;
     for (std::size_t i = 0; i < current_A.size(); ++i) {
       const double size_A = std::abs(current_A[i]);
@@ -297,7 +296,7 @@ std::vector<FaultKind> tolerated_faults() {
 std::vector<FaultKind> device_faults() {
   const auto silence = [](std::uint8_t&) { return false; };
   const auto each_coil = [](Chain& c, const auto& put) {
-    for (int i = 0; i < rig::kCoilCount; ++i) put(c.bench, i);
+    for (std::size_t i = 0; i < rig::kSerialCoils; ++i) put(c.bench, static_cast<int>(i));
   };
   return {
       {"line dead", true,

@@ -16,12 +16,13 @@ namespace lodestone::experiments {
 
 namespace {
 
-std::string heading(bool true_poses) {
+std::string heading(bool true_poses, const std::vector<std::string>& coils) {
+  std::string currents;
+  for (const std::string& coil : coils) currents += "current_" + coil + "_A,";
   return std::string("rig,controller,task,trial,t_s,") +
          (true_poses ? "true_x_m,true_y_m,true_heading_rad," : "") +
-         "sensed,sensed_x_m,sensed_y_m,sensed_heading_rad,target_x_m,target_y_m,approach,action_x,action_y,"
-         "current_px_A,current_mx_A,current_py_A,current_my_A,log_drive_gain,log_drive_gain_sigma,"
-         "rig_changed\n";
+         "sensed,sensed_x_m,sensed_y_m,sensed_heading_rad,target_x_m,target_y_m,approach,action_x,action_y," +
+         currents + "log_drive_gain,log_drive_gain_sigma,rig_changed\n";
 }
 
 runs::PoseMm pose_mm(const geometry::Pose2& pose) {
@@ -72,13 +73,14 @@ void write_pose(std::ostream& out, const std::optional<geometry::Pose2>& pose) {
 
 }  // namespace
 
-Recorder::Recorder(const std::string& file, bool true_poses, std::int64_t keep_rows)
+Recorder::Recorder(const std::string& file, bool true_poses, std::int64_t keep_rows,
+                   const std::vector<std::string>& coils)
     : path_(file), true_poses_(true_poses) {
   const Rows rows = read_rows(file, keep_rows);
   if (!true_poses && rows.text.size() > rows.kept_bytes)
-    set_aside(file, heading(true_poses), rows.text.substr(rows.kept_bytes));
+    set_aside(file, heading(true_poses, coils), rows.text.substr(rows.kept_bytes));
   common::write_file_atomically(
-      file, rows.kept_bytes > 0 ? rows.text.substr(0, rows.kept_bytes) : heading(true_poses));
+      file, rows.kept_bytes > 0 ? rows.text.substr(0, rows.kept_bytes) : heading(true_poses, coils));
   file_.open(file, std::ios::app);
   flush();
   file_ << std::setprecision(9);
@@ -153,7 +155,7 @@ runs::TrialRecord record_of(const TrialResult& result) {
     if (record.trajectory) record.trajectory->push_back(pose_mm(*sample.true_pose));
     const control::PoseEstimate& estimate = sample.step.estimate;
     record.sensed_trajectory.push_back(estimate.valid ? std::optional(pose_mm(estimate.pose)) : std::nullopt);
-    record.current_A->push_back(sample.step.current_A);
+    record.current_A->push_back(sample.step.current_A.list());
     if (sample.step.rig_changed && !record.rig_changed_s) record.rig_changed_s = sample.step.time_s;
     if (record.log_drive_gain) {
       const std::optional<task::DriveGain>& gain = sample.step.drive_gain;
@@ -161,7 +163,9 @@ runs::TrialRecord record_of(const TrialResult& result) {
           gain ? std::optional(std::array<double, 2>{gain->log_mean, gain->log_sigma}) : std::nullopt);
     }
     // Before the first pulse nothing has been reported.
-    if (temperatures) record.temperature_C->push_back(sample.temperature_C);
+    if (temperatures)
+      record.temperature_C->push_back(sample.temperature_C ? std::optional(sample.temperature_C->list())
+                                                           : std::nullopt);
     if (!plan.path) continue;
     record.reference_mm->push_back(point_mm(sample.step.target_m));
     record.approach->push_back(sample.approach ? 1 : 0);

@@ -79,11 +79,11 @@ void StepLog::step(const control::StepRecord& record, const Beside& beside) {
   if (record.estimate.valid) step.sensed = record.estimate.pose;
   step.truth = beside.truth;
   step.target = beside.target;
-  if (has_pulse(record)) step.current_A = record.current_A;
+  if (has_pulse(record)) step.current_A = record.current_A.list();
   if (reported) {
     step.reading.emplace();
-    step.reading->current_A = reported->current_A;
-    step.reading->temperature_C = reported->temperature_C;
+    step.reading->current_A = reported->current_A.list();
+    step.reading->temperature_C = reported->temperature_C.list();
     step.reading->supply_V = reported->supply_V;
     step.reading->faults = reported->faults;
   }

@@ -8,6 +8,7 @@
 #include "lodestone/common/clock.h"
 #include "lodestone/control/reference.h"
 #include "lodestone/geometry/angle.h"
+#include "lodestone/physics/per_coil.h"
 #include "lodestone/task/task.h"
 
 namespace lodestone::experiments {
@@ -45,7 +46,7 @@ class BlindFor final : public control::PoseSensor {
     seen.reason = "covered";
     return seen;
   }
-  void pulsed(const std::array<double, rig::kCoilCount>& current_A,
+  void pulsed(const physics::PerCoil& current_A,
               const std::vector<physics::PulseOutcome>& outcomes) override {
     sensor_.pulsed(current_A, outcomes);
   }

@@ -14,6 +14,7 @@
 #include "lodestone/experiments/collection.h"
 #include "lodestone/experiments/track_checks.h"
 #include "lodestone/geometry/angle.h"
+#include "lodestone/physics/per_coil.h"
 #include "lodestone/vision/commanded_field.h"
 #include "lodestone/vision/pose_tracker.h"
 
@@ -58,15 +59,17 @@ class MaskedHead {
       : tracker_(config.sensor.tracker, config.rig),
         identifier_(std::move(identifier)),
         field_(config.rig),
+        drive_(config.rig),
         looks_(config.sensor.tracker.looks),
         result_(result) {}
 
   /// What one pulse did: the head before it is known, of what came after it the axis.
-  void add(const geometry::Pose2& before, const physics::Currents& current_A, const geometry::Pose2& after) {
+  void add(const geometry::Pose2& before, const geometry::Vector2& drive_A, const geometry::Pose2& after) {
+    const physics::PerCoil current_A = drive_.current_A(drive_A);
     if (!field_.direction_rad(current_A, before.position_m())) return;
     tracker_.forget();
     for (int look = 0; look < 2; ++look) tracker_.see(shown(before, kClearTape));
-    tracker_.pulse(current_A, outcomes(before, current_A));
+    tracker_.pulse(current_A, outcomes(before, drive_A));
     vision::Track track;
     for (std::int64_t look = 0; look < looks_ && !track.seen; ++look) track = tracker_.see(shown(after, 0.0));
     ++result_.steps;
@@ -75,36 +78,33 @@ class MaskedHead {
     else if (std::cos(track.pose.heading_rad - after.heading_rad) < 0.0)
       ++result_.wrong;
     if (std::cos(after.heading_rad - before.heading_rad) < 0.0) ++result_.wrong_by_nearest;
-    if (identifier_) identifier_->learn({before, drive_A(current_A), after});
+    if (identifier_) identifier_->learn({before, drive_A, after});
   }
   void add(const data::Episode& episode) {
     for (std::int64_t step = 0; step < episode.length(); ++step) {
       const auto row = static_cast<std::size_t>(step);
       const double* pose = &episode.observations[3 * row];
-      add({pose[0], pose[1], pose[2]},
-          task::coil_currents({episode.actions[2 * row], episode.actions[2 * row + 1]}),
+      add({pose[0], pose[1], pose[2]}, {episode.actions[2 * row], episode.actions[2 * row + 1]},
           {pose[3], pose[4], pose[5]});
     }
   }
   void add(const TrialResult& trial) {
     if (identifier_) identifier_->reset();
     for (std::size_t i = 1; i < trial.samples.size(); ++i)
-      add(*trial.samples[i - 1].true_pose, trial.samples[i - 1].step.current_A, *trial.samples[i].true_pose);
+      add(*trial.samples[i - 1].true_pose, trial.samples[i - 1].step.drive_A, *trial.samples[i].true_pose);
   }
 
  private:
-  static geometry::Vector2 drive_A(const physics::Currents& current_A) {
-    return {current_A[0] - current_A[1], current_A[2] - current_A[3]};
-  }
   std::vector<physics::PulseOutcome> outcomes(const geometry::Pose2& before,
-                                              const physics::Currents& current_A) {
+                                              const geometry::Vector2& drive_A) {
     if (!identifier_) return {};
-    return identifier_->outcomes(before, drive_A(current_A));
+    return identifier_->outcomes(before, drive_A);
   }
 
   vision::PoseTracker tracker_;
   std::shared_ptr<control::RigIdentifier> identifier_;  // null: nobody has learned the rig
   vision::CommandedField field_;
+  physics::CoilDrive drive_;
   std::int64_t looks_;
   MaskedTape& result_;
 };

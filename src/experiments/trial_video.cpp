@@ -26,7 +26,7 @@ void TrialVideo::show(const imaging::Frame& frame, const imaging::CameraModel& c
   annotation_.no_pose_reason = step.estimate.reason;
   annotation_.target_m = step.target_m;
   annotation_.time_s = step.time_s;
-  annotation_.coil_current_A = step.current_A;
+  annotation_.coil_current_A = step.current_A.list();
   if (!step.estimate.valid) {
     if (annotation_.travelled_m.empty() || !annotation_.travelled_m.back().empty())
       annotation_.travelled_m.emplace_back();

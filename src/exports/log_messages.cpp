@@ -73,7 +73,11 @@ std::vector<MessageSpec> message_specs() {
         {"line", 6, FieldProto::TYPE_FIXED32}}},
       {"lodestone",
        "PerCoil",
-       {{"px", 1, kDouble}, {"mx", 2, kDouble}, {"py", 3, kDouble}, {"my", 4, kDouble}}},
+       {{"px", 1, kDouble},
+        {"mx", 2, kDouble},
+        {"py", 3, kDouble},
+        {"my", 4, kDouble},
+        {"coil", 5, kDouble, nullptr, FieldSpec::kRepeated}}},
       {"lodestone", "CoilPulse", {kTimestamp, {"current_A", 2, kMessageType, ".lodestone.PerCoil"}}},
       {"lodestone",
        "CoilStatus",
@@ -195,6 +199,7 @@ class Fields {
   void set_level(LogLevel level) {
     reflect().SetEnumValue(&message_, field("level"), static_cast<int>(level));
   }
+  void add(const char* name, double value) { reflect().AddDouble(&message_, field(name), value); }
   void add_text(const char* name, const std::string& value) {
     reflect().AddString(&message_, field(name), value);
   }
@@ -208,11 +213,16 @@ class Fields {
     stamp.GetReflection()->SetInt32(&stamp, of.FindFieldByName("nanos"),
                                     static_cast<std::int32_t>(time_ns % 1'000'000'000));
   }
-  void set_coils(const char* name, const std::optional<FourCoils>& value) {
+  /// The paper's four by their names, others in their order.
+  void set_coils(const char* name, const std::optional<OfCoils>& value) {
     if (!value) return;
     Fields coils = part(name);
     const char* const names[] = {"px", "mx", "py", "my"};
-    for (std::size_t i = 0; i < value->size(); ++i) coils.set(names[i], (*value)[i]);
+    for (std::size_t i = 0; i < value->size(); ++i)
+      if (value->size() == 4)
+        coils.set(names[i], (*value)[i]);
+      else
+        coils.add("coil", (*value)[i]);
   }
   void set_pose(const char* position, const char* orientation, const geometry::Pose2& pose) {
     Fields at = part(position);
@@ -291,7 +301,7 @@ std::string log_message(std::uint64_t time_ns, LogLevel level, const std::string
   });
 }
 
-std::string coil_pulse_message(std::uint64_t time_ns, const FourCoils& current_A) {
+std::string coil_pulse_message(std::uint64_t time_ns, const OfCoils& current_A) {
   return encoded("lodestone.CoilPulse", time_ns,
                  [&](Fields& fields) { fields.set_coils("current_A", current_A); });
 }

@@ -19,7 +19,13 @@ LoggedStep logged(const data::DatasetInfo& info, const data::Episode& episode, s
   if (row == episode.length()) return step;  // nothing was done after the last
   const double* drive = &episode.actions[static_cast<std::size_t>(row * data::kActionSize)];
   step.facts.action = {drive[0] / info.action_scale, drive[1] / info.action_scale};
-  if (info.action_unit == "A") step.current_A = task::coil_currents({drive[0], drive[1]});
+  const common::Json driven_by =
+      info.rig.is_object() ? info.rig.value("drive", common::Json()) : common::Json();
+  const bool pairs = !driven_by.is_object() || driven_by.value("kind", "opposed_pairs") == "opposed_pairs";
+  if (info.action_unit == "A" && pairs) {  // what else a drive asks of its coils is not on record
+    const std::array<double, 4> current_A = task::coil_currents({drive[0], drive[1]});
+    step.current_A = OfCoils(current_A.begin(), current_A.end());
+  }
   return step;
 }
 

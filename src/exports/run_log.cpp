@@ -91,11 +91,13 @@ LoggedStep Trajectories::step() const {
   step.sensed = pose("sensed");
   step.truth = pose("true");
   step.target = pose("target");
-  const auto px = number("current_px_A");
-  const auto mx = number("current_mx_A");
-  const auto py = number("current_py_A");
-  const auto my = number("current_my_A");
-  if (px && mx && py && my) step.current_A = {*px, *mx, *py, *my};
+  OfCoils current_A;
+  for (const std::string& column : table_.header()) {
+    const bool of_coil = column.rfind("current_", 0) == 0 && column.size() > 2 &&
+                         column.compare(column.size() - 2, 2, "_A") == 0;
+    if (const auto value = of_coil ? number(column) : std::nullopt) current_A.push_back(*value);
+  }
+  if (!current_A.empty()) step.current_A = current_A;
   StepFacts& facts = step.facts;
   facts.sensed = step.sensed.has_value();
   if (!facts.sensed) facts.reason = "none was found";

@@ -193,12 +193,14 @@ void draw_arrow(Pen& pen, const cv::Point2d& tail, const cv::Point2d& way, const
 
 /// Each coil's arrow stands between the dish and its face, its number beside it.
 void draw_currents(Pen& pen, const Annotation& annotation) {
-  const std::array<Vector2, 4> directions = {Vector2(1, 0), Vector2(-1, 0), Vector2(0, 1), Vector2(0, -1)};
+  constexpr double kNarrowest_m = 0.004, kWidest_m = 0.02;  // of the room for an arrow
   const BenchGeometry& bench = annotation.bench;
+  const std::vector<Vector2>& directions = bench.coil_directions;
   const double inner_m = bench.dish_radius_m + bench.wall_thickness_m;
-  const double gap_m = std::max(0.004, bench.coil_face_m - inner_m);
+  const double gap_m = std::clamp(bench.coil_face_m - inner_m, kNarrowest_m, kWidest_m);
   for (std::size_t coil = 0; coil < directions.size(); ++coil) {
-    const double current_A = (*annotation.coil_current_A)[coil];
+    const std::vector<double>& currents_A = *annotation.coil_current_A;
+    const double current_A = coil < currents_A.size() ? currents_A[coil] : 0.0;
     const double fraction = std::clamp(current_A / annotation.max_current_A, -1.0, 1.0);
     const cv::Point2d inner = pen.pixel((inner_m + 0.1 * gap_m) * directions[coil]);
     const cv::Point2d outer = pen.pixel((inner_m + 0.9 * gap_m) * directions[coil]);
@@ -206,7 +208,8 @@ void draw_currents(Pen& pen, const Annotation& annotation) {
     if (fraction > 0.0) draw_arrow(pen, inner, span, kVermilion);
     if (fraction < 0.0) draw_arrow(pen, outer, -span, kBlue);
     const cv::Point2d middle = 0.5 * (inner + outer);
-    const cv::Point2d beside = coil < 2 ? cv::Point2d(0.0, -44.0) : cv::Point2d(84.0, 0.0);
+    const cv::Point2d beside =
+        std::abs(directions[coil].y()) < 0.5 ? cv::Point2d(0.0, -44.0) : cv::Point2d(84.0, 0.0);
     pen.label(fmt::format("{:+.1f} A", current_A), middle + beside * pen.unit(), 0.7, kWhite);
   }
 }

@@ -6,58 +6,58 @@
 #include <utility>
 
 #include "lodestone/common/error.h"
+#include "lodestone/physics/four_coils.h"
 
 namespace lodestone::physics {
+namespace {
 
-geometry::Vector2 to_coil_frame(int coil, const geometry::Vector2& vector) {
-  switch (coil) {
-    case 0:
-      return vector;
-    case 1:
-      return -vector;
-    case 2:
-      return {vector.y(), -vector.x()};
-    case 3:
-      return {-vector.y(), vector.x()};
-    default:
-      break;
-  }
-  throw common::LogicFault("coil must be 0 to 3, got " + std::to_string(coil));
+// Below a microampere a coil moves nothing: its pull is a millionth of the break-away force.
+constexpr double kNegligible_A = 1e-6;
+
+}  // namespace
+
+CoilArray::CoilArray(std::shared_ptr<const CoilFields> fields, std::vector<CoilPlacement> placements)
+    : fields_(std::move(fields)), placements_(std::move(placements)) {
+  LODESTONE_CHECK(fields_ != nullptr, "the coils' fields are needed");
+  LODESTONE_CHECK(placements_.empty() || placements_.size() == fields_->coils(), "a placement for each coil");
 }
-
-geometry::Vector2 from_coil_frame(int coil, const geometry::Vector2& vector) {
-  // The rotation of +y is the inverse of that of -y; those of +x and -x are their own inverses.
-  return to_coil_frame(coil < 2 ? coil : 5 - coil, vector);
-}
-
-geometry::Vector2 coil_direction(int coil) { return from_coil_frame(coil, {1.0, 0.0}); }
 
 CoilArray::CoilArray(std::shared_ptr<const FieldTable> table, std::vector<CoilPlacement> placements)
-    : table_(std::move(table)), placements_(std::move(placements)) {
-  LODESTONE_CHECK(table_ != nullptr, "a field table is needed");
-  LODESTONE_CHECK(placements_.empty() || placements_.size() == kCoils, "a placement for each coil");
-}
+    : CoilArray(std::make_shared<const CoilFields>(std::move(table)), std::move(placements)) {}
 
-geometry::Vector2 CoilArray::displaced_per_ampere(int coil, const geometry::Vector2& point_m) const {
-  const CoilPlacement& placement = placements_[static_cast<std::size_t>(coil)];
-  const geometry::Vector2 middle_m(table_->geometry().centre_distance_m, 0.0);
+/// The point as the coil would see it from where it should stand, and its field there turned as it is.
+Eigen::Vector3d CoilArray::per_ampere(std::size_t coil, const geometry::Vector2& point_m) const {
+  if (placements_.empty()) return fields_->per_ampere(coil, point_m);
+  const CoilPlacement& placement = placements_[coil];
   const Eigen::Rotation2Dd tilt(placement.tilt_rad);
-  const geometry::Vector2 local_m = to_coil_frame(coil, point_m - placement.offset_m);
-  const geometry::Vector2 untilted_m = middle_m + tilt.inverse() * (local_m - middle_m);
-  return placement.gain * from_coil_frame(coil, tilt * table_->per_ampere(untilted_m));
+  const geometry::Vector2 middle_m = fields_->middle_m(coil).head<2>();
+  if (planar()) {  // in the coil's own frame, in which all four are one
+    const int index = static_cast<int>(coil);
+    const geometry::Vector2 own_middle_m = to_coil_frame(index, middle_m);
+    const geometry::Vector2 local_m = to_coil_frame(index, point_m - placement.offset_m);
+    const geometry::Vector2 untilted_m = own_middle_m + tilt.inverse() * (local_m - own_middle_m);
+    const geometry::Vector2 field =
+        placement.gain * from_coil_frame(index, tilt * fields_->table().per_ampere(untilted_m));
+    return {field.x(), field.y(), 0.0};
+  }
+  const geometry::Vector2 untilted_m = middle_m + tilt.inverse() * (point_m - placement.offset_m - middle_m);
+  Eigen::Vector3d field = fields_->per_ampere(coil, untilted_m);
+  field.head<2>() = tilt * geometry::Vector2(field.head<2>());
+  return placement.gain * field;
 }
 
-geometry::Vector2 CoilArray::field_T(const Currents& current_A, const geometry::Vector2& point_m) const {
-  // Below a microampere a coil moves nothing: its pull is a millionth of the break-away force.
-  constexpr double kNegligibleA = 1e-6;
+geometry::Vector2 CoilArray::field_T(const PerCoil& current_A, const geometry::Vector2& point_m) const {
+  if (!planar() || !placements_.empty()) return spatial_field_T(current_A, point_m).head<2>();
   geometry::Vector2 sum = geometry::Vector2::Zero();
-  for (int coil = 0; coil < kCoils; ++coil) {
-    const double current = current_A[static_cast<std::size_t>(coil)];
-    if (std::abs(current) < kNegligibleA) continue;
-    sum += current * (placements_.empty()
-                          ? from_coil_frame(coil, table_->per_ampere(to_coil_frame(coil, point_m)))
-                          : displaced_per_ampere(coil, point_m));
-  }
+  for (std::size_t coil = 0; coil < fields_->coils(); ++coil)
+    if (std::abs(current_A[coil]) >= kNegligible_A) sum += current_A[coil] * fields_->in_plane(coil, point_m);
+  return sum;
+}
+
+Eigen::Vector3d CoilArray::spatial_field_T(const PerCoil& current_A, const geometry::Vector2& point_m) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t coil = 0; coil < fields_->coils(); ++coil)
+    if (std::abs(current_A[coil]) >= kNegligible_A) sum += current_A[coil] * per_ampere(coil, point_m);
   return sum;
 }
 

@@ -4,28 +4,12 @@
 #include <cmath>
 #include <string>
 
+#include "cubic_spline.h"
 #include "lodestone/common/error.h"
 #include "lodestone/physics/finite_coil.h"
 
 namespace lodestone::physics {
 namespace {
-
-// Nodes beyond the reach: the spline's end condition fades by 0.27 per node.
-constexpr int kPadding = 6;
-
-/// Turns samples into cubic B-spline coefficients along one line, in place: solves
-/// c[i-1] + 4 c[i] + c[i+1] = 6 f[i] with the natural end c = f.
-void to_spline(double* line, int count, int stride, std::vector<double>& scratch) {
-  scratch.resize(count);
-  const auto value = [&](int i) -> double& { return line[static_cast<std::ptrdiff_t>(i) * stride]; };
-  scratch[0] = 0.0;
-  for (int i = 1; i < count - 1; ++i) {
-    const double pivot = 4.0 - scratch[i - 1];
-    scratch[i] = 1.0 / pivot;
-    value(i) = (6.0 * value(i) - value(i - 1)) / pivot;
-  }
-  for (int i = count - 2; i >= 1; --i) value(i) -= scratch[i] * value(i + 1);
-}
 
 /// The point, or, in or close to the winding, where the field is none of a coil seen from outside, the first
 /// one towards the dish centre that is not.
@@ -39,25 +23,13 @@ geometry::Vector2 outside_winding(geometry::Vector2 point_m, const CoilGeometry&
   return point_m;
 }
 
-struct SplineWeights {
-  double w[4];
-};
-
-SplineWeights spline_weights(double t) {
-  const double s = 1.0 - t;
-  const double t2 = t * t;
-  const double t3 = t2 * t;
-  return {{s * s * s / 6.0, (3.0 * t3 - 6.0 * t2 + 4.0) / 6.0, (-3.0 * t3 + 3.0 * t2 + 3.0 * t + 1.0) / 6.0,
-           t3 / 6.0}};
-}
-
 }  // namespace
 
 FieldTable::FieldTable(const CoilGeometry& geometry, double reach_m, double spacing_m, double free_m)
     : geometry_(geometry), reach_m_(reach_m), spacing_m_(spacing_m) {
   LODESTONE_CHECK(reach_m > 0.0 && spacing_m > 0.0, "reach and spacing must be positive");
   geometry.validate();
-  const int half = static_cast<int>(std::ceil(reach_m / spacing_m - 1e-9)) + kPadding;
+  const int half = static_cast<int>(std::ceil(reach_m / spacing_m - 1e-9)) + kSplinePadding;
   const double face_m = geometry.centre_distance_m - geometry.length_m / 2.0;
   const double winding_m = std::hypot(face_m, geometry.inner_radius_m);
   if (free_m <= 0.0) free_m = reach_m;

@@ -44,10 +44,14 @@ Quadrature gauss_legendre(int order) {
 
 }  // namespace
 
-void CoilGeometry::validate() const {
+void CoilWinding::validate() const {
   if (inner_radius_m >= outer_radius_m)
     throw common::InvalidConfig("inner_radius_m", inner_radius_m,
                                 fmt::format("be below outer_radius_m = {}", outer_radius_m));
+}
+
+void CoilGeometry::validate() const {
+  CoilWinding::validate();
   if (centre_distance_m <= length_m / 2.0)
     throw common::InvalidConfig(
         "centre_distance_m", centre_distance_m,
@@ -102,7 +106,12 @@ AxialRadial loop_field_per_ampere(double radius_m, double axial_m, double radial
 }
 
 FiniteCoil::FiniteCoil(const CoilGeometry& geometry, int radial_order, int axial_order)
-    : centre_distance_m_(geometry.centre_distance_m) {
+    : FiniteCoil(static_cast<const CoilWinding&>(geometry), radial_order, axial_order) {
+  geometry.validate();
+  centre_distance_m_ = geometry.centre_distance_m;
+}
+
+FiniteCoil::FiniteCoil(const CoilWinding& geometry, int radial_order, int axial_order) {
   geometry.validate();
   const Quadrature radial = gauss_legendre(radial_order);
   const Quadrature axial = gauss_legendre(axial_order);

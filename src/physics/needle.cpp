@@ -18,17 +18,24 @@ void NeedleConfig::validate() const {
 }
 
 Wrench magnetic_wrench(const NeedleConfig& needle, const geometry::Pose2& pose, const CoilArray& coils,
-                       const Currents& current_A) {
+                       const PerCoil& current_A) {
   return magnetic_wrench(needle, pose.position_m(), {std::cos(pose.heading_rad), std::sin(pose.heading_rad)},
                          coils, current_A);
 }
 
 Wrench magnetic_wrench(const NeedleConfig& needle, const geometry::Vector2& middle_m,
-                       const geometry::Vector2& axis, const CoilArray& coils, const Currents& current_A) {
+                       const geometry::Vector2& axis, const CoilArray& coils, const PerCoil& current_A) {
   const double half = needle.chain_m / 2.0;
+  const double pole_A_m = needle.moment_A_m2 / needle.chain_m;
+  if (!coils.planar()) {
+    const Eigen::Vector3d head = coils.spatial_field_T(current_A, middle_m + half * axis);
+    const Eigen::Vector3d tail = coils.spatial_field_T(current_A, middle_m - half * axis);
+    const Eigen::Vector3d force = pole_A_m * (head - tail);
+    const Eigen::Vector3d sum = head + tail;
+    return {force.x(), force.y(), pole_A_m * half * (axis.x() * sum.y() - axis.y() * sum.x()), force.z()};
+  }
   const geometry::Vector2 head = coils.field_T(current_A, middle_m + half * axis);
   const geometry::Vector2 tail = coils.field_T(current_A, middle_m - half * axis);
-  const double pole_A_m = needle.moment_A_m2 / needle.chain_m;
   const geometry::Vector2 force = pole_A_m * (head - tail);
   const geometry::Vector2 sum = head + tail;
   return {force.x(), force.y(), pole_A_m * half * (axis.x() * sum.y() - axis.y() * sum.x())};

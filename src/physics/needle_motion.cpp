@@ -71,6 +71,11 @@ NeedleMotion::Axes NeedleMotion::axes_of(const geometry::Pose2& pose) {
   return {std::cos(pose.heading_rad), std::sin(pose.heading_rad)};
 }
 
+/// Of the needle's weight, what rests on the floor.
+double NeedleMotion::carried_share(double lift_N) const {
+  return lift_N == 0.0 ? 1.0 : std::max(0.0, 1.0 - lift_N / needle_.net_weight_N);
+}
+
 void NeedleMotion::cell_factors(const geometry::Pose2& pose, const Axes& axes, const FrictionMap& map,
                                 double scale, double* factors) const {
   for (int i = 0; i < kCells; ++i) {
@@ -83,7 +88,7 @@ bool NeedleMotion::holds(const geometry::Pose2& pose, const Wrench& load, const 
                          double friction_scale) const {
   double factors[kCells];
   const Axes axes = axes_of(pose);
-  cell_factors(pose, axes, map, friction_scale, factors);
+  cell_factors(pose, axes, map, friction_scale * carried_share(load.lift_N), factors);
   return holds(axes.to_body(load.force_x_N, load.force_y_N, load.torque_N_m), factors);
 }
 
@@ -185,7 +190,7 @@ bool NeedleMotion::kick(BodyVelocity& velocity, const BodyVelocity& load, const 
   return true;
 }
 
-void NeedleMotion::step(NeedleState& state, const CoilArray& coils, const Currents& current_A,
+void NeedleMotion::step(NeedleState& state, const CoilArray& coils, const PerCoil& current_A,
                         const FrictionMap& map, double friction_scale, double step_s) const {
   if (!state.stuck) {
     drift(state, step_s / 2.0);
@@ -195,7 +200,7 @@ void NeedleMotion::step(NeedleState& state, const CoilArray& coils, const Curren
   const Wrench pull = magnetic_wrench(needle_, state.pose.position_m(), {axes.c, axes.s}, coils, current_A);
   const BodyVelocity load = axes.to_body(pull.force_x_N, pull.force_y_N, pull.torque_N_m);
   double factors[kCells];
-  cell_factors(state.pose, axes, map, friction_scale, factors);
+  cell_factors(state.pose, axes, map, friction_scale * carried_share(pull.lift_N), factors);
   const bool held = holds(load, factors);
   if (state.stuck && held) return;
 

@@ -13,8 +13,8 @@ PlainSimulator::PlainSimulator(const RigDescription& rig, const PlainSimulatorCo
       dish_radius_m_(rig.dish.radius_m),
       friction_N_(0.5 * (rig.friction.static_coefficient + rig.friction.kinetic_coefficient) *
                   rig.needle.net_weight_N),
-      step_s_(config.step_s) {
-  for (int coil = 0; coil < 4; ++coil) coils_.emplace_back(rig.coils.geometry, coil);
+      step_s_(config.step_s),
+      field_(rig) {
   const double viscosity_Pa_s = rig.fluid.viscosity_Pa_s;
   const double log_p = std::log(needle_.length_m / needle_.diameter_m);
   LODESTONE_CHECK(log_p > 1.0, "the needle must be slender");
@@ -24,20 +24,16 @@ PlainSimulator::PlainSimulator(const RigDescription& rig, const PlainSimulatorCo
   spin_drag_N_m_s_ = geometry::kPi * viscosity_Pa_s * std::pow(needle_.length_m, 3) / (3.0 * log_p);
 }
 
-PlainSimulator::Load PlainSimulator::load(const geometry::Pose2& pose,
-                                          const std::array<double, 4>& current_A) const {
-  FieldGradient sum;
-  for (std::size_t coil = 0; coil < 4; ++coil) {
-    if (current_A[coil] != 0.0) coils_[coil].add(current_A[coil], pose.position_m(), sum);
-  }
+PlainSimulator::Load PlainSimulator::load(const geometry::Pose2& pose, const PerCoil& current_A) const {
+  const FieldGradient sum = field_.at(current_A, pose.position_m());
   const geometry::Vector2 moment =
       needle_.moment_A_m2 * geometry::Vector2(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
   return {sum.gradient_T_per_m.transpose() * moment,
           moment.x() * sum.field_T.y() - moment.y() * sum.field_T.x()};
 }
 
-geometry::Pose2 PlainSimulator::step(const geometry::Pose2& pose, const std::array<double, 4>& current_A,
-                                     double pulse_s, double rest_s) const {
+geometry::Pose2 PlainSimulator::step(const geometry::Pose2& pose, const PerCoil& current_A, double pulse_s,
+                                     double rest_s) const {
   const double friction_N_m = friction_N_ * needle_.length_m / 4.0;
   geometry::Pose2 now = pose;
   geometry::Vector2 velocity = geometry::Vector2::Zero();

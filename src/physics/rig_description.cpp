@@ -6,26 +6,62 @@
 #include <cmath>
 
 #include "lodestone/common/config.h"
+#include "lodestone/common/named.h"
 
 namespace lodestone::physics {
 
-void CoilsDescription::validate() const {
-  geometry.validate();  // its keys are among these
-  const auto need_four = [](const char* key, const auto& list) {
-    if (list.size() != static_cast<std::size_t>(kCoils))
-      throw common::InvalidConfig(key, list, "hold four numbers: +x, -x, +y, -y");
-  };
-  need_four("resistance_20C_ohm", resistance_20C_ohm);
-  need_four("inductance_H", inductance_H);
-  need_four("polarity", polarity);
-  if (std::count(polarity.begin(), polarity.end(), 0) > 0)
-    throw common::InvalidConfig("polarity", polarity, "hold 1 or -1 for each coil");
+namespace {
+
+/// Whether a coil's winding reaches into the dish, or closer to the needle's plane there than its field is
+/// known.
+bool winds_in(const CoilDescription& coil, double dish_radius_m) {
+  constexpr double kStep_m = 0.5e-3;              // winding sections are wider, with their clearance
+  const double reach_m = dish_radius_m + 0.5e-3;  // of the needle's ends
+  const auto rings = static_cast<int>(std::ceil(reach_m / kStep_m));
+  for (int ring = 0; ring <= rings; ++ring) {
+    const double radius_m = reach_m * ring / rings;
+    const int turns = 1 + static_cast<int>(2.0 * geometry::kPi * radius_m / kStep_m);
+    for (int turn = 0; turn < turns; ++turn) {
+      const double angle_rad = 2.0 * geometry::kPi * turn / turns;
+      if (coil.winds_at({radius_m * std::cos(angle_rad), radius_m * std::sin(angle_rad), 0.0},
+                        kClearOfWinding_m))
+        return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+common::Json completed_rig(const common::Json& recorded) {
+  common::Json whole = common::config_to_json(RigDescription{});
+  whole.merge_patch(recorded);
+  return whole;
 }
 
 void RigDescription::validate() const {
   if (needle.length_m >= 2.0 * dish.radius_m)
     throw common::InvalidConfig("needle.length_m", needle.length_m,
                                 fmt::format("be below the dish diameter, {}", 2.0 * dish.radius_m));
+  if (drive.kind == DriveKind::kOpposedPairs && !coils.each.empty())
+    throw common::InvalidConfig(
+        "drive.kind", common::name_of(drive.kind),
+        fmt::format("be field: opposed_pairs drives +x, -x, +y and -y, and coils.each lists {} others",
+                    coils.count()));
+  for (std::size_t coil = 0; coil < coils.each.size(); ++coil)
+    if (winds_in(coils.each[coil], dish.radius_m))
+      throw common::InvalidConfig(
+          fmt::format("coils.each[{}].position_m", coil), coils.each[coil].position_m,
+          fmt::format("keep the winding of coil {} out of the dish of {} m (dish.radius_m), and {} m away "
+                      "from where the needle moves",
+                      coils.each[coil].name, dish.radius_m, kClearOfWinding_m));
+  if (!coils.each.empty()) {
+    if (dish.holder_m <= dish.radius_m + dish.wall_thickness_m)
+      throw common::InvalidConfig(
+          "dish.holder_m", dish.holder_m,
+          fmt::format("be beyond the dish and its wall, {}", dish.radius_m + dish.wall_thickness_m));
+    return;
+  }
   const double face_m = coils.geometry.centre_distance_m - 0.5 * coils.geometry.length_m;
   if (dish.radius_m >= face_m)
     throw common::InvalidConfig(
@@ -33,11 +69,10 @@ void RigDescription::validate() const {
         fmt::format("be below the distance of the coils' faces from the dish centre, {}", face_m));
 }
 
-CircuitConfig RigDescription::circuit(int coil) const {
-  const auto index = static_cast<std::size_t>(coil);
+CircuitConfig RigDescription::circuit(std::size_t coil) const {
   CircuitConfig circuit;
-  circuit.resistance_20C_ohm = coils.resistance_20C_ohm.at(index);
-  circuit.inductance_H = coils.inductance_H.at(index);
+  circuit.resistance_20C_ohm = coils.resistance_20C_ohm.at(coil);
+  circuit.inductance_H = coils.inductance_H.at(coil);
   circuit.supply_V = supply_V;
   circuit.temperature_coefficient_per_K = coils.temperature_coefficient_per_K;
   circuit.heat_capacity_J_per_K = coils.heat_capacity_J_per_K;

@@ -50,9 +50,8 @@ Trial read_trial(const runs::TrialRecord& record) {
   if (record.time_s.size() == trial.track_mm.size()) trial.time_s = record.time_s;
   if (record.current_A) trial.current_A = *record.current_A;
   if (record.temperature_C) {
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     for (const auto& row : *record.temperature_C)
-      trial.temperature_C.push_back(row.value_or(runs::PerCoil{kNone, kNone, kNone, kNone}));
+      trial.temperature_C.push_back(row.value_or(runs::PerCoil{}));
   }
   if (record.log_drive_gain) {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

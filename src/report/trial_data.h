@@ -25,8 +25,8 @@ struct Trial {
   Points reference_mm;       ///< where it should have been; the target, or the moving point of a path
   std::size_t approach = 0;  ///< so many observations at the start are the way to a path, not scored
   std::vector<double> time_s;
-  std::vector<std::array<double, 4>> current_A;      ///< coils +x, -x, +y, -y; empty when not recorded
-  std::vector<std::array<double, 4>> temperature_C;  ///< likewise
+  std::vector<std::vector<double>> current_A;      ///< of each coil; empty when not recorded
+  std::vector<std::vector<double>> temperature_C;  ///< likewise
   /// Mean and standard deviation of the logarithm of the drive's gain; NaN without a pose, empty when the rig
   /// was not identified.
   std::vector<std::array<double, 2>> log_drive_gain;

@@ -155,16 +155,18 @@ std::string worst_section(const std::vector<const Trial*>& trials, double radius
 }
 
 std::string coil_chart(const Trial& trial, const std::string& id, const std::string& title,
-                       const std::string& y_label, const std::vector<std::array<double, 4>>& values,
+                       const std::string& y_label, const std::vector<std::vector<double>>& values,
                        bool held) {
   static const char* const kNames[] = {"+x", "−x", "+y", "−y"};
   static const char* const kColours[] = {kPolicyColour, kUnseenColour, kBaselineColour, kSecondColour};
   LineChart chart{id, title, trial.time_s.empty() ? "observation" : "time (s)", y_label};
-  for (std::size_t coil = 0; coil < 4; ++coil) {
-    LineSeries series{kNames[coil], {}, kColours[coil]};
+  std::size_t coils = 0;
+  for (const std::vector<double>& row : values) coils = std::max(coils, row.size());
+  for (std::size_t coil = 0; coil < coils; ++coil) {
+    LineSeries series{coils == 4 ? kNames[coil] : "coil " + std::to_string(coil + 1), {}, kColours[coil % 4]};
     series.stepped = held;
     for (std::size_t i = 0; i < values.size(); ++i)
-      if (std::isfinite(values[i][coil]))
+      if (coil < values[i].size() && std::isfinite(values[i][coil]))
         series.points.emplace_back(trial.time_s.empty() ? static_cast<double>(i) : trial.time_s[i],
                                    values[i][coil]);
     if (!series.points.empty()) chart.series.push_back(series);

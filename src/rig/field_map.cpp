@@ -9,9 +9,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "lodestone/imaging/image_file.h"
-#include "lodestone/physics/coil_array.h"
-#include "lodestone/physics/finite_coil.h"
-#include "lodestone/rig/coils.h"
+#include "lodestone/physics/standing_coil.h"
 
 namespace lodestone::rig {
 namespace {
@@ -21,7 +19,7 @@ const cv::Scalar kBlack(0, 0, 0), kWhite(255, 255, 255), kRed(40, 40, 230);
 /// The picture of a coil's field, drawn part by part.
 class Plot {
  public:
-  Plot(const physics::CoilGeometry& geometry, int coil, double dish_radius_m);
+  Plot(const physics::CoilDescription& coil, double dish_radius_m);
   void draw_field();
   void draw_dish(const std::vector<geometry::Vector2>& points_m);
   void draw_axes();
@@ -34,7 +32,7 @@ class Plot {
             kTop + static_cast<int>(std::lround((reach_m_ - y) * px_per_m_))};
   }
   geometry::Vector2 field_mT(double x, double y) const {
-    return 1e3 * physics::from_coil_frame(coil_, exact_.in_dish_plane(physics::to_coil_frame(coil_, {x, y})));
+    return 1e3 * exact_.beside_winding_per_ampere({x, y}).head<2>();
   }
   void label(const std::string& words, cv::Point at, double size = 0.55) {
     cv::putText(image_, words, at, cv::FONT_HERSHEY_SIMPLEX, size, kBlack, 1, cv::LINE_AA);
@@ -43,8 +41,8 @@ class Plot {
   static constexpr int kSide = 840;  // of the square map, px
   static constexpr int kLeft = 90, kTop = 60, kBottom = 80, kRight = 190;
 
-  int coil_;
-  physics::FiniteCoil exact_;
+  std::string name_;
+  physics::StandingCoil exact_;
   double dish_radius_m_;
   double reach_m_;
   double px_per_m_;
@@ -52,11 +50,11 @@ class Plot {
   cv::Mat image_;
 };
 
-Plot::Plot(const physics::CoilGeometry& geometry, int coil, double dish_radius_m)
-    : coil_(coil),
-      exact_(geometry),
+Plot::Plot(const physics::CoilDescription& coil, double dish_radius_m)
+    : name_(coil.name),
+      exact_(coil),
       dish_radius_m_(dish_radius_m),
-      reach_m_(std::min(1.08 * dish_radius_m, 0.98 * (geometry.centre_distance_m - geometry.length_m / 2.0))),
+      reach_m_(1.08 * dish_radius_m),
       px_per_m_(kSide / (2.0 * reach_m_)),
       image_(kTop + kSide + kBottom, kLeft + kSide + kRight, CV_8UC3, kWhite) {}
 
@@ -94,7 +92,7 @@ void Plot::draw_dish(const std::vector<geometry::Vector2>& points_m) {
     if (point.cwiseAbs().maxCoeff() <= reach_m_)
       cv::circle(image_, pixel(point.x(), point.y()), 4, kRed, cv::FILLED, cv::LINE_AA);
   cv::rectangle(image_, cv::Rect(kLeft, kTop, kSide, kSide), kBlack, 1);
-  label(std::string("Coil ") + kCoilNames[coil_] + ": field per ampere in the dish plane; circle: dish wall" +
+  label("Coil " + name_ + ": field per ampere in the dish plane; circle: dish wall" +
             (points_m.empty() ? "" : "; red: points asked for"),
         {kLeft, 24}, 0.6);
 }
@@ -133,42 +131,43 @@ void Plot::draw_scale() {
 
 }  // namespace
 
-int coil_index(const std::string& name) {
-  for (int coil = 0; coil < kCoilCount; ++coil) {
-    if (name == kCoilNames[coil]) return coil;
+std::size_t coil_index(const physics::CoilsDescription& coils, const std::string& name) {
+  std::string known;
+  for (std::size_t coil = 0; coil < coils.count(); ++coil) {
+    if (name == coils.name(coil)) return coil;
+    known += (coil == 0 ? "" : coil + 1 == coils.count() ? " and " : ", ") + coils.name(coil);
   }
-  throw common::ConfigError("coil = \"" + name + "\" is unknown; it is one of +x, -x, +y, -y");
+  throw common::ConfigError("coil = \"" + name + "\" is unknown; it is one of " + known);
 }
 
-std::vector<geometry::Vector2> field_per_ampere(const physics::CoilGeometry& geometry, int coil,
-                                                const std::vector<geometry::Vector2>& points_m) {
-  const physics::FiniteCoil exact(geometry);
-  const double face_m = geometry.centre_distance_m - geometry.length_m / 2.0;
-  std::vector<geometry::Vector2> fields;
+std::vector<Eigen::Vector3d> field_per_ampere(const physics::CoilDescription& coil,
+                                              const std::vector<geometry::Vector2>& points_m) {
+  const physics::StandingCoil exact(coil);
+  std::vector<Eigen::Vector3d> fields;
   fields.reserve(points_m.size());
   for (std::size_t i = 0; i < points_m.size(); ++i) {
-    const geometry::Vector2 local = physics::to_coil_frame(coil, points_m[i]);
-    if (local.x() >= face_m)
+    const Eigen::Vector3d point_m(points_m[i].x(), points_m[i].y(), 0.0);
+    if (coil.winds_at(point_m))
       throw common::DataError("point " + std::to_string(i + 1) + " (" + std::to_string(points_m[i].x()) +
-                              ", " + std::to_string(points_m[i].y()) + ") m lies beyond the face of coil " +
-                              kCoilNames[coil] + ", " + std::to_string(face_m) + " m from the dish centre");
-    fields.push_back(physics::from_coil_frame(coil, exact.in_dish_plane(local)));
+                              ", " + std::to_string(points_m[i].y()) + ") m lies in the winding of coil " +
+                              coil.name);
+    fields.push_back(exact.per_ampere(point_m));
   }
   return fields;
 }
 
 std::string field_csv(const std::vector<geometry::Vector2>& points_m,
-                      const std::vector<geometry::Vector2>& field_T_per_A) {
-  std::string csv = "x_m,y_m,Bx_T_per_A,By_T_per_A\n";
+                      const std::vector<Eigen::Vector3d>& field_T_per_A) {
+  std::string csv = "x_m,y_m,Bx_T_per_A,By_T_per_A,Bz_T_per_A\n";
   for (std::size_t i = 0; i < points_m.size(); ++i)  // plus zero: no "-0"
-    csv += fmt::format("{},{},{},{}\n", points_m[i].x() + 0.0, points_m[i].y() + 0.0,
-                       field_T_per_A[i].x() + 0.0, field_T_per_A[i].y() + 0.0);
+    csv += fmt::format("{},{},{},{},{}\n", points_m[i].x() + 0.0, points_m[i].y() + 0.0,
+                       field_T_per_A[i].x() + 0.0, field_T_per_A[i].y() + 0.0, field_T_per_A[i].z() + 0.0);
   return csv;
 }
 
-void write_field_plot(const std::string& file, const physics::CoilGeometry& geometry, int coil,
-                      double dish_radius_m, const std::vector<geometry::Vector2>& points_m) {
-  Plot plot(geometry, coil, dish_radius_m);
+void write_field_plot(const std::string& file, const physics::CoilDescription& coil, double dish_radius_m,
+                      const std::vector<geometry::Vector2>& points_m) {
+  Plot plot(coil, dish_radius_m);
   plot.draw_field();
   plot.draw_dish(points_m);
   plot.draw_axes();

@@ -1,5 +1,6 @@
 #include "lodestone/rig/hidden_deviation.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "lodestone/common/random.h"
@@ -47,7 +48,7 @@ geometry::Vector2 draw_in_disc(double radius_m, common::RandomStream& random) {
 
 }  // namespace
 
-HiddenDeviation HiddenDeviation::draw(DeviationWidth width, std::uint64_t seed) {
+HiddenDeviation HiddenDeviation::draw(DeviationWidth width, std::uint64_t seed, std::size_t coils) {
   HiddenDeviation hidden;
   if (width == DeviationWidth::kNone) return hidden;
   const Ranges& of = ranges(width);
@@ -56,7 +57,7 @@ HiddenDeviation HiddenDeviation::draw(DeviationWidth width, std::uint64_t seed) 
   hidden.friction = draw_factor(of.friction, random);
   hidden.viscosity = draw_factor(of.viscosity, random);
   const geometry::Vector2 offset_m = draw_in_disc(of.offset_m, random);
-  for (int coil = 0; coil < physics::kCoils; ++coil) {
+  for (std::size_t coil = 0; coil < coils; ++coil) {
     physics::CoilPlacement placement;
     placement.gain = 1.0 + random.uniform(-of.gain, of.gain);
     placement.tilt_rad = random.uniform(-of.tilt_rad, of.tilt_rad);
@@ -84,7 +85,10 @@ physics::RigDescription HiddenDeviation::applied_to(physics::RigDescription rig)
 double deviation_margin_m(DeviationWidth width, const physics::RigDescription& rig) {
   if (width == DeviationWidth::kNone) return 0.0;
   const Ranges& of = ranges(width);
-  const double lever_m = rig.coils.geometry.centre_distance_m + rig.dish.radius_m;
+  double distance_m = 0.0;
+  for (std::size_t coil = 0; coil < rig.coils.count(); ++coil)
+    distance_m = std::max(distance_m, rig.coils.coil(coil).middle_m().head<2>().norm());
+  const double lever_m = distance_m + rig.dish.radius_m;
   return of.position_m + of.offset_m + of.tilt_rad * lever_m;
 }
 

@@ -10,9 +10,20 @@ imaging::BenchGeometry bench_of(const physics::RigDescription& rig) {
   bench.dish_radius_m = rig.dish.radius_m;
   bench.wall_height_m = rig.dish.wall_height_m;
   bench.wall_thickness_m = rig.dish.wall_thickness_m;
+  constexpr double kPartOfSide = 0.66;  // that is drawn as a coil's bore is
   bench.coil_face_m = coil.centre_distance_m - 0.5 * coil.length_m;
   bench.coil_outer_radius_m = coil.outer_radius_m;
   bench.coil_bore_radius_m = coil.inner_radius_m;
+  if (!rig.coils.each.empty()) {
+    bench.coil_face_m = bench.coil_outer_radius_m = rig.dish.holder_m;
+    bench.coil_bore_radius_m = kPartOfSide * rig.dish.holder_m;
+    bench.coil_directions.clear();
+    for (const physics::CoilDescription& one : rig.coils.each) {
+      const geometry::Vector2 away_m = one.middle_m().head<2>();
+      bench.coil_directions.push_back(away_m.norm() > 1e-3 ? geometry::Vector2(away_m.normalized())
+                                                           : geometry::Vector2(0.0, 0.0));
+    }
+  }
   bench.coil_length_m = coil.length_m;
   bench.needle_length_m = rig.needle.length_m;
   bench.needle_diameter_m = rig.needle.diameter_m;

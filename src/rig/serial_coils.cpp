@@ -11,7 +11,7 @@
 namespace lodestone::rig {
 
 void SerialConfig::validate() const {
-  constexpr std::array<std::int64_t, kCoilCount> kOutputs = {1, 2, 3, 4};
+  constexpr std::array<std::int64_t, kSerialCoils> kOutputs = {1, 2, 3, 4};
   if (output.size() != kOutputs.size() ||
       !std::is_permutation(output.begin(), output.end(), kOutputs.begin()))
     throw common::InvalidConfig("output", output, "name each of the outputs 1, 2, 3 and 4 once");
@@ -25,6 +25,18 @@ SerialCoils::SerialCoils(const SerialConfig& config, const physics::CoilsDescrip
     : config_(config), coils_(coils) {
   config_.validate();
   coils_.validate();
+  if (coils_.count() != kSerialCoils)
+    throw common::ConfigError("rig.coils.each lists " + std::to_string(coils_.count()) +
+                              " coils, the coil controller (rig.backend = serial) has outputs for four");
+  for (std::size_t coil = 0; coil < kSerialCoils; ++coil) {
+    std::size_t partners = 0;
+    for (std::size_t other = 0; other < kSerialCoils; ++other)
+      partners += other != coil && coils_.apart(coil, other);
+    if (partners > 1)
+      throw common::ConfigError("coil " + coils_.name(coil) +
+                                " is never on with more than one other (rig.coils.each, not_with); the coil "
+                                "controller keeps one apart from it");
+  }
   session_ = std::make_unique<SerialSession>(config_, coils_, std::move(open));
 }
 
@@ -64,7 +76,7 @@ CoilControllerState SerialCoils::state() {
     state.supply_V[i] = 0.1 * raw.supply_dV[i];
     state.board_C[i] = 0.1 * raw.board_dC[i];
   }
-  for (std::size_t i = 0; i < kCoilCount; ++i) {
+  for (std::size_t i = 0; i < kSerialCoils; ++i) {
     state.current_A[i] =
         1e-3 * raw.current_mA[config_.output_of(i)] * static_cast<double>(coils_.polarity[i]);
     state.resistance_ohm[i] = 1e-3 * raw.resistance_mohm[config_.output_of(i)];
@@ -77,7 +89,7 @@ CoilStatus SerialCoils::status() {
   const CoilControllerState state = this->state();
   CoilStatus status;
   status.current_A = state.current_A;
-  for (std::size_t i = 0; i < kCoilCount; ++i) {
+  for (std::size_t i = 0; i < kSerialCoils; ++i) {
     const double rise = state.resistance_ohm[i] / coils_.resistance_20C_ohm[i] - 1.0;
     status.temperature_C[i] = kResistance_C + rise / coils_.temperature_coefficient_per_K;
   }
@@ -92,7 +104,7 @@ CurrentTrace SerialCoils::trace() {
   if (body.size() < wire::kTraceHeadSize) return trace;
   wire::TraceHead head{};
   const std::uint8_t* at = wire::get_trace_head(body.data(), &head);
-  if (head.coil >= kCoilCount ||
+  if (head.coil >= kSerialCoils ||
       body.size() != std::size_t{wire::kTraceHeadSize} + wire::kTraceSampleSize * head.count)
     return trace;
   while (config_.output_of(static_cast<std::size_t>(trace.coil)) != head.coil) ++trace.coil;

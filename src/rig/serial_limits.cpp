@@ -46,26 +46,33 @@ wire::CoilLimits wire_limits(const SerialConfig& config, const physics::CoilsDes
   limits.max_board_dC = scaled(config.max_board_C, 10.0);
   const double hot = 1.0 + coils.temperature_coefficient_per_K * (config.max_coil_C - kResistance_C);
   double largest_ohm = 0.0;
-  for (std::size_t i = 0; i < kCoilCount; ++i) {
+  int together = 0;  // coils beside which any may be on
+  for (std::size_t i = 0; i < kSerialCoils; ++i) {
     const std::size_t output = config.output_of(i);
     limits.resistance_mohm[output] = scaled(coils.resistance_20C_ohm[i], 1e3);
-    limits.opposite[output] = static_cast<std::uint8_t>(config.output_of(i ^ 1U));
+    limits.opposite[output] = static_cast<std::uint8_t>(output);
+    for (std::size_t other = 0; other < kSerialCoils; ++other)
+      if (other != i && coils.apart(i, other))
+        limits.opposite[output] = static_cast<std::uint8_t>(config.output_of(other));
+    if (limits.opposite[output] == output) ++together;
     largest_ohm = std::max(largest_ohm, coils.resistance_20C_ohm[i]);
   }
   limits.max_resistance_permille = scaled(hot, 1e3);
-  // One coil of each axis at its largest current, as hot as it may get.
-  limits.max_power_W = scaled(2.0 * coils.max_current_A * coils.max_current_A * largest_ohm * hot, 1.0);
+  // As many coils as may be on, at their largest current and as hot as they may get.
+  limits.max_power_W =
+      scaled((2.0 + 0.5 * together) * coils.max_current_A * coils.max_current_A * largest_ohm * hot, 1.0);
   return limits;
 }
 
 wire::PulseRequest wire_pulse(const SerialConfig& config, const physics::CoilsDescription& coils,
                               const CoilPulse& pulse) {
   wire::PulseRequest request{};
-  for (std::size_t i = 0; i < kCoilCount; ++i) {
-    if (!(std::abs(pulse.current_A[i]) <= coils.max_current_A))
-      throw common::HardwareError(std::string("serial coils: current of coil ") + kCoilNames[i] + " = " +
-                                  std::to_string(pulse.current_A[i]) + " A is refused; it must be within +-" +
-                                  std::to_string(coils.max_current_A) + " A");
+  for (std::size_t i = 0; i < kSerialCoils; ++i) {
+    if (!(pulse.current_A[i] >= coils.smallest_A(i) && pulse.current_A[i] <= coils.largest_A(i)))
+      throw common::HardwareError("serial coils: current of coil " + coils.name(i) + " = " +
+                                  std::to_string(pulse.current_A[i]) + " A is refused; it must be within " +
+                                  std::to_string(coils.smallest_A(i)) + " and " +
+                                  std::to_string(coils.largest_A(i)) + " A");
     const double wired_A = pulse.current_A[i] * static_cast<double>(coils.polarity[i]);
     request.current_mA[config.output_of(i)] = static_cast<std::int16_t>(std::lround(1e3 * wired_A));
   }

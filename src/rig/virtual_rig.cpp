@@ -16,8 +16,6 @@
 namespace lodestone::rig {
 namespace {
 
-using physics::kCoils;
-
 // With less than this in every coil nothing that rests can start to move: it is a hundredth of the break-away
 // current at the centre, and an eighth of that at the mouth of a coil.
 constexpr double kQuiet_A = 0.02;
@@ -30,18 +28,19 @@ constexpr double kTooLate_s = 0.5;  // behind that clock: given up, or the rig w
 
 struct VirtualRig::State {
   State(const VirtualRigConfig& rig_config, std::uint64_t rig_seed,
-        std::shared_ptr<const physics::FieldTable> shared)
+        std::shared_ptr<const physics::CoilFields> shared)
       : config(rig_config),
         seed(rig_seed),
-        hidden(HiddenDeviation::draw(config.simulation.deviation, seed)),
+        hidden(HiddenDeviation::draw(config.simulation.deviation, seed, config.coils.count())),
         truth(hidden.applied_to(config)),
-        table(std::move(shared)),
-        field(table, hidden.coils),
+        fields(std::move(shared)),
+        field(fields, hidden.coils),
         map(truth.friction, truth.dish.radius_m, seed),
         motion(truth.needle, truth.fluid, truth.friction, truth.dish),
-        scatter(seed, "pulse_friction"),
-        circuits{physics::CoilCircuit(truth.circuit(0)), physics::CoilCircuit(truth.circuit(1)),
-                 physics::CoilCircuit(truth.circuit(2)), physics::CoilCircuit(truth.circuit(3))} {}
+        scatter(seed, "pulse_friction") {
+    for (std::size_t coil = 0; coil < config.coils.count(); ++coil)
+      circuits.emplace_back(truth.circuit(coil));
+  }
 
   /// A little of the friction is drawn anew for every pulse (how the needle happens to lie).
   void draw_friction() {
@@ -66,14 +65,14 @@ struct VirtualRig::State {
   const std::uint64_t seed;
   const HiddenDeviation hidden;
   const physics::RigDescription truth;
-  const std::shared_ptr<const physics::FieldTable> table;
+  const std::shared_ptr<const physics::CoilFields> fields;
   const physics::CoilArray field;
   const physics::FrictionMap map;
   const physics::NeedleMotion motion;
 
   std::mutex mutex;  // of all that follows
   common::RandomStream scatter;
-  std::array<physics::CoilCircuit, kCoils> circuits;
+  std::vector<physics::CoilCircuit> circuits;
   physics::NeedleState needle;
   double friction_scale = 1.0;
   double now_s = 0.0;
@@ -93,12 +92,15 @@ class VirtualRig::VirtualCoils final : public Coils {
   explicit VirtualCoils(State& state) : state_(state) {}
 
   void apply(const CoilPulse& pulse) override {
-    for (int i = 0; i < kCoils; ++i) {
+    const physics::CoilsDescription& coils = state_.config.coils;
+    for (std::size_t i = 0; i < std::max(coils.count(), pulse.current_A.size()); ++i) {
       const double current = pulse.current_A[i];
-      if (!(std::abs(current) <= state_.config.coils.max_current_A)) {
+      const bool there = i < coils.count();
+      const double lowest_A = there ? coils.smallest_A(i) : 0.0, largest_A = there ? coils.largest_A(i) : 0.0;
+      if (!(current >= lowest_A && current <= largest_A)) {
         throw common::HardwareError(
-            fmt::format("virtual coils: current of coil {} = {} A is refused; it must be within +-{} A",
-                        kCoilNames[i], current, state_.config.coils.max_current_A));
+            fmt::format("virtual coils: current of coil {} = {} A is refused; it must be within {} and {} A",
+                        coils.name(i), current, lowest_A, largest_A));
       }
     }
     if (!(pulse.duration_s >= 0.0 && pulse.duration_s <= state_.config.simulation.max_pulse_s)) {
@@ -111,7 +113,7 @@ class VirtualRig::VirtualCoils final : public Coils {
     state_.draw_friction();
     state_.pulsing = pulse.duration_s > 0.0;
     state_.pulse_end_s = state_.now_s + pulse.duration_s;
-    for (int i = 0; i < kCoils; ++i) {
+    for (std::size_t i = 0; i < state_.circuits.size(); ++i) {
       if (state_.pulsing) {
         state_.circuits[i].demand(pulse.current_A[i]);
       } else {
@@ -128,13 +130,13 @@ class VirtualRig::VirtualCoils final : public Coils {
   CoilStatus status() override {
     const std::lock_guard<std::mutex> lock(state_.mutex);
     CoilStatus status;
-    for (int i = 0; i < kCoils; ++i) {
+    for (std::size_t i = 0; i < state_.circuits.size(); ++i) {
       physics::CoilCircuit circuit = state_.circuits[i];
       if (state_.now_s > state_.circuits_s) circuit.advance(state_.now_s - state_.circuits_s);
       status.current_A[i] = circuit.state().current_A;
       status.temperature_C[i] = circuit.state().temperature_C;
       if (status.temperature_C[i] > state_.config.simulation.max_temperature_C)
-        status.faults.push_back(fmt::format("coil {} is at {} C, above {} C", kCoilNames[i],
+        status.faults.push_back(fmt::format("coil {} is at {} C, above {} C", state_.config.coils.name(i),
                                             status.temperature_C[i],
                                             state_.config.simulation.max_temperature_C));
     }
@@ -161,15 +163,14 @@ class VirtualRig::VirtualClock final : public common::Clock {
 };
 
 VirtualRig::VirtualRig(const VirtualRigConfig& config, std::uint64_t seed,
-                       std::shared_ptr<const physics::FieldTable> table) {
+                       std::shared_ptr<const physics::CoilFields> fields) {
   config.coils.validate();
   config.validate();
   const double margin_m = deviation_margin_m(config.simulation.deviation, config);
-  if (!table) table = physics::make_field_table(config.coils.geometry, config.dish.radius_m, margin_m);
-  LODESTONE_CHECK(table->geometry() == config.coils.geometry, "the field table is of another coil geometry");
-  LODESTONE_CHECK(table->reach_m() >= config.dish.radius_m + margin_m,
-                  "the field table does not cover the dish");
-  state_ = std::make_unique<State>(config, seed, std::move(table));
+  if (!fields) fields = physics::CoilFields::shared(config.coils, config.dish.radius_m, margin_m);
+  LODESTONE_CHECK(fields->of(config.coils), "the fields are of other coils");
+  LODESTONE_CHECK(fields->reach_m() >= config.dish.radius_m + margin_m, "the fields do not cover the dish");
+  state_ = std::make_unique<State>(config, seed, std::move(fields));
   state_->coils = std::make_unique<VirtualCoils>(*state_);
   state_->clock = std::make_unique<VirtualClock>(*this);
 }
@@ -189,16 +190,16 @@ bool VirtualRig::at_rest() const {
   return state_->needle.stuck;
 }
 const VirtualRigConfig& VirtualRig::config() const { return state_->config; }
-std::shared_ptr<const physics::FieldTable> VirtualRig::field_table() const { return state_->table; }
+std::shared_ptr<const physics::CoilFields> VirtualRig::fields() const { return state_->fields; }
 
-void VirtualRig::drive(const std::array<double, kCoilCount>& duty, double supply_V) {
+void VirtualRig::drive(const physics::PerCoil& duty, double supply_V) {
   State& state = *state_;
   const std::lock_guard<std::mutex> lock(state.mutex);
   state.catch_up();
   state.pulsing = false;
   bool was_off = true;
   bool is_off = true;
-  for (std::size_t i = 0; i < kCoils; ++i) {
+  for (std::size_t i = 0; i < state.circuits.size(); ++i) {
     LODESTONE_CHECK(std::isfinite(duty[i]), "a duty that is a number, not " + std::to_string(duty[i]));
     was_off = was_off && state.circuits[i].state().duty == 0.0;
     is_off = is_off && duty[i] == 0.0;
@@ -271,19 +272,20 @@ bool VirtualRig::run(double duration_s, std::unique_lock<std::mutex>& lock,
       std::max(1, static_cast<int>(std::ceil(duration_s / state.config.simulation.step_s - 1e-6)));
   const double step_s = duration_s / steps;
   const int steps_at_once = std::max(1, static_cast<int>(kPace_s / step_s));
-  std::array<double, kCoils> settled{};
-  std::array<double, kCoils> decay{};
-  physics::Currents excess{};  // at the middle of the step; current = settled + excess
-  for (std::size_t i = 0; i < kCoils; ++i) {
+  const std::size_t coils = state.circuits.size();
+  physics::PerCoil settled(coils);
+  physics::PerCoil decay(coils);
+  physics::PerCoil excess(coils);  // at the middle of the step; current = settled + excess
+  for (std::size_t i = 0; i < coils; ++i) {
     settled[i] = state.circuits[i].settled_current_A();
     const double tau = state.circuits[i].time_constant_s();
     decay[i] = std::exp(-step_s / tau);
     excess[i] = (state.circuits[i].state().current_A - settled[i]) * std::exp(-0.5 * step_s / tau);
   }
   for (int step = 0; step < steps; ++step) {
-    physics::Currents current{};
+    physics::PerCoil current(coils);
     bool quiet = true;
-    for (std::size_t i = 0; i < kCoils; ++i) {
+    for (std::size_t i = 0; i < coils; ++i) {
       current[i] = settled[i] + excess[i];
       excess[i] *= decay[i];
       quiet = quiet && settled[i] == 0.0 && std::abs(current[i]) < kQuiet_A;
@@ -342,7 +344,10 @@ void VirtualRig::restore(const common::Json& json) {
     needle.spin_rad_s = velocity[2];
     needle.stuck = json.at("stuck").get<bool>();
     if (!fits(needle.pose)) throw common::DataError("virtual rig state: the needle lies outside the dish");
-    const auto coils = json.at("coils").get<std::array<std::array<double, 3>, kCoils>>();
+    const auto coils = json.at("coils").get<std::vector<std::array<double, 3>>>();
+    if (coils.size() != state.circuits.size())
+      throw common::DataError(
+          fmt::format("virtual rig state: {} coils, this rig has {}", coils.size(), state.circuits.size()));
     const double friction_scale = json.at("friction_scale").get<double>();
     const double now_s = json.at("time_s").get<double>();
     const double pulse_end_s = json.at("pulse_end_s").get<double>();
@@ -358,7 +363,7 @@ void VirtualRig::restore(const common::Json& json) {
     state.pulse_end_s = pulse_end_s;
     state.pulsing = pulsing;
     state.scatter = scatter;
-    for (std::size_t i = 0; i < kCoils; ++i)
+    for (std::size_t i = 0; i < coils.size(); ++i)
       state.circuits[i].set_state({coils[i][0], coils[i][1], coils[i][2]});
   } catch (const common::Json::exception& error) {
     throw common::DataError(std::string("virtual rig state: malformed: ") + error.what());

@@ -14,7 +14,7 @@ void DutyCheck::check(rig::CoilPulse& pulse, const PulseContext& context) {
     if (pulse.current_A[coil] != 0.0 &&
         level_s + (1.0 - max_duty_) * pulse.duration_s > max_duty_ * window_s_)
       throw Distrust(fmt::format("coil {} would be on for more than {:g} % of the time over {:g} s",
-                                 rig::kCoilNames[coil], 100.0 * max_duty_, window_s_));
+                                 coils_.name(coil), 100.0 * max_duty_, window_s_));
   }
 }
 

@@ -27,11 +27,11 @@ Supervisor::Supervisor(rig::Coils& coils, const SafetyConfig& config, const phys
   pose_checks_.push_back(std::make_unique<FenceCheck>(config.geofence * rig.dish.radius_m));
   pulse_checks_.push_back(
       std::make_unique<PulseLimits>(std::min(config.max_current_A, rig.coils.max_current_A),
-                                    config.max_power_W, config.max_pulse_s, thermal_));
+                                    config.max_power_W, config.max_pulse_s, rig.coils, thermal_));
   pulse_checks_.push_back(std::make_unique<DeviceCheck>());
-  pulse_checks_.push_back(
-      std::make_unique<TemperatureCheck>(config.max_temperature_C, config.temperature_tolerance_K, thermal_));
-  pulse_checks_.push_back(std::make_unique<DutyCheck>(config.max_duty, config.duty_window_s));
+  pulse_checks_.push_back(std::make_unique<TemperatureCheck>(
+      config.max_temperature_C, config.temperature_tolerance_K, rig.coils, thermal_));
+  pulse_checks_.push_back(std::make_unique<DutyCheck>(config.max_duty, config.duty_window_s, rig.coils));
 }
 
 void Supervisor::latch(const std::string& reason) {

@@ -6,14 +6,13 @@
 namespace lodestone::safety {
 
 ThermalModel::ThermalModel(const physics::RigDescription& rig) {
-  for (std::size_t i = 0; i < coils_.size(); ++i) coils_[i] = rig.circuit(static_cast<int>(i));
-  temperature_C_.fill(rig.ambient_C);
+  for (std::size_t coil = 0; coil < rig.coils.count(); ++coil) coils_.push_back(rig.circuit(coil));
+  temperature_C_.assign(coils_.size(), rig.ambient_C);
 }
 
-double ThermalModel::power_W(int coil, double current_A) const {
-  const auto index = static_cast<std::size_t>(coil);
-  const double warmer_K = temperature_C_[index] - 20.0;
-  return coils_[index].resistance_20C_ohm * (1.0 + coils_[index].temperature_coefficient_per_K * warmer_K) *
+double ThermalModel::power_W(std::size_t coil, double current_A) const {
+  const double warmer_K = temperature_C_[coil] - 20.0;
+  return coils_[coil].resistance_20C_ohm * (1.0 + coils_[coil].temperature_coefficient_per_K * warmer_K) *
          current_A * current_A;
 }
 
@@ -26,15 +25,13 @@ double ThermalModel::relaxed(const physics::CircuitConfig& coil, double temperat
                        std::exp(-duration_s * coil.cooling_W_per_K / coil.heat_capacity_J_per_K);
 }
 
-double ThermalModel::after_pulse_C(int coil, double current_A, double duration_s) const {
-  const auto index = static_cast<std::size_t>(coil);
-  return relaxed(coils_[index], temperature_C_[index], power_W(coil, current_A), duration_s);
+double ThermalModel::after_pulse_C(std::size_t coil, double current_A, double duration_s) const {
+  return relaxed(coils_[coil], temperature_C_[coil], power_W(coil, current_A), duration_s);
 }
 
-void ThermalModel::advance(const std::array<double, rig::kCoilCount>& current_A, double on_s,
-                           double total_s) {
+void ThermalModel::advance(const physics::PerCoil& current_A, double on_s, double total_s) {
   for (std::size_t i = 0; i < temperature_C_.size(); ++i) {
-    temperature_C_[i] = after_pulse_C(static_cast<int>(i), current_A[i], on_s);
+    temperature_C_[i] = after_pulse_C(i, current_A[i], on_s);
     temperature_C_[i] = relaxed(coils_[i], temperature_C_[i], 0.0, total_s - on_s);
   }
 }

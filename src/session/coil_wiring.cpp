@@ -4,12 +4,14 @@
 #include <cmath>
 #include <utility>
 
+#include "lodestone/physics/per_coil.h"
 #include "lodestone/safety/check.h"
 
 namespace lodestone::session {
 
 namespace {
 
+constexpr const char* kNames[physics::kFourCoils] = {"+x", "-x", "+y", "-y"};
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 // What a camera tells apart from noise, and what is too far off for the field of a coil. Wide, because the
@@ -40,7 +42,7 @@ geometry::Vector2 along(const geometry::Pose2& pose) {
 }
 
 /// Mean field over the two poles of the needle: what turns it.
-geometry::Vector2 turning_field_T(const physics::CoilArray& coils, const physics::Currents& current_A,
+geometry::Vector2 turning_field_T(const physics::CoilArray& coils, const physics::PerCoil& current_A,
                                   const physics::NeedleConfig& needle, const geometry::Pose2& pose) {
   const geometry::Vector2 pole_m = 0.5 * needle.chain_m * along(pose);
   return 0.5 * (coils.field_T(current_A, pose.position_m() + pole_m) +
@@ -65,8 +67,8 @@ std::vector<CoilWiring> every_coil_wiring() {
   std::vector<CoilWiring> all;
   CoilWiring wiring;
   do {
-    for (int signs = 0; signs < 1 << rig::kCoilCount; ++signs) {
-      for (int i = 0; i < rig::kCoilCount; ++i)
+    for (int signs = 0; signs < 1 << physics::kFourCoils; ++signs) {
+      for (int i = 0; i < physics::kFourCoils; ++i)
         wiring.sign[static_cast<std::size_t>(i)] = (signs >> i & 1) != 0 ? -1 : 1;
       all.push_back(wiring);
     }
@@ -100,9 +102,9 @@ bool WiringInference::add(const ProbePulse& pulse) {
   const bool ends_free = within(pulse.after, free_m);
   const bool pulled = shifted && turn_rad < kTooFarTurned_rad && (ends_free || within(pulse.before, free_m));
   const geometry::Vector2 middle_m = 0.5 * (pulse.before.position_m() + pulse.after.position_m());
-  for (std::size_t coil = 0; coil < rig::kCoilCount; ++coil) {
+  for (std::size_t coil = 0; coil < against_.size(); ++coil) {
     for (std::size_t reversed = 0; reversed < 2; ++reversed) {
-      physics::Currents current_A{};
+      physics::PerCoil current_A{};
       current_A[coil] = reversed == 0 ? pulse.current_A : -pulse.current_A;
       const auto off_field_rad = [&](const geometry::Pose2& pose) {
         return angle_between(along(pose), turning_field_T(coils_, current_A, needle_, pose));
@@ -120,7 +122,7 @@ bool WiringInference::add(const ProbePulse& pulse) {
 
 double WiringInference::against(const CoilWiring& wiring) const {
   double sum = 0.0;
-  for (std::size_t i = 0; i < rig::kCoilCount; ++i)
+  for (std::size_t i = 0; i < against_.size(); ++i)
     sum += against_[i][static_cast<std::size_t>(wiring.coil[i])][wiring.sign[i] > 0 ? 0 : 1];
   return sum;
 }
@@ -182,7 +184,7 @@ class ProbeOrder {
     const bool anybody = since_news_ > kLong;
     if (to_go_ == 0) {
       const bool far = position_m.norm() > far_m;
-      for (int back = 0; far && back_ < kMany && back < rig::kCoilCount; ++back) {
+      for (int back = 0; far && back_ < kMany && back < physics::kFourCoils; ++back) {
         if (outwards(possible, back, position_m) > -0.6) continue;
         ++back_;
         return {back, true};
@@ -192,7 +194,7 @@ class ProbeOrder {
         if (known_coil(possible, static_cast<std::size_t>(asked())) < 0) return true;
         return anybody && !(far && outwards(possible, asked(), position_m) > 0.6);
       };
-      do turn_ = (turn_ + 1) % rig::kCoilCount;
+      do turn_ = (turn_ + 1) % physics::kFourCoils;
       while (!of_use());
       to_go_ = anybody ? kMany + ++rounds_ % 3 : kFew;  // never twice the same tour
     }
@@ -203,7 +205,7 @@ class ProbeOrder {
  private:
   int asked() const {
     // +x, +y, -x, -y: each field lies across the one before, where nothing is swapped.
-    constexpr std::array<int, rig::kCoilCount> kTurn = {0, 2, 1, 3};
+    constexpr std::array<int, physics::kFourCoils> kTurn = {0, 2, 1, 3};
     return kTurn[static_cast<std::size_t>(turn_)];
   }
   int turn_ = -1;
@@ -218,7 +220,7 @@ class ProbeOrder {
 
 void probe_wiring(WiringInference& inference, rig::Coils& coils, control::PoseSensor& sensor,
                   common::Clock& clock, const WiringProbe& probe) {
-  constexpr int kStuckPulses = 2 * rig::kCoilCount;
+  constexpr int kStuckPulses = 2 * physics::kFourCoils;
   constexpr double kGrowth = 1.3;
   constexpr double kFar = 0.4;  // of the dish's radius
   ProbeOrder order;
@@ -252,14 +254,14 @@ void probe_wiring(WiringInference& inference, rig::Coils& coils, control::PoseSe
 std::string possible_answers(const std::vector<CoilWiring>& possible, int asked) {
   const auto i = static_cast<std::size_t>(asked);
   std::string text;
-  for (int coil = 0; coil < rig::kCoilCount; ++coil) {
+  for (int coil = 0; coil < physics::kFourCoils; ++coil) {
     for (const int sign : {1, -1}) {
       if (std::none_of(possible.begin(), possible.end(), [&](const CoilWiring& wiring) {
             return wiring.coil[i] == coil && wiring.sign[i] == sign;
           }))
         continue;
-      text += (text.empty() ? "coil " : ", or coil ") + std::string(rig::kCoilNames[coil]) +
-              (sign < 0 ? " reversed" : "");
+      text +=
+          (text.empty() ? "coil " : ", or coil ") + std::string(kNames[coil]) + (sign < 0 ? " reversed" : "");
     }
   }
   return text;

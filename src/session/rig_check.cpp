@@ -145,7 +145,7 @@ class Walk {
   /// person there has seen the needle follow.
   bool check_coil(int coil) {
     const auto index = static_cast<std::size_t>(coil);
-    const std::string name = std::string("coil ") + rig::kCoilNames[coil];
+    const std::string name = "coil " + config_.rig.coils.name(static_cast<std::size_t>(coil));
     if (!dialogue_.confirm("energise " + name + " with " + number(config_.test_current_A, "A") +
                            " for 0.2 s?")) {
       tell(name, "left out");
@@ -191,9 +191,9 @@ class Walk {
     WiringInference inference(config_.rig, WiringInference::field_for(config_.rig));
     probe_wiring(inference, guarded_, *watcher_->sensor, clock_, probe);
     const std::vector<CoilWiring> possible = inference.possible();
-    for (int coil = 0; coil < rig::kCoilCount; ++coil)
+    for (int coil = 0; coil < physics::kFourCoils; ++coil)
       tell(
-          std::string("asked for ") + rig::kCoilNames[coil],
+          "asked for " + config_.rig.coils.name(static_cast<std::size_t>(coil)),
           (inference.moved(coil) == 0 ? "the needle did not move: " : "") + possible_answers(possible, coil));
     const std::string remedy = wiring_remedy(inference, config_.rig);
     if (!remedy.empty()) tell("wiring", remedy);
@@ -211,6 +211,9 @@ class Walk {
 }  // namespace
 
 void check_rig(const RigCheckConfig& config, const RigCheckRequest& request, Dialogue& dialogue) {
+  if (!config.rig.coils.each.empty())
+    throw common::ConfigError("rig.coils.each lists " + std::to_string(config.rig.coils.count()) +
+                              " coils; the walk through the wiring knows the four around the dish");
   dialogue.say("serial ports:\n");
   for (const rig::SerialPortInfo& port : rig::list_serial_ports()) {
     char line[256];

@@ -67,7 +67,7 @@ void RigSensor::wait_for_image(rig::VirtualRig& rig, double timeout_s) const {
 
 control::PoseEstimate RigSensor::observe() { return tracked_->observe(); }
 
-void RigSensor::pulsed(const std::array<double, rig::kCoilCount>& current_A,
+void RigSensor::pulsed(const physics::PerCoil& current_A,
                        const std::vector<physics::PulseOutcome>& outcomes) {
   tracked_->pulsed(current_A, outcomes);
 }

@@ -1,6 +1,7 @@
 #include "lodestone/vision/commanded_field.h"
 
 #include <cmath>
+#include <memory>
 
 namespace lodestone::vision {
 
@@ -11,9 +12,9 @@ constexpr double kSpacing_m = 2e-3;  // a direction needs no finer table
 CommandedField::CommandedField(const physics::RigDescription& rig)
     : dish_radius_m_(rig.dish.radius_m),
       moment_A_m2_(rig.needle.moment_A_m2),
-      coils_(physics::make_field_table(rig.coils.geometry, rig.dish.radius_m, 0.0, kSpacing_m)) {}
+      coils_(physics::CoilFields::shared(rig.coils, rig.dish.radius_m, 0.0, kSpacing_m)) {}
 
-geometry::Vector2 CommandedField::field_T(const physics::Currents& current_A,
+geometry::Vector2 CommandedField::field_T(const physics::PerCoil& current_A,
                                           const geometry::Vector2& at_m) const {
   const double distance_m = at_m.norm();
   return coils_.field_T(current_A, distance_m > dish_radius_m_
@@ -21,14 +22,14 @@ geometry::Vector2 CommandedField::field_T(const physics::Currents& current_A,
                                        : at_m);
 }
 
-std::optional<double> CommandedField::direction_rad(const physics::Currents& current_A,
+std::optional<double> CommandedField::direction_rad(const physics::PerCoil& current_A,
                                                     const geometry::Vector2& at_m) const {
   const geometry::Vector2 here_T = field_T(current_A, at_m);
   if (here_T.isZero(0.0)) return std::nullopt;
   return std::atan2(here_T.y(), here_T.x());
 }
 
-geometry::Vector2 CommandedField::pull_N(const physics::Currents& current_A,
+geometry::Vector2 CommandedField::pull_N(const physics::PerCoil& current_A,
                                          const geometry::Vector2& at_m) const {
   const double distance_m = at_m.norm();
   const double inside_m = dish_radius_m_ - kSpacing_m;

@@ -122,7 +122,7 @@ void PoseTracker::lose() {
   on_trial_.reset();
 }
 
-PoseTracker::Slip PoseTracker::slip_from(const Vector2& from_m, const physics::Currents& current_A) const {
+PoseTracker::Slip PoseTracker::slip_from(const Vector2& from_m, const physics::PerCoil& current_A) const {
   const Vector2 pull_N = field_.pull_N(current_A, from_m);
   const double size_N = pull_N.norm();
   Slip slip;
@@ -150,7 +150,7 @@ Eigen::Matrix2d PoseTracker::wild_spread_m2(const Slip& slip) const {
 }
 
 /// Field and friction: it stays, slips along the pull, or goes anywhere near.
-std::vector<Place> PoseTracker::after_slip(const Place& place, const physics::Currents& current_A) const {
+std::vector<Place> PoseTracker::after_slip(const Place& place, const physics::PerCoil& current_A) const {
   const Slip slip = slip_from(place.mean_m, current_A);
   const double sticks = sticking(slip.ratio);
   const double slips = place.weight * (1.0 - sticks);
@@ -175,9 +175,9 @@ std::vector<Place> PoseTracker::after_outcomes(const std::vector<physics::PulseO
   return after;
 }
 
-void PoseTracker::pulse(const physics::Currents& current_A,
+void PoseTracker::pulse(const physics::PerCoil& current_A,
                         const std::vector<physics::PulseOutcome>& outcomes) {
-  if (current_A != physics::Currents{}) background_.pulse();
+  if (current_A != physics::PerCoil{}) background_.pulse();
   if (places_.empty()) return;
   const auto field_rad = field_.direction_rad(current_A, places_.front().mean_m);
   if (!field_rad) return;

@@ -111,7 +111,7 @@ with tempfile.TemporaryDirectory() as name:
     points = root / "points.csv"
     points.write_text("x_m,y_m\n0,0\n0.01,0.02\n")
     field = run("rig", "field", "--coil", "+x", "--points", points).stdout.splitlines()
-    assert field[0] == "x_m,y_m,Bx_T_per_A,By_T_per_A" and len(field) == 3
+    assert field[0] == "x_m,y_m,Bx_T_per_A,By_T_per_A,Bz_T_per_A" and len(field) == 3
     assert float(field[1].split(",")[2]) > 0.0, "positive current points towards the coil"
 
     speed = root / "speed"

@@ -55,6 +55,33 @@ struct ExampleConfig {
   }
 };
 
+struct CoilConfig {
+  std::string name;
+  std::int64_t turns = 100;
+  std::vector<std::string> tags;
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("name", name, "", "what it is called");
+    v.field("turns", turns, "", "of wire", {1, 1000});
+    v.field("tags", tags, "", "words");
+  }
+  void validate() const {
+    if (name.empty()) throw InvalidConfig("name", name, "be given");
+  }
+};
+
+struct BenchConfig {
+  std::int64_t turns = 200;
+  std::vector<CoilConfig> coils;
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("turns", turns, "", "of a coil that does not say", {1, 1000});
+    CoilConfig plain;
+    plain.turns = turns;
+    v.list("coils", coils, plain, "the coils");
+  }
+};
+
 std::string message_of(const char* text) {
   try {
     config_from_json<ExampleConfig>(Json::parse(text), "a.json");
@@ -192,4 +219,33 @@ TEST_CASE("an override that is too deep, or no text, is one line") {
         std::string::npos);
   const std::string long_key(5000, 'k');
   CHECK(message_of(("{\"" + long_key + "\": 1}").c_str()).size() < 400);
+}
+
+TEST_CASE("a list of configurations takes what an item does not say from a plain one") {
+  const auto read = [](const char* text) {
+    return config_from_json<BenchConfig>(Json::parse(text), "b.json");
+  };
+  CHECK(read("{}").coils.empty());
+  const BenchConfig bench =
+      read(R"({"turns": 300, "coils": [{"name": "a"}, {"name": "b", "turns": 5, "tags": ["x", "y"]}]})");
+  REQUIRE(bench.coils.size() == 2);
+  CHECK(bench.coils[0].turns == 300);
+  CHECK(bench.coils[1].turns == 5);
+  CHECK(bench.coils[1].tags == std::vector<std::string>{"x", "y"});
+  const Json json = config_to_json(bench);
+  CHECK(json["coils"][1] == Json({{"name", "b"}, {"turns", 5}, {"tags", {"x", "y"}}}));
+  CHECK(config_to_json(config_from_json<BenchConfig>(json, "again")) == json);
+
+  CHECK_THROWS_WITH(read(R"({"coils": [{"name": "a"}, {"name": "b", "turns": 0}]})"),
+                    Catch::Equals("b.json: coils[1].turns = 0 must be within 1 .. 1000"));
+  CHECK_THROWS_WITH(read(R"({"coils": [{"turns": 5}]})"),
+                    Catch::Contains("coils[0].name = \"\" must be given"));
+  CHECK_THROWS_WITH(read(R"({"coils": [{"name": "a", "turn": 5}]})"),
+                    Catch::Contains("unknown key coils[0].turn"));
+  CHECK_THROWS_WITH(read(R"({"coils": [{"name": "a", "tags": "x"}]})"),
+                    Catch::Contains("must be a list of texts"));
+  CHECK_THROWS_WITH(read(R"({"coils": {}})"), Catch::Contains("must be a list of objects"));
+  const ConfigSources sources("command line", {{"coils", "coils.json"}});
+  CHECK_THROWS_WITH(config_from_json<BenchConfig>(Json::parse(R"({"coils": [{"name": 3}]})"), sources),
+                    Catch::StartsWith("coils.json: coils[0].name = 3"));
 }

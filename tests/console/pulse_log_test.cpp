@@ -12,7 +12,7 @@ using console::PulseLog;
 TEST_CASE("the pulse log knows what is on, for how much of the time, and how evenly pulses come") {
   tests::RecordingCoils device;
   tests::ManualClock clock;
-  device.state.temperature_C.fill(22.0);
+  device.state.temperature_C.assign(4, 22.0);
   safety::Supervisor supervisor(device, safety::SafetyConfig{}, tests::paper_rig(), clock,
                                 safety::Supervisor::Poses::kNone);
   PulseLog log(supervisor, clock, 0.3);

@@ -256,7 +256,7 @@ TEST_CASE("a rig is identified from pulses between two poses, and the controller
 }
 
 TEST_CASE("any thread may end a run in the middle of its rest, while others watch the coils") {
-  const auto table = rig::VirtualRig(rig::VirtualRigConfig{}, 1).field_table();
+  const auto table = rig::VirtualRig(rig::VirtualRigConfig{}, 1).fields();
   for (int round = 0; round < 20; ++round) {
     rig::VirtualRig rig(rig::VirtualRigConfig{}, 1, table);
     EndlessClock clock;

@@ -24,7 +24,7 @@ std::int64_t pulses_to_free(rig::VirtualRig& rig, const geometry::Pose2& start) 
     ++pulses;
     if (freeing.failed()) break;
     const Vector2 drive_A = task::axis_drive(freeing.next(rig.true_pose()), tests::paper_action());
-    rig.coils().apply({task::coil_currents(drive_A), 0.1});
+    rig.coils().apply({physics::opposed_pairs_A(drive_A), 0.1});
     rig.clock().sleep_until(rig.clock().now_s() + 0.3);
   }
   return pulses;

@@ -21,7 +21,7 @@ control::TurnConfig config() {
 control::TurnInPlace turner(const control::TurnConfig& turn = config()) {
   return control::TurnInPlace(std::make_unique<tests::FunctionController>(
                                   [](const task::Observation&) { return Vector2(0.5, -0.5); }),
-                              turn, tests::paper_rig().coils.geometry, 10.0);
+                              turn, tests::paper_rig(), 10.0);
 }
 
 task::Observation seen_at(double x_m, double heading_rad, double target_heading_rad) {

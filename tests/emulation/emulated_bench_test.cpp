@@ -8,6 +8,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/emulation/lockstep_port.h"
+#include "lodestone/physics/per_coil.h"
 #include "lodestone/rig/coil_measurement.h"
 #include "lodestone/rig/serial_coils.h"
 #include "rig/coils_conformance.h"
@@ -45,7 +46,7 @@ TEST_CASE("the microcontroller ends the pulse by itself, after the time that was
   Bench b;
   double on_s = 0.0;
   double off_s = 0.0;
-  b.bench.watch = [&](double now_s, const std::array<double, 4>& current_A) {
+  b.bench.watch = [&](double now_s, const physics::PerCoil& current_A) {
     if (current_A[0] > 2.5 && on_s == 0.0) on_s = now_s;
     if (current_A[0] > 2.5) off_s = now_s;
   };
@@ -62,7 +63,7 @@ TEST_CASE("five amperes asked are five amperes given, on a hot coil and with a w
   for (const double temperature_C : {22.0, 60.0, 85.0}) {
     for (const double supply_V : {34.0, 24.0}) {
       Bench b;
-      for (int coil = 0; coil < rig::kCoilCount; ++coil) b.bench.heat_coil(coil, temperature_C);
+      for (int coil = 0; coil < 4; ++coil) b.bench.heat_coil(coil, temperature_C);
       b.bench.set_supply_V(supply_V);
       b.wait(0.5);
       double given_A = 0.0;
@@ -244,7 +245,7 @@ TEST_CASE("no byte on the motor controllers' bus, damaged or forged, leaves a co
     (forwards ? b.bench.to_controllers_filter : b.bench.from_controllers_filter) = attack;
     double end_s = b.bench.now_s();
     double late_A = 0.0;
-    b.bench.watch = [&](double now_s, const std::array<double, rig::kCoilCount>& current_A) {
+    b.bench.watch = [&](double now_s, const physics::PerCoil& current_A) {
       for (const double current : current_A)
         if (now_s > end_s + 0.6) late_A = std::max(late_A, std::abs(current));
     };

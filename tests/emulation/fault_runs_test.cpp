@@ -66,7 +66,8 @@ class EmulatedFaultRig {
     });
     bench_.advance_to(bench_.now_s() + tests::BusRig::kStep_s);
     now_s = bench_.now_s() - start_s_;
-    current_A = bench_.current_A();
+    const physics::PerCoil measured_A = bench_.current_A();
+    std::copy_n(measured_A.begin(), current_A.size(), current_A.begin());
     std::uint8_t byte = 0;
     while (bench_.host_read(byte))
       for (const std::uint8_t arrived : attacked(Way::kToHost, byte)) {

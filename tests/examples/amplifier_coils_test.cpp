@@ -30,7 +30,7 @@ TEST_CASE("an example's coils are wired as they are named, and log what they gav
   coils.apply({{1.2344, -2.0, 3.5, -4.25}, 0.1});
   REQUIRE(device.pulses.size() == 1);
   const std::array<double, 4> whole_mA{1.234, -2.0, 3.5, -4.25};
-  for (int coil = 0; coil < rig::kCoilCount; ++coil) {
+  for (int coil = 0; coil < 4; ++coil) {
     CHECK(device.pulses[0].current_A[coil] == Approx(whole_mA[coil]).margin(1e-12));
     CHECK(coils.status().current_A[coil] == Approx(whole_mA[coil]).margin(1e-12));
     CHECK(coils.status().temperature_C[coil] == 20.0);
@@ -45,7 +45,7 @@ TEST_CASE("an example's coils are wired as they are named, and log what they gav
 TEST_CASE("an alarm of the example's amplifier stops the run") {
   tests::RecordingCoils device;
   tests::ManualClock clock;
-  device.state.temperature_C.fill(22.0);
+  device.state.temperature_C.assign(4, 22.0);
   vendor::Amplifier amplifier(device);
   std::ostringstream log;
   AmplifierCoils coils(amplifier, log);

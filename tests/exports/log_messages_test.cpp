@@ -61,7 +61,7 @@ TEST_CASE("what is not known is absent, and zero is not") {
   const Message unknown(coil_status_message(0, {}));
   for (const int field : {2, 3, 4, 5}) CHECK(unknown.bytes.count(field) == 0);
   CoilReading reading;
-  reading.temperature_C = FourCoils{1.0, 2.0, 3.0, 4.0};
+  reading.temperature_C = OfCoils{1.0, 2.0, 3.0, 4.0};
   const Message warm(coil_status_message(0, reading));
   CHECK(as_double(Message(warm.bytes.at(3)).bytes.at(2)) == 2.0);
 }

@@ -44,9 +44,9 @@ def check_whole(log):
     assert math.isclose(2 * math.atan2(pose["pose"]["orientation"]["z"], pose["pose"]["orientation"]["w"]), 0.5)
     assert of(log, "/tf")[0]["message"]["child_frame_id"] == "dish"
 
-    assert of(log, "/coils/pulse")[3]["message"]["current_A"] == {"px": 0, "mx": 1.5, "py": 3, "my": 0}
+    assert of(log, "/coils/pulse")[3]["message"]["current_A"] == {"px": 0, "mx": 1.5, "py": 3, "my": 0, "coil": []}
     status = [entry["message"] for entry in of(log, "/coils/status")]
-    assert status[0]["temperature_C"] == {"px": 20, "mx": 21, "py": 22, "my": 23}
+    assert status[0]["temperature_C"] == {"px": 20, "mx": 21, "py": 22, "my": 23, "coil": []}
     assert "supply_V" not in status[0] and status[1]["supply_V"] == 48  # measured every other time
     assert status[69]["faults"] == ["over-temperature", "stuck driver"] and status[68]["faults"] == []
 

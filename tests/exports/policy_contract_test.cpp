@@ -56,6 +56,15 @@ TEST_CASE("per cent of drive become ampere where the rig says how", "[unit]") {
   }
 }
 
+TEST_CASE("a policy whose drives are fields is not exported as currents of four coils", "[unit]") {
+  inference::Policy policy = tests::untrained_policy({});
+  policy.rig = {{"drive", {{"kind", "opposed_pairs"}}}};
+  CHECK_NOTHROW(PolicyContract(policy));
+  policy.rig["drive"]["kind"] = "field";
+  CHECK_THROWS_WITH(PolicyContract(policy, "models/x"),
+                    Catch::Contains("models/x: its drives are those of a field"));
+}
+
 TEST_CASE("every released policy has a contract with all its metadata", "[unit]") {
   const std::vector<std::string> folders = tests::released_policies();
   CHECK(folders.size() >= 5);

@@ -20,7 +20,7 @@ TEST_CASE("a step is told on the topics of what is known of it") {
   step.time_ns = 300'000'000;
   step.sensed = geometry::Pose2{};
   step.truth = geometry::Pose2{};
-  step.current_A = exports::FourCoils{};
+  step.current_A = exports::OfCoils(4);
   step.reading.emplace();
   log.step(step);
   log.image(600'000'000, 590'000'000, "jpeg");

@@ -21,11 +21,11 @@ int main(int argc, char** argv) {
     step.facts.reason = i == 50 ? "nothing is seen" : "";
     step.truth = geometry::Pose2{1e-3 * along, -2e-3, 0.25};
     step.target = geometry::Pose2{0.01, 0.02, 0.0};
-    step.current_A = exports::FourCoils{0.0, 1.5, along, 0.0};
+    step.current_A = exports::OfCoils{0.0, 1.5, along, 0.0};
     if (i > 0) {
       exports::CoilReading reading;
-      reading.current_A = exports::FourCoils{0.0, 1.4, along - 1.0, 0.0};
-      reading.temperature_C = exports::FourCoils{20.0, 21.0, 22.0, 23.0};
+      reading.current_A = exports::OfCoils{0.0, 1.4, along - 1.0, 0.0};
+      reading.temperature_C = exports::OfCoils{20.0, 21.0, 22.0, 23.0};
       if (i % 2 == 0) reading.supply_V = 48.0;
       if (i == 70) reading.faults = {"over-temperature", "stuck driver"};
       step.reading = reading;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lodestone/physics/field_table.h"
+#include "lodestone/physics/four_coils.h"
 
 namespace lodestone::physics {
 namespace {
@@ -12,8 +13,8 @@ using geometry::Vector2;
 
 TEST_CASE("four coils: positive current makes a field towards the coil, strongest near it") {
   const CoilArray coils(make_field_table(CoilGeometry{}, 0.0425));
-  for (int coil = 0; coil < kCoils; ++coil) {
-    Currents current{};
+  for (int coil = 0; coil < kFourCoils; ++coil) {
+    PerCoil current{};
     current[static_cast<std::size_t>(coil)] = 1.0;
     const Vector2 direction = coil_direction(coil);
     const Vector2 side(-direction.y(), direction.x());

@@ -6,6 +6,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/physics/finite_coil.h"
+#include "lodestone/physics/four_coils.h"
 
 namespace lodestone::physics {
 namespace {
@@ -25,7 +26,7 @@ FrictionConfig smooth_friction() {
 }
 
 /// Interaction energy of the two poles: -pole times the line integral of B from tail to head.
-double magnetic_energy(const NeedleConfig& needle, const Pose2& pose, const Currents& current) {
+double magnetic_energy(const NeedleConfig& needle, const Pose2& pose, const PerCoil& current) {
   const Vector2 axis(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
   constexpr int kPieces = 400;
   double integral = 0.0;
@@ -53,8 +54,8 @@ NeedleState moving(double vx, double vy, double spin) {
 
 TEST_CASE("a needle along the field is pulled to the coil, and turns into the field") {
   const NeedleConfig needle;
-  for (int coil = 0; coil < kCoils; ++coil) {
-    Currents current{};
+  for (int coil = 0; coil < kFourCoils; ++coil) {
+    PerCoil current{};
     current[static_cast<std::size_t>(coil)] = 5.0;
     const Vector2 direction = coil_direction(coil);
     const double towards = std::atan2(direction.y(), direction.x());
@@ -71,7 +72,7 @@ TEST_CASE("a needle along the field is pulled to the coil, and turns into the fi
 
 TEST_CASE("force and torque are the gradient of the magnetic energy") {
   const NeedleConfig needle;
-  const Currents current{6.0, 0.0, 0.0, 4.0};
+  const PerCoil current{6.0, 0.0, 0.0, 4.0};
   for (const Pose2& pose : {Pose2{0.0, 0.0, 0.3}, Pose2{0.02, -0.015, 2.0}, Pose2{-0.025, 0.01, -1.1}}) {
     const Wrench wrench = magnetic_wrench(needle, pose, coils(), current);
     const double h = 1e-5;
@@ -191,7 +192,7 @@ TEST_CASE("without losses the energy is kept") {
   dry.cross_flow_factor = 0.0;
   const NeedleMotion motion(needle, dry, none, DishConfig{});
   const FrictionMap map(none, 0.0425, 1);
-  const Currents current{0.5, 0.0, 0.5, 0.0};
+  const PerCoil current{0.5, 0.0, 0.5, 0.0};
   NeedleState state = moving(0.0, 0.0, 0.0);
   state.pose = {-0.015, -0.01, 2.6};
   const double start = magnetic_energy(needle, state.pose, current);
@@ -212,8 +213,8 @@ TEST_CASE("friction, drag and wall never create energy") {
   const FrictionConfig friction;
   const NeedleMotion motion(needle, FluidConfig{}, friction, DishConfig{});
   const FrictionMap map(friction, 0.0425, 7);
-  for (const Currents& current :
-       {Currents{8.0, 0.0, 0.0, 0.0}, Currents{12.0, 0.0, 9.0, 0.0}, Currents{0, 3, 0, 15}}) {
+  for (const PerCoil& current :
+       {PerCoil{8.0, 0.0, 0.0, 0.0}, PerCoil{12.0, 0.0, 9.0, 0.0}, PerCoil{0, 3, 0, 15}}) {
     NeedleState state;
     state.pose = {-0.01, 0.012, 2.2};
     double energy = magnetic_energy(needle, state.pose, current);

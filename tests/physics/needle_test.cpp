@@ -15,7 +15,7 @@ using geometry::Vector2;
 TEST_CASE("a needle is pulled along its axis, turned by a field across it, and neither without current") {
   const NeedleConfig needle;
   const CoilArray coils(make_field_table(CoilGeometry{}, 0.0425));
-  const Currents towards_x = {10.0, 0.0, 0.0, 0.0};
+  const PerCoil towards_x = {10.0, 0.0, 0.0, 0.0};
   const Wrench along = magnetic_wrench(needle, {0.0, 0.0, 0.0}, coils, towards_x);
   CHECK(along.force_x_N > 0.0);
   CHECK(std::abs(along.force_y_N) < 1e-9 * along.force_x_N);

@@ -4,6 +4,7 @@
 
 #include "lodestone/common/config.h"
 #include "lodestone/common/error.h"
+#include "other_rigs.h"
 
 namespace lodestone::physics {
 namespace {
@@ -26,6 +27,37 @@ TEST_CASE("a rig that cannot be is refused, with the key that says so") {
   CHECK_THROWS_WITH(read(R"({"coils": {"resistance_20C_ohm": [1, 1, 1]}})"),
                     Catch::Contains("must hold four numbers"));
   CHECK_THROWS_WITH(read(R"({"coil": {"turns": 500}})"), Catch::Contains("use coils"));
+}
+
+TEST_CASE("a drive that does not fit the coils, and a winding in the dish, are refused") {
+  common::Json six = common::config_to_json(tests::ring_rig(6));
+  CHECK_NOTHROW(common::config_from_json<RigDescription>(six, "rig.json"));
+  six["coils"]["each"][2]["position_m"] = {0.03, 0.04, 0.0};
+  CHECK_THROWS_WITH(
+      common::config_from_json<RigDescription>(six, "rig.json"),
+      Catch::Contains("coils.each[2].position_m = [0.03,0.04,0.0] must keep the winding of coil c3 "
+                      "out of the dish of 0.0425 m"));
+  six["coils"]["each"][2]["position_m"] = {0.0, 0.0, -0.0305};  // half a millimetre under the plane
+  six["coils"]["each"][2]["axis"] = {0.0, 0.0, 1.0};
+  CHECK_THROWS_WITH(common::config_from_json<RigDescription>(six, "rig.json"),
+                    Catch::Contains("0.001 m away"));
+  six = common::config_to_json(tests::ring_rig(6));
+  six["drive"]["kind"] = "opposed_pairs";
+  CHECK_THROWS_WITH(
+      common::config_from_json<RigDescription>(six, "rig.json"),
+      Catch::Contains(
+          "must be field: opposed_pairs drives +x, -x, +y and -y, and coils.each lists 6 others"));
+}
+
+TEST_CASE("what an earlier version recorded of a rig is completed by what is usual") {
+  common::Json recorded = common::config_to_json(RigDescription{});
+  recorded["coils"].erase("each");
+  recorded.erase("drive");
+  recorded["dish"]["radius_m"] = 0.04;
+  const common::Json whole = completed_rig(recorded);
+  CHECK(whole["drive"]["kind"] == "opposed_pairs");
+  CHECK(whole["coils"] == common::config_to_json(RigDescription{})["coils"]);
+  CHECK(whole["dish"]["radius_m"] == 0.04);
 }
 
 TEST_CASE("every coil has its own circuit") {

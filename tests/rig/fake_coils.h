@@ -52,7 +52,7 @@ class FakeCoils final : public rig::Coils {
   rig::CoilStatus status() override {
     rig::CoilStatus status;
     if (on_ && clock_.now_s() < end_s_) status.current_A = pulses.back().current_A;
-    status.temperature_C.fill(20.0);
+    status.temperature_C.assign(4, 20.0);
     return status;
   }
 

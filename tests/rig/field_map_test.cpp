@@ -11,27 +11,32 @@ namespace lodestone::rig {
 namespace {
 
 TEST_CASE("field of each coil at points") {
-  const physics::CoilGeometry geometry;
+  const physics::CoilsDescription coils;
+  const physics::CoilGeometry& geometry = coils.geometry;
   const double centre = physics::on_axis_per_ampere(geometry, -geometry.centre_distance_m);
   const geometry::Vector2 towards[] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
   const char* const names[] = {"+x", "-x", "+y", "-y"};
-  for (int coil = 0; coil < 4; ++coil) {
-    CHECK(coil_index(names[coil]) == coil);
-    const auto field = field_per_ampere(geometry, coil, {{0.0, 0.0}});
-    CHECK((field[0] - centre * towards[coil]).norm() < 1e-9 * centre);
-    CHECK_THROWS_AS(field_per_ampere(geometry, coil, {0.06 * towards[coil]}), common::DataError);
+  for (std::size_t coil = 0; coil < 4; ++coil) {
+    CHECK(coil_index(coils, names[coil]) == coil);
+    const auto field = field_per_ampere(coils.coil(coil), {{0.0, 0.0}});
+    CHECK((field[0].head<2>() - centre * towards[coil]).norm() < 1e-9 * centre);
+    CHECK(std::abs(field[0].z()) < 1e-9 * centre);
+    CHECK_THROWS_AS(field_per_ampere(coils.coil(coil), {geometry::Vector2(0.06 * towards[coil] +
+                                                                          0.04 * towards[(coil + 2) % 4])}),
+                    common::DataError);
   }
-  CHECK_THROWS_AS(coil_index("x"), common::ConfigError);
-  CHECK(field_csv({{0.5, -0.25}}, {{1.0, 2.0}}) == "x_m,y_m,Bx_T_per_A,By_T_per_A\n0.5,-0.25,1,2\n");
+  CHECK_THROWS_WITH(coil_index(coils, "x"), Catch::Contains("it is one of +x, -x, +y and -y"));
+  CHECK(field_csv({{0.5, -0.25}}, {{1.0, 2.0, 3.0}}) ==
+        "x_m,y_m,Bx_T_per_A,By_T_per_A,Bz_T_per_A\n0.5,-0.25,1,2,3\n");
 }
 
 TEST_CASE("the plot is a PNG") {
   const tests::TemporaryFolder folder;
   const std::string file = folder / "field.png";
-  write_field_plot(file, physics::CoilGeometry{}, 3, 0.0425, {{0.01, 0.01}});
+  const physics::CoilDescription coil = physics::CoilsDescription{}.coil(3);
+  write_field_plot(file, coil, 0.0425, {{0.01, 0.01}});
   CHECK(common::read_file(file).substr(1, 3) == "PNG");
-  CHECK_THROWS_AS(write_field_plot(folder / "none/field.png", physics::CoilGeometry{}, 0, 0.0425, {}),
-                  common::IoError);
+  CHECK_THROWS_AS(write_field_plot(folder / "none/field.png", coil, 0.0425, {}), common::IoError);
 }
 
 }  // namespace

@@ -11,6 +11,8 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/thread_pool.h"
+#include "lodestone/physics/coil_drive.h"
+#include "other_rigs.h"
 #include "rig/described_rig.h"
 
 namespace lodestone::rig {
@@ -18,10 +20,10 @@ namespace {
 
 using geometry::Pose2;
 
-std::shared_ptr<const physics::FieldTable> shared_table() {
-  static const auto table =
-      physics::make_field_table(physics::CoilGeometry{}, physics::DishConfig{}.radius_m);
-  return table;
+std::shared_ptr<const physics::CoilFields> shared_fields() {
+  static const auto fields = std::make_shared<const physics::CoilFields>(physics::CoilsDescription{},
+                                                                         physics::DishConfig{}.radius_m);
+  return fields;
 }
 
 /// The rig without any scatter.
@@ -39,7 +41,7 @@ struct Outcome {
 };
 
 Outcome pull(double x_m, double current_A) {
-  VirtualRig rig(smooth(), 1, shared_table());
+  VirtualRig rig(smooth(), 1, shared_fields());
   rig.place({x_m, 0.0, 0.0});
   rig.coils().apply({{current_A, 0.0, 0.0, 0.0}, 0.1});
   rig.clock().sleep_until(0.1);
@@ -81,7 +83,7 @@ TEST_CASE("below break-away nothing moves at all") {
 }
 
 TEST_CASE("below the pull of translation a needle still turns into the field") {
-  VirtualRig rig(smooth(), 1, shared_table());
+  VirtualRig rig(smooth(), 1, shared_fields());
   rig.place({0.0, 0.0, 2.0});
   for (int i = 0; i < 4; ++i) {
     rig.coils().apply({{1.5, 0.0, 0.0, 0.0}, 0.1});
@@ -94,7 +96,7 @@ TEST_CASE("below the pull of translation a needle still turns into the field") {
 
 TEST_CASE("the four coils are equal: a quarter turn of everything turns the result") {
   const double quarter = std::acos(-1.0) / 2.0;
-  VirtualRig a(smooth(), 1, shared_table()), b(smooth(), 1, shared_table());
+  VirtualRig a(smooth(), 1, shared_fields()), b(smooth(), 1, shared_fields());
   a.place({0.006, -0.004, 0.3});
   b.place({0.004, 0.006, 0.3 + quarter});
   a.coils().apply({{6.0, 0.0, 0.0, 3.0}, 0.1});  // +x, -y
@@ -110,7 +112,7 @@ TEST_CASE("coils warm up and then give less current") {
   VirtualRigConfig config = smooth();
   config.coils.cooling_W_per_K = 1.0;
   config.simulation.step_s = 5e-3;  // the needle's path is of no concern here
-  VirtualRig rig(config, 1, shared_table());
+  VirtualRig rig(config, 1, shared_fields());
   const auto current_at_end = [&] {
     rig.coils().apply({{15.0, 0.0, 0.0, 0.0}, 10.0});
     rig.clock().sleep_until(rig.clock().now_s() + 9.9);
@@ -128,7 +130,7 @@ TEST_CASE("coils warm up and then give less current") {
 
 TEST_CASE("friction differs over the dish, between rigs and between pulses; one seed repeats itself") {
   const auto move = [](std::uint64_t seed, double x_m, double y_m, int pulses) {
-    VirtualRig rig(tests::described_rig(), seed, shared_table());
+    VirtualRig rig(tests::described_rig(), seed, shared_fields());
     double moved = 0.0;
     for (int i = 0; i < pulses; ++i) {
       rig.place({x_m, y_m, 0.0});
@@ -145,7 +147,7 @@ TEST_CASE("friction differs over the dish, between rigs and between pulses; one 
 }
 
 TEST_CASE("needles come to rest within the rest, inside the dish, wherever they start") {
-  VirtualRig rig(tests::described_rig(), 5, shared_table());
+  VirtualRig rig(tests::described_rig(), 5, shared_fields());
   common::RandomStream random(5, "test");
   int resting = 0;
   for (int i = 0; i < 100; ++i) {
@@ -165,7 +167,7 @@ TEST_CASE("needles come to rest within the rest, inside the dish, wherever they 
 TEST_CASE("save and restore go on bitwise, also in the middle of a pulse") {
   const VirtualRigConfig config = tests::described_rig();
   common::RandomStream random(9, "test");
-  VirtualRig rig(config, 4, shared_table());
+  VirtualRig rig(config, 4, shared_fields());
   rig.place({0.01, -0.01, 1.0});
   for (int i = 0; i < 3; ++i) {
     rig.coils().apply(random_pulse(random));
@@ -174,7 +176,7 @@ TEST_CASE("save and restore go on bitwise, also in the middle of a pulse") {
   rig.coils().apply(random_pulse(random));
   rig.clock().sleep_until(rig.clock().now_s() + 0.05);
   const common::Json saved = common::Json::parse(rig.save().dump());
-  VirtualRig other(config, 4, shared_table());
+  VirtualRig other(config, 4, shared_fields());
   other.restore(saved);
   CHECK(other.save() == rig.save());
   const CoilPulse next = random_pulse(random);
@@ -186,7 +188,7 @@ TEST_CASE("save and restore go on bitwise, also in the middle of a pulse") {
   CHECK(same_bits(rig.true_pose(), other.true_pose()));
   CHECK(other.save() == rig.save());
 
-  VirtualRig stranger(config, 5, shared_table());
+  VirtualRig stranger(config, 5, shared_fields());
   CHECK_THROWS_AS(stranger.restore(saved), common::DataError);
   common::Json broken = saved;
   broken.erase("coils");
@@ -200,7 +202,7 @@ TEST_CASE("rigs do the same on any number of threads") {
     common::ThreadPool pool(threads);
     std::vector<std::unique_ptr<VirtualRig>> rigs;
     for (std::uint64_t i = 0; i < 6; ++i) {
-      rigs.push_back(std::make_unique<VirtualRig>(tests::described_rig(), 100 + i, shared_table()));
+      rigs.push_back(std::make_unique<VirtualRig>(tests::described_rig(), 100 + i, shared_fields()));
     }
     common::RandomStream random(3, "pulses");
     for (int step = 0; step < 10; ++step) {
@@ -224,13 +226,13 @@ TEST_CASE("rigs do the same on any number of threads") {
 }
 
 TEST_CASE("what cannot be is refused") {
-  VirtualRig rig(tests::described_rig(), 1, shared_table());
+  VirtualRig rig(tests::described_rig(), 1, shared_fields());
   CHECK_THROWS_AS(rig.place({0.04, 0.0, 0.0}), common::DataError);
   CHECK_THROWS_AS(rig.place({std::nan(""), 0.0, 0.0}), common::DataError);
   CHECK_THROWS_AS(rig.clock().sleep_until(std::nan("")), common::LogicFault);
   VirtualRigConfig other = tests::described_rig();
   other.coils.geometry.turns = 500;
-  CHECK_THROWS_AS(VirtualRig(other, 1, shared_table()), common::LogicFault);
+  CHECK_THROWS_AS(VirtualRig(other, 1, shared_fields()), common::LogicFault);
   const auto read = [](const char* json) {
     return common::config_from_json<VirtualRigConfig>(common::Json::parse(json), "test");
   };
@@ -240,6 +242,68 @@ TEST_CASE("what cannot be is refused") {
   CHECK_THROWS_AS(read(R"({"dish": {"radius_m": 0.01}})"), common::ConfigError);
   CHECK_THROWS_AS(read(R"({"friction": {"kinetic_coefficient": 0.9}})"), common::ConfigError);
   CHECK_THROWS_AS(read(R"({"coils": {"inner_radius_m": 0.2}})"), common::ConfigError);
+}
+
+TEST_CASE("a rig of other coils drives its needle, and each coil within its own limits") {
+  VirtualRigConfig config = smooth();
+  const physics::RigDescription six = tests::ring_rig(6);
+  config.coils = six.coils;
+  config.drive = six.drive;
+  VirtualRig rig(config, 1);
+  REQUIRE(rig.coils().status().current_A.size() == 6);
+  const physics::CoilDrive drive(config);
+  for (const double angle_rad : {0.0, 0.6, 2.2, 4.0}) {
+    const geometry::Vector2 along(std::cos(angle_rad), std::sin(angle_rad));
+    rig.place({0.0, 0.0, angle_rad});
+    rig.coils().apply({drive.current_A(config.coils.max_current_A * along), 0.1});
+    rig.clock().sleep_until(rig.clock().now_s() + 0.3);
+    const geometry::Vector2 moved_m = rig.true_pose().position_m();
+    CHECK(moved_m.dot(along) > 0.9 * moved_m.norm());
+    CHECK(moved_m.norm() > 1e-3);
+  }
+  CoilPulse pulse;
+  pulse.duration_s = 0.1;
+  pulse.current_A[4] = -1.0;  // unipolar
+  CHECK_THROWS_WITH(rig.coils().apply(pulse),
+                    Catch::Contains("coil c5 = -1 A is refused; it must be within 0 and 15"));
+  pulse.current_A[4] = 0.0;
+  pulse.current_A[6] = 1.0;
+  CHECK_THROWS_WITH(rig.coils().apply(pulse), Catch::Contains("must be within 0 and 0 A"));
+  // Saved and restored, with all its coils.
+  const common::Json saved = rig.save();
+  CHECK(saved["coils"].size() == 6);
+  VirtualRig other(config, 1);
+  other.restore(saved);
+  CHECK(other.save() == saved);
+  CHECK_THROWS_WITH(VirtualRig(smooth(), 1).restore(saved), Catch::Contains("6 coils, this rig has 4"));
+}
+
+TEST_CASE("a field that presses the needle down adds friction, one that lifts it takes some") {
+  VirtualRigConfig config = smooth();
+  const physics::RigDescription below = tests::ring_rig(8, 0.04);
+  config.coils = below.coils;
+  config.drive = below.drive;
+  const physics::CoilArray coils(
+      std::make_shared<const physics::CoilFields>(config.coils, config.dish.radius_m));
+  const physics::NeedleMotion motion(config.needle, config.fluid, config.friction, config.dish);
+  const physics::FrictionMap even(config.friction, config.dish.radius_m, 1);
+  const physics::PerCoil current_A = {15.0};
+  const Pose2 pose{0.0, 0.0, 0.0};
+  physics::Wrench wrench = physics::magnetic_wrench(config.needle, pose, coils, current_A);
+  REQUIRE(std::abs(wrench.lift_N) > 0.02 * config.needle.net_weight_N);
+  // The pull that the floor just holds grows and shrinks with what presses on it.
+  const auto held_N = [&](double lift_N) {
+    double least_N = 0.0, most_N = 2e-3;
+    for (int i = 0; i < 40; ++i) {
+      const double middle_N = 0.5 * (least_N + most_N);
+      (motion.holds(pose, {middle_N, 0.0, 0.0, lift_N}, even, 1.0) ? least_N : most_N) = middle_N;
+    }
+    return least_N;
+  };
+  const double weight_N = config.needle.net_weight_N;
+  CHECK(held_N(-0.3 * weight_N) == Approx(1.3 * held_N(0.0)));
+  CHECK(held_N(0.4 * weight_N) == Approx(0.6 * held_N(0.0)));
+  CHECK(held_N(1.5 * weight_N) == Approx(0.0).margin(1e-9));
 }
 
 /// Runs only as far as it is let.
@@ -257,8 +321,8 @@ class StepClock final : public common::Clock {
 };
 
 TEST_CASE("a rig that keeps pace with a clock does bitwise the same, and shows what lies between") {
-  VirtualRig free(tests::described_rig(), 3, shared_table());
-  VirtualRig paced(tests::described_rig(), 3, shared_table());
+  VirtualRig free(tests::described_rig(), 3, shared_fields());
+  VirtualRig paced(tests::described_rig(), 3, shared_fields());
   StepClock wall;
   paced.keep_pace_with(wall);
   std::set<double> seen_m;
@@ -277,7 +341,7 @@ TEST_CASE("a rig that keeps pace with a clock does bitwise the same, and shows w
 }
 
 TEST_CASE("a stop in the middle of a rest switches off then, and an interruption ends the rest") {
-  VirtualRig rig(tests::described_rig(), 3, shared_table());
+  VirtualRig rig(tests::described_rig(), 3, shared_fields());
   StepClock wall;
   rig.keep_pace_with(wall);
   wall.look = [&] {
@@ -300,7 +364,7 @@ TEST_CASE("a stop in the middle of a rest switches off then, and an interruption
 
 // One thread drives, one watches, one stops.
 TEST_CASE("the virtual rig may be watched and stopped from any thread") {
-  VirtualRig rig(tests::described_rig(), 3, shared_table());
+  VirtualRig rig(tests::described_rig(), 3, shared_fields());
   common::SteadyClock wall;
   rig.keep_pace_with(wall);
   std::atomic<bool> over{false};

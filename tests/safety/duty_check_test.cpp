@@ -6,7 +6,7 @@ using namespace lodestone;
 
 TEST_CASE("a coil that is on for too large a fraction of the time is not trusted") {
   const auto pulses_until_refused = [](double on_s, double period_s) {
-    safety::DutyCheck check(0.5, 2.0);
+    safety::DutyCheck check(0.5, 2.0, {});
     rig::CoilPulse pulse{{0.0, -1.0, 0.0, 0.0}, on_s};
     safety::PulseContext context;
     for (int count = 0; count < 100; ++count) {

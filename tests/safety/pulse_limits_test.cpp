@@ -9,7 +9,7 @@ using namespace lodestone;
 namespace {
 struct Limits {
   safety::ThermalModel thermal{physics::RigDescription{}};
-  safety::PulseLimits limits{10.0, 200.0, 0.2, thermal};
+  safety::PulseLimits limits{10.0, 200.0, 0.2, {}, thermal};
   rig::CoilPulse cut(rig::CoilPulse pulse) {
     limits.check(pulse, {});
     return pulse;
@@ -42,4 +42,28 @@ TEST_CASE("numbers that are none and opposite coils together are not trusted") {
   CHECK_THROWS_AS(limits.cut({{}, nan}), safety::Distrust);
   CHECK_THROWS_WITH(limits.cut({{1.0, 2.0, 0.0, 0.0}, 0.1}),
                     Catch::Contains("opposite coils +x and -x driven together (1 A and 2 A)"));
+}
+
+TEST_CASE("listed coils have limits of their own, and may be on together unless they say otherwise") {
+  physics::RigDescription rig;
+  rig.coils.resistance_20C_ohm.assign(5, 1.0);
+  for (int i = 0; i < 5; ++i) {
+    physics::CoilDescription coil;
+    coil.name = "c" + std::to_string(i);
+    coil.bipolar = i == 1;
+    coil.max_current_A = i == 2 ? 3.0 : 0.0;
+    if (i == 3) coil.not_with = {"c4"};
+    rig.coils.each.push_back(coil);
+  }
+  rig.coils.inductance_H.assign(5, 1e-3);
+  safety::ThermalModel thermal{rig};
+  safety::PulseLimits limits{10.0, 2000.0, 0.2, rig.coils, thermal};
+  rig::CoilPulse pulse{{-4.0, -4.0, 5.0, 2.0}, 0.1};
+  limits.check(pulse, {});
+  CHECK(pulse.current_A == physics::PerCoil{0.0, -4.0, 3.0, 2.0});
+  pulse.current_A[4] = 1.0;
+  CHECK_THROWS_WITH(limits.check(pulse, {}),
+                    Catch::Contains("coils c3 and c4 driven together (2 A and 1 A)"));
+  pulse.current_A = {1.0, 0.0, 0.0, 0.0, 0.0, 2.0};
+  CHECK_THROWS_WITH(limits.check(pulse, {}), Catch::Contains("2 A for coil 6 of a rig of 5 coils"));
 }

@@ -26,7 +26,7 @@ struct Bench {
   std::unique_ptr<Supervisor> coils;
 
   Bench() {
-    device.state.temperature_C.fill(22.0);
+    device.state.temperature_C.assign(4, 22.0);
     start();
   }
   void start() { coils = std::make_unique<Supervisor>(device, config, tests::paper_rig(), clock); }
@@ -220,7 +220,7 @@ TEST_CASE("no pulse without a pose that is new, young and inside the fence") {
 
 // The driver pulses on, another thread asks for a stop, and a third one watches.
 TEST_CASE("a stop that any thread asks for is kept, and no pulse survives it") {
-  const auto table = rig::VirtualRig(rig::VirtualRigConfig{}, 1).field_table();
+  const auto table = rig::VirtualRig(rig::VirtualRigConfig{}, 1).fields();
   for (int round = 0; round < 20; ++round) {
     rig::VirtualRig rig(rig::VirtualRigConfig{}, 1, table);
     safety::SafetyConfig config;

@@ -13,8 +13,8 @@ struct Coils {
   safety::PulseContext context;
   rig::CoilPulse pulse{{5.0, 0.0, 0.0, 0.0}, 0.1};
 
-  explicit Coils(double max_C = 90.0) : check(max_C, 30.0, thermal) {
-    context.status.temperature_C.fill(22.0);
+  explicit Coils(double max_C = 90.0) : check(max_C, 30.0, {}, thermal) {
+    context.status.temperature_C.assign(4, 22.0);
   }
   void step() {
     check.check(pulse, context);
@@ -22,6 +22,14 @@ struct Coils {
   }
 };
 }  // namespace
+
+TEST_CASE("a device that says nothing of a coil's temperature is not trusted") {
+  Coils coils;
+  coils.context.status.temperature_C = physics::PerCoil{22.0, 22.0, 22.0};
+  CHECK_THROWS_WITH(coils.step(), Catch::Contains("temperatures of 3 coils, the rig has 4"));
+  coils.context.status.temperature_C = {};  // one without thermometers is
+  CHECK_NOTHROW(coils.step());
+}
 
 TEST_CASE("a coil that is too hot, or whose temperature is unknown, is not trusted") {
   Coils coils;

@@ -20,7 +20,7 @@ class MiswiredCoils final : public rig::Coils {
   void apply(const rig::CoilPulse& pulse) override {
     rig::CoilPulse wired;
     wired.duration_s = pulse.duration_s;
-    for (std::size_t asked = 0; asked < rig::kCoilCount; ++asked)
+    for (std::size_t asked = 0; asked < physics::kFourCoils; ++asked)
       wired.current_A[static_cast<std::size_t>(wiring_.coil[asked])] =
           wiring_.sign[asked] * pulse.current_A[asked];
     coils_.apply(wired);
@@ -47,7 +47,8 @@ session::WiringInference nothing_known() {
 /// What is found out on a virtual rig that differs from its description.
 session::WiringInference probe(const CoilWiring& wiring, const geometry::Pose2& start, std::uint64_t seed,
                                const rig::RigConfig& real = described()) {
-  static const auto field = physics::make_field_table(real.coils.geometry, real.dish.radius_m, 10e-3);
+  static const auto field =
+      std::make_shared<const physics::CoilFields>(real.coils, real.dish.radius_m, 10e-3);
   rig::VirtualRig rig(real, seed, field);
   rig.place(start);
   MiswiredCoils coils(rig.coils(), wiring);
@@ -71,7 +72,7 @@ const geometry::Pose2 kOffCentre{0.010, -0.008, 2.0};
 /// Nothing wrong, every single and double reversal, and every swap of two coils.
 std::vector<CoilWiring> usual_mistakes() {
   std::vector<CoilWiring> mistakes(1);
-  for (std::size_t a = 0; a < rig::kCoilCount; ++a) {
+  for (std::size_t a = 0; a < physics::kFourCoils; ++a) {
     mistakes.emplace_back().sign[a] = -1;
     for (std::size_t b = 0; b < a; ++b) {
       CoilWiring& reversed = mistakes.emplace_back();

@@ -26,7 +26,7 @@ session::SensingConfig sensing(const std::string& kind) {
 
 TEST_CASE("placing the needle goes with the coils off, and the sensor forgets") {
   tests::RecordingCoils device;
-  device.state.temperature_C.fill(22.0);
+  device.state.temperature_C.assign(4, 22.0);
   tests::ManualClock clock;
   safety::Supervisor coils(device, {}, physics::RigDescription{}, clock, safety::Supervisor::Poses::kNone);
   tests::FakeOperator needle_operator;

@@ -1,4 +1,5 @@
 #include "lodestone/vision/pose_tracker.h"
+#include "lodestone/physics/per_coil.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -13,7 +14,7 @@ using vision::Rod;
 
 namespace {
 
-constexpr physics::Currents kPullToX = {8.0, 0.0, 0.0, 0.0};
+const physics::PerCoil kPullToX = {8.0, 0.0, 0.0, 0.0};
 
 Rod rod(const Pose2& pose, double tape = 10.0) {
   Rod rod;
@@ -156,7 +157,7 @@ TEST_CASE("how far a pull moves it is learned, so that surprises are as large as
   double sum = 0.0;
   int count = 0;
   for (int step = 0; step < 3000; ++step) {
-    physics::Currents current_A{};
+    physics::PerCoil current_A{};
     current_A[(at_m.x() > 0.0 ? 1U : 0U)] = 1.0 + 3.0 * unit(random);
     current_A[(at_m.y() > 0.0 ? 3U : 2U)] = 1.0 + 3.0 * unit(random);
     const geometry::Vector2 pull = field.pull_N(current_A, at_m) / rig.breakaway_N();

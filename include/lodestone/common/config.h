@@ -60,8 +60,9 @@ class ConfigSources {
 //   };
 //
 // The same visit() reads JSON (ConfigReader), and writes and documents it (ConfigDescriber). A field is a
-// number, a bool, text, a Range, a list of numbers, or an enum with names (common/named.h).
-// Nested configurations are visited with v.group("dish", dish, "the dish").
+// number, a bool, text, a Range, a list of numbers or texts, or an enum with names (common/named.h).
+// Nested configurations are visited with v.group("dish", dish, "the dish"), lists of them with
+// v.list("each", each, Coil{}, "every coil").
 // A key that is no longer known is refused with where it went: v.retired("radius", "radius_m").
 // A configuration may also have `void validate() const`, which throws InvalidConfig where values do not fit
 // together; it runs after reading, for nested ones, too.
@@ -107,6 +108,7 @@ class ConfigReader {
              Bounds bounds = {});
   void field(const char* key, std::vector<std::int64_t>& value, const char* unit, const char* meaning,
              Bounds bounds = {});
+  void field(const char* key, std::vector<std::string>& value, const char* unit, const char* meaning);
   /// [low, high] with low <= high, both within `bounds`.
   void field(const char* key, Range& value, const char* unit, const char* meaning, Bounds bounds = {});
 
@@ -123,6 +125,17 @@ class ConfigReader {
     const auto found = object_.find(key);
     static const Json kNothing = Json::object();
     ConfigReader(found == object_.end() ? kNothing : *found, sources_, prefix_ + key + ".").read(value);
+  }
+
+  /// Keys that an item does not have are as in `plain`. In messages the first is key[0].
+  template <class Config>
+  void list(const char* key, std::vector<Config>& value, const Config& plain, const char* /*meaning*/) {
+    const Json* json = find(key);
+    if (json == nullptr) return;
+    if (!json->is_array()) fail(key, *json, "a list of objects [{...}, ...]");
+    value.assign(json->size(), plain);
+    for (std::size_t i = 0; i < value.size(); ++i)
+      ConfigReader((*json)[i], sources_, prefix_ + key + "[" + std::to_string(i) + "].").read(value[i]);
   }
 
   /// All of a configuration: its keys, none but these, and that its values fit together.
@@ -192,6 +205,9 @@ class ConfigDescriber {
     value.visit(nested);
     for (ConfigRow& row : nested.rows_) rows_.push_back(std::move(row));
   }
+  /// One row: the items' own keys are in its value.
+  template <class Config>
+  void list(const char* key, const std::vector<Config>& value, const Config& /*plain*/, const char* meaning);
   void retired(const char* /*key*/, const char* /*successor*/) {}
   const std::vector<ConfigRow>& rows() const { return rows_; }
 
@@ -234,6 +250,14 @@ Json config_to_json(const std::vector<ConfigRow>& rows);
 template <class Config>
 Json config_to_json(const Config& config) {
   return config_to_json(describe_config<Config>(config));
+}
+
+template <class Config>
+void ConfigDescriber::list(const char* key, const std::vector<Config>& value, const Config& /*plain*/,
+                           const char* meaning) {
+  Json items = Json::array();
+  for (const Config& item : value) items.push_back(config_to_json(item));
+  add(key, std::move(items), "", meaning, {});
 }
 
 }  // namespace lodestone::common

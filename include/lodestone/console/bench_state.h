@@ -9,6 +9,7 @@
 #include "lodestone/control/pose_sensor.h"
 #include "lodestone/geometry/pose2.h"
 #include "lodestone/imaging/camera_model.h"
+#include "lodestone/physics/per_coil.h"
 #include "lodestone/rig/coils.h"
 
 namespace lodestone::console {
@@ -22,9 +23,9 @@ inline std::vector<std::string> names_of(Mode) {
 struct BenchSample {
   double time_s = 0.0;  ///< on the bench's clock
   std::optional<double> error_mm;
-  std::array<double, rig::kCoilCount> current_A{};  ///< as asked
-  std::array<double, rig::kCoilCount> duty{};       ///< fraction of the last ten seconds that it was on
-  std::optional<std::array<double, rig::kCoilCount>> temperature_C;
+  physics::PerCoil current_A{0.0, 0.0, 0.0, 0.0};  ///< as asked
+  physics::PerCoil duty{0.0, 0.0, 0.0, 0.0};       ///< fraction of the last ten seconds that it was on
+  std::optional<physics::PerCoil> temperature_C;
   std::optional<double> supply_V;
   std::optional<double> pose_age_ms;
   std::optional<double> jitter_ms;  ///< of the time between this pulse and the one before
@@ -67,9 +68,9 @@ struct BenchState {
   std::optional<control::PoseEstimate> pose;  ///< as seen last
   std::optional<geometry::Vector2> target_m;
   std::optional<double> target_heading_rad;
-  std::vector<geometry::Vector2> plan_m;       ///< the path that is shown or followed
-  std::vector<geometry::Vector2> trail_m;      ///< where the needle was, oldest first
-  std::array<double, rig::kCoilCount> on_A{};  ///< what the coils have been asked for and still hold
+  std::vector<geometry::Vector2> plan_m;      ///< the path that is shown or followed
+  std::vector<geometry::Vector2> trail_m;     ///< where the needle was, oldest first
+  physics::PerCoil on_A{0.0, 0.0, 0.0, 0.0};  ///< what the coils have been asked for and still hold
   std::optional<imaging::CameraModel> camera;
   std::optional<BenchSample> sample;  ///< the last one,
   std::int64_t samples = 0;           ///< of so many

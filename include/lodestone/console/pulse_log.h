@@ -7,6 +7,8 @@
 #include "lodestone/common/clock.h"
 #include "lodestone/common/priority_mutex.h"
 #include "lodestone/control/guard.h"
+#include "lodestone/physics/four_coils.h"
+#include "lodestone/physics/per_coil.h"
 
 namespace lodestone::console {
 
@@ -28,9 +30,9 @@ class PulseLog final : public control::Guard {
   void stop() noexcept override;
 
   /// What is on now, as asked.
-  std::array<double, rig::kCoilCount> on_A(double now_s) const;
+  physics::PerCoil on_A(double now_s) const;
   /// Fraction of the last kWindow_s that each coil was on.
-  std::array<double, rig::kCoilCount> duty(double now_s) const;
+  physics::PerCoil duty(double now_s) const;
   /// By how much the time between the last two pulses was off; nothing before there are two of one run.
   std::optional<double> jitter_s() const;
   /// A run begins: what follows is no interval.

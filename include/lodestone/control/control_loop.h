@@ -15,6 +15,8 @@
 #include "lodestone/control/recovery.h"
 #include "lodestone/control/reference.h"
 #include "lodestone/control/rig_identifier.h"
+#include "lodestone/physics/coil_drive.h"
+#include "lodestone/physics/per_coil.h"
 #include "lodestone/rig/coils.h"
 #include "lodestone/task/action.h"
 
@@ -49,8 +51,9 @@ struct StepRecord {
   double time_s = 0.0;  ///< since the start of the run
   PoseEstimate estimate;
   geometry::Vector2 target_m = geometry::Vector2::Zero();
-  geometry::Vector2 action = geometry::Vector2::Zero();  ///< as given, clipped to [-1, 1]
-  std::array<double, rig::kCoilCount> current_A{};       ///< as asked of the coils
+  geometry::Vector2 action = geometry::Vector2::Zero();   ///< as given, clipped to [-1, 1]
+  geometry::Vector2 drive_A = geometry::Vector2::Zero();  ///< in A of the rig's drive (physics::CoilDrive),
+  physics::PerCoil current_A;                             ///< and what that asks of the coils
   bool either_way =
       false;  ///< head and tail were not told apart, and the controller asked for this whichever is which
   bool probe = false;                         ///< the needle was not seen, and this looked for it
@@ -71,10 +74,10 @@ class ControlLoop {
   /// Called at every observation, before the pulse: scoring looks at the true pose here.
   using Observer = std::function<void(const StepRecord&)>;
 
-  /// Everything must outlive the loop. `action` must map to amperes. Without a `rig` a needle that is not
-  /// seen is waited for; with one it is looked for, too (Recovery). With an `identifier`, which is not reset,
-  /// the controller is told what the pulses say about the rig. Throws ConfigError where an action of 1 would
-  /// mean no current.
+  /// Everything must outlive the loop. `action` must map to amperes. Without a `rig` the coils are the
+  /// paper's four, unless drive_with() says otherwise, and a needle that is not seen is waited for; with one
+  /// it is looked for, too (Recovery). With an `identifier`, which is not reset, the controller is told what
+  /// the pulses say about the rig. Throws ConfigError where an action of 1 would mean no current.
   ControlLoop(const ControlLoopConfig& config, const task::ActionConfig& action, Guard& coils,
               PoseSensor& sensor, common::Clock& clock, const physics::RigDescription* rig = nullptr,
               RigIdentifier* identifier = nullptr);
@@ -86,6 +89,8 @@ class ControlLoop {
   LoopOutcome run(Controller& controller, Reference& reference, const Observer& observer = {});
 
   double period_s() const { return config_.period_s(); }
+  /// What actions mean for the coils of a rig whose needle is not to be looked for.
+  void drive_with(physics::CoilDrive drive) { drive_ = std::move(drive); }
   /// Runs that may go on for days: the outcome has no steps, only the observer sees them.
   void forget_steps() { keeps_steps_ = false; }
 
@@ -96,6 +101,7 @@ class ControlLoop {
  private:
   void rest_until(double time_s);
   void pulse(const StepRecord& record);
+  void drive(StepRecord& record, const geometry::Vector2& drive_A) const;
   void look_for_it(StepRecord& record);
   [[noreturn]] void throw_interrupted();
   void follow(Controller& controller, Reference& reference, const Observer& observer, LoopOutcome& outcome);
@@ -105,6 +111,7 @@ class ControlLoop {
   Guard& coils_;
   PoseSensor& sensor_;
   common::Clock& clock_;
+  physics::CoilDrive drive_;
   std::optional<Recovery> recovery_;
   RigIdentifier* identifier_;
   bool keeps_steps_ = true;

@@ -3,21 +3,23 @@
 #include <functional>
 #include <vector>
 
-#include "lodestone/physics/dipole_coil.h"
+#include "lodestone/physics/coil_drive.h"
+#include "lodestone/physics/modelled_field.h"
 
 namespace lodestone::control {
 
-/// Field of the four coils as point dipoles, as seen by classical controllers: in terms of two signed axis
-/// drives.
+/// The field as classical controllers see it (of the paper's rig that of point dipoles), in terms of what
+/// drives the coils.
 class DipoleField {
  public:
-  explicit DipoleField(const physics::CoilGeometry& coil);
+  explicit DipoleField(const physics::RigDescription& rig);
 
-  /// Field (T) and gradient (T/m) of axis drives (A) at a point of the dish frame.
-  physics::FieldGradient at(const geometry::Vector2& axis_drive_A, const geometry::Vector2& position_m) const;
+  /// Field (T) and gradient (T/m) of a drive (A) at a point of the dish frame.
+  physics::FieldGradient at(const geometry::Vector2& drive_A, const geometry::Vector2& position_m) const;
 
  private:
-  std::vector<physics::DipoleCoil> coils_;
+  physics::CoilDrive drive_;
+  physics::ModelledField field_;
 };
 
 /// The axis drive of size 1 whose effect (a field, a force) points along `direction`, or as nearly as any

@@ -41,7 +41,7 @@ struct DipolePullConfig {
   }
 };
 
-/// Field of four dipole coils seen as two signed axis drives.
+/// Pull of dipole coils in terms of what drives them.
 class DipolePull {
  public:
   explicit DipolePull(const physics::RigDescription& rig);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lodestone/geometry/pose2.h"
+#include "lodestone/physics/per_coil.h"
 #include "lodestone/physics/pulse_outcome.h"
 #include "lodestone/rig/coils.h"
 
@@ -41,7 +42,7 @@ class PoseSensor {
   /// What the coils were asked for since the last observation, for a sensor that expects the needle to obey;
   /// and where a learned simulator says that it takes the needle from the pose that was observed, if anybody
   /// has asked one.
-  virtual void pulsed(const std::array<double, rig::kCoilCount>& /*current_A*/,
+  virtual void pulsed(const physics::PerCoil& /*current_A*/,
                       const std::vector<physics::PulseOutcome>& /*outcomes*/) {}
   /// The needle was moved in a way that nobody can foresee.
   virtual void expect_nothing() {}

@@ -45,8 +45,8 @@ struct TurnConfig {
 /// heading.
 class TurnInPlace final : public Controller {
  public:
-  /// Knows the coils as they are described. `scale_A`: current that an action of 1 maps to.
-  TurnInPlace(std::unique_ptr<Controller> inner, const TurnConfig& config, const physics::CoilGeometry& coil,
+  /// Knows the rig as it is described. `scale_A`: current that an action of 1 maps to.
+  TurnInPlace(std::unique_ptr<Controller> inner, const TurnConfig& config, const physics::RigDescription& rig,
               double scale_A);
   void reset() override;
   geometry::Vector2 act(const task::Observation& observation) override;

@@ -11,6 +11,7 @@
 #include "lodestone/common/clock.h"
 #include "lodestone/emulation/arduino.h"
 #include "lodestone/emulation/roboclaw_model.h"
+#include "lodestone/physics/per_coil.h"
 #include "lodestone/rig/virtual_rig.h"
 
 namespace lodestone::emulation {
@@ -37,7 +38,7 @@ class EmulatedBench {
   bool host_read(std::uint8_t& byte);
 
   /// Currents in the coils now, A, +x -x +y -y. What the needle feels, not what anyone measured.
-  std::array<double, rig::kCoilCount> current_A() const;
+  physics::PerCoil current_A() const;
   rig::VirtualRig& rig() { return rig_; }
   Arduino& arduino() { return *arduino_; }
   RoboClawModel& controller(int index) { return controllers_[static_cast<std::size_t>(index)]; }
@@ -72,7 +73,7 @@ class EmulatedBench {
   void inject_to_device(const std::vector<std::uint8_t>& bytes);
   void inject_to_host(const std::vector<std::uint8_t>& bytes);
   /// Sees every step of the bench, for recordings and checks: time and currents.
-  std::function<void(double now_s, const std::array<double, rig::kCoilCount>& current_A)> watch;
+  std::function<void(double now_s, const physics::PerCoil& current_A)> watch;
 
  private:
   using Lock = std::lock_guard<std::recursive_mutex>;  // the filters and `watch` may look at the bench
@@ -99,9 +100,9 @@ class EmulatedBench {
   double contactor_takes_s_ = 20e-3;
   bool contactor_closed_ = false;
   double line_free_s_ = 0.0;
-  std::array<double, rig::kCoilCount> stuck_;
-  std::array<double, rig::kCoilCount> short_;
-  std::array<double, rig::kCoilCount> driven_{};
+  physics::PerCoil stuck_;
+  physics::PerCoil short_;
+  physics::PerCoil driven_{};
   double driven_supply_V_ = 0.0;
   std::deque<Timed> to_device_;
   std::deque<Timed> to_host_;

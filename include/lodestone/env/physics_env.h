@@ -8,6 +8,7 @@
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/env/episode_batch.h"
 #include "lodestone/env/vec_env.h"
+#include "lodestone/physics/coil_drive.h"
 #include "lodestone/physics/plain_simulator.h"
 
 namespace lodestone::env {
@@ -74,6 +75,7 @@ class PhysicsEnv final : public VecEnv {
   void step_one(std::size_t i, const float* action);
 
   physics::RigDescription rig_;
+  physics::CoilDrive drive_;
   PhysicsEnvConfig config_;
   /// One number for each of the randomised parameters.
   using Drawn = std::array<double, 3>;

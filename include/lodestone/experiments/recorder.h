@@ -15,8 +15,10 @@ class Recorder {
  public:
   /// Begins the file, or goes on with it after the first `keep_rows` rows. What a real rig has left behind
   /// them, in a trial that was cut short, goes to a file of its own (..._cut_short.csv); on a virtual one the
-  /// trial is driven again as it was. Throws IoError, and DataError when there are fewer rows.
-  Recorder(const std::string& file, bool true_poses, std::int64_t keep_rows = 0);
+  /// trial is driven again as it was. `coils`: what the columns of their currents call them. Throws IoError,
+  /// and DataError when there are fewer rows.
+  Recorder(const std::string& file, bool true_poses, std::int64_t keep_rows = 0,
+           const std::vector<std::string>& coils = {"px", "mx", "py", "my"});
   /// A step of a trial that is under way, which is on its way to the disk when this returns. Throws IoError.
   void write(const TrialPlan& plan, const std::string& rig, const std::string& controller,
              const TrialSample& sample);

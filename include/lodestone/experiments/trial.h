@@ -10,6 +10,7 @@
 
 #include "lodestone/control/control_loop.h"
 #include "lodestone/experiments/score.h"
+#include "lodestone/physics/per_coil.h"
 
 namespace lodestone::experiments {
 
@@ -30,7 +31,7 @@ struct TrialSample {
   control::StepRecord step;
   std::optional<geometry::Pose2> true_pose;
   bool approach = false;
-  std::optional<std::array<double, rig::kCoilCount>> temperature_C;  ///< of the coils, as reported last
+  std::optional<physics::PerCoil> temperature_C;  ///< of the coils, as reported last
 };
 
 struct TrialResult {

@@ -30,15 +30,15 @@ std::string frame_transform_message(std::uint64_t time_ns, const std::string& pa
                                     const std::string& child, const geometry::Pose2& pose);
 std::string log_message(std::uint64_t time_ns, LogLevel level, const std::string& text);
 
-/// +x, -x, +y, -y.
-using FourCoils = std::array<double, 4>;
+/// As many as the rig has: four are +x, -x, +y, -y.
+using OfCoils = std::vector<double>;
 
 /// lodestone.CoilPulse: what the coils were asked for.
-std::string coil_pulse_message(std::uint64_t time_ns, const FourCoils& current_A);
+std::string coil_pulse_message(std::uint64_t time_ns, const OfCoils& current_A);
 
 /// What the coils reported; what they do not measure is absent.
 struct CoilReading {
-  std::optional<FourCoils> current_A, temperature_C;
+  std::optional<OfCoils> current_A, temperature_C;
   std::optional<double> supply_V;
   std::vector<std::string> faults;
 };

@@ -16,7 +16,7 @@ namespace lodestone::exports {
 struct LoggedStep {
   std::uint64_t time_ns = 0;
   std::optional<geometry::Pose2> sensed, truth, target;
-  std::optional<FourCoils> current_A;  ///< as asked
+  std::optional<OfCoils> current_A;  ///< as asked
   std::optional<CoilReading> reading;
   StepFacts facts;
 };

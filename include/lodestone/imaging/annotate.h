@@ -26,8 +26,8 @@ struct Annotation {
   /// Path so far, in the stretches along which the needle was seen; the way between them is dashed.
   std::vector<std::vector<geometry::Vector2>> travelled_m;
 
-  /// Coil order +x, -x, +y, -y. A positive current pulls towards its coil: its arrow points outwards.
-  std::optional<std::array<double, 4>> coil_current_A;
+  /// In the order of the bench's coils. A positive current pulls towards its coil: its arrow points outwards.
+  std::optional<std::vector<double>> coil_current_A;
   double max_current_A = 15.0;  ///< full length of an arrow
 
   std::string task;

@@ -1,6 +1,8 @@
 #pragma once
 
-#include <cstdint>
+#include <vector>
+
+#include "lodestone/geometry/pose2.h"
 
 namespace lodestone::imaging {
 
@@ -10,7 +12,10 @@ struct BenchGeometry {
   double dish_radius_m = 0.0;  ///< inner radius at the floor
   double wall_height_m = 0.0;  ///< top of the dish wall above its floor
   double wall_thickness_m = 0.0;
-  double coil_face_m = 0.0;  ///< face of each coil from the dish centre
+  double coil_face_m = 0.0;  ///< face of each of four coils from the dish centre, or side of the holder that
+                             ///< is there in their place
+  std::vector<geometry::Vector2> coil_directions = {
+      {1.0, 0.0}, {-1.0, 0.0}, {0.0, 1.0}, {0.0, -1.0}};  ///< towards each coil
   double coil_outer_radius_m = 0.0;
   double coil_bore_radius_m = 0.0;
   double coil_length_m = 0.0;

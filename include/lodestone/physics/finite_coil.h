@@ -35,6 +35,8 @@ class FiniteCoil {
  public:
   /// The orders hold 1e-6 of the field over the whole dish for the default winding (checked by a test).
   explicit FiniteCoil(const CoilGeometry& geometry, int radial_order = 8, int axial_order = 20);
+  /// One that may stand anywhere.
+  explicit FiniteCoil(const CoilWinding& winding, int radial_order = 8, int axial_order = 20);
 
   /// T/A at (axial_m from the middle of the winding, radial_m >= 0 from its axis). Not for points in the
   /// winding.
@@ -49,7 +51,7 @@ class FiniteCoil {
     double turns;
   };
   std::vector<Loop> loops_;
-  double centre_distance_m_;
+  double centre_distance_m_ = 0.0;
 };
 
 /// Closed form on the axis, T/A, at `axial_m` from the middle of the winding.

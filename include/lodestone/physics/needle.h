@@ -48,20 +48,21 @@ struct FluidConfig {
   }
 };
 
-/// Force (N, dish frame) and torque about the needle's middle (N m, counter-clockwise).
+/// Force (N, dish frame) and torque about the needle's middle (N m, counter-clockwise, seen from above).
 struct Wrench {
   double force_x_N = 0.0;
   double force_y_N = 0.0;
   double torque_N_m = 0.0;
+  double lift_N = 0.0;  ///< upwards; 0 where coils and needle lie in one plane
 };
 
 /// Uniformly magnetised rod: a pole +moment/chain at the head end of the chain and its opposite at the tail
 /// end.
 Wrench magnetic_wrench(const NeedleConfig& needle, const geometry::Pose2& pose, const CoilArray& coils,
-                       const Currents& current_A);
+                       const PerCoil& current_A);
 /// The same for a middle and a unit vector along the heading.
 Wrench magnetic_wrench(const NeedleConfig& needle, const geometry::Vector2& middle_m,
-                       const geometry::Vector2& axis, const CoilArray& coils, const Currents& current_A);
+                       const geometry::Vector2& axis, const CoilArray& coils, const PerCoil& current_A);
 
 /// Viscous coefficients of the rod, linear in speed.
 struct RodDrag {

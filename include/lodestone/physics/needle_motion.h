@@ -13,6 +13,7 @@ struct DishConfig {
   double wall_friction = 0.20;       // D: as the floor's kinetic coefficient
   double wall_height_m = 0.010;      // D: top of the wall above the floor
   double wall_thickness_m = 0.0015;  // D
+  double holder_m = 0.05;            // D: where the paper's coils have their faces
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -22,6 +23,10 @@ struct DishConfig {
     v.field("wall_height_m", wall_height_m, "m", "top of the dish wall above its floor, as a camera sees it",
             {0.0, 0.1});
     v.field("wall_thickness_m", wall_thickness_m, "m", "thickness of the dish wall", {1e-4, 0.05});
+    v.field("holder_m", holder_m, "m",
+            "of rigs that list their coils: half the width of the square holder that the dish stands in, its "
+            "sides along x and y, by which the camera's axes are found; else the coils' faces are that",
+            {5e-3, 0.5});
   }
 };
 
@@ -41,7 +46,9 @@ struct NeedleState {
 /// with its own place on the friction map and its own sliding direction: translation and rotation are
 /// therefore coupled as for a real rod. A needle at rest stays until its load leaves the static limit surface
 /// of the rod, |torque|^2 = (1 - f^2)(1 - f_across^2) in units of the greatest torque and force; this is
-/// exact for a pure force, a pure torque and a torque with a force across, and within 3 % otherwise.
+/// exact for a pure force, a pure torque and a torque with a force across, and within 3 % otherwise. What the
+/// field lifts, the floor does not carry: friction is less by its share of the weight, and none where it is
+/// all of it (a needle that leaves the floor is out of the model).
 class NeedleMotion {
  public:
   NeedleMotion(const NeedleConfig& needle, const FluidConfig& fluid, const FrictionConfig& friction,
@@ -49,7 +56,7 @@ class NeedleMotion {
 
   /// Advances by `step_s` under constant currents. `friction_scale` multiplies the map (scatter between
   /// pulses).
-  void step(NeedleState& state, const CoilArray& coils, const Currents& current_A, const FrictionMap& map,
+  void step(NeedleState& state, const CoilArray& coils, const PerCoil& current_A, const FrictionMap& map,
             double friction_scale, double step_s) const;
 
   /// Whether both ends of the needle are inside the wall.
@@ -65,6 +72,7 @@ class NeedleMotion {
   struct Resistance;
   struct Contact;
 
+  double carried_share(double lift_N) const;
   static Axes axes_of(const geometry::Pose2& pose);
   void cell_factors(const geometry::Pose2& pose, const Axes& axes, const FrictionMap& map, double scale,
                     double* factors) const;

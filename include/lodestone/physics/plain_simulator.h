@@ -1,10 +1,10 @@
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "lodestone/geometry/pose2.h"
-#include "lodestone/physics/dipole_coil.h"
+#include "lodestone/physics/modelled_field.h"
+#include "lodestone/physics/per_coil.h"
 #include "lodestone/physics/rig_description.h"
 
 namespace lodestone::physics {
@@ -20,15 +20,15 @@ struct PlainSimulatorConfig {
   }
 };
 
-/// Point-dipole coils and needle (force = grad(m.B), torque = m x B), Stokes drag of a slender rod in free
-/// fluid, uniform Coulomb friction, currents without lag, and a wall that stops the needle's middle.
-/// Stateless.
+/// Coils as ModelledField has them, of the paper's rig point dipoles, and a point-dipole needle (force =
+/// grad(m.B), torque = m x B), Stokes drag of a slender rod in free fluid, uniform Coulomb friction, currents
+/// without lag, and a wall that stops the needle's middle. Stateless.
 class PlainSimulator {
  public:
   PlainSimulator(const RigDescription& rig, const PlainSimulatorConfig& config);
 
-  /// Pose after a pulse of four currents (A) and a rest, from standstill.
-  geometry::Pose2 step(const geometry::Pose2& pose, const std::array<double, 4>& current_A, double pulse_s,
+  /// Pose after a pulse (A) and a rest, from standstill.
+  geometry::Pose2 step(const geometry::Pose2& pose, const PerCoil& current_A, double pulse_s,
                        double rest_s) const;
 
   /// Magnetic force (N) and torque (N m) on the needle.
@@ -36,14 +36,14 @@ class PlainSimulator {
     geometry::Vector2 force_N;
     double torque_N_m;
   };
-  Load load(const geometry::Pose2& pose, const std::array<double, 4>& current_A) const;
+  Load load(const geometry::Pose2& pose, const PerCoil& current_A) const;
 
  private:
   NeedleConfig needle_;
   double dish_radius_m_;
   double friction_N_;
   double step_s_;
-  std::vector<DipoleCoil> coils_;
+  ModelledField field_;
   double drag_N_s_m_;
   double spin_drag_N_m_s_;
 };

@@ -1,31 +1,28 @@
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "lodestone/physics/per_coil.h"
+
 namespace lodestone::rig {
 
-/// Coil order everywhere: +x, -x, +y, -y. Positive current makes a field that points from the dish centre
-/// towards that coil.
-constexpr int kCoilCount = 4;
-constexpr const char* kCoilNames[kCoilCount] = {"+x", "-x", "+y", "-y"};
-
-/// Four currents held for a time by the device itself.
+/// Currents held for a time by the device itself. The order of the coils is everywhere that of the
+/// description, for the paper's rig +x, -x, +y, -y.
 struct CoilPulse {
-  std::array<double, kCoilCount> current_A{};
+  physics::PerCoil current_A{};
   double duration_s = 0.0;
 };
 
 struct CoilStatus {
-  std::array<double, kCoilCount> current_A{};      ///< measured
-  std::array<double, kCoilCount> temperature_C{};  ///< measured or estimated
-  std::optional<double> supply_V;                  ///< the lowest, where it is measured
-  std::vector<std::string> faults;                 ///< empty when healthy
+  physics::PerCoil current_A{};      ///< measured
+  physics::PerCoil temperature_C{};  ///< measured or estimated
+  std::optional<double> supply_V;    ///< the lowest, where it is measured
+  std::vector<std::string> faults;   ///< empty when healthy
 };
 
-/// Four electromagnets. Implementations: the virtual rig's coils; the serial Arduino backend.
+/// Electromagnets. Implementations: the virtual rig's coils; the serial Arduino backend.
 class Coils {
  public:
   virtual ~Coils() = default;

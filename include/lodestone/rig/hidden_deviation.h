@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -23,12 +24,12 @@ struct HiddenDeviation {
   double weight = 1.0;           ///< factor on the needle's mass and net weight
   double map_sigma = 1.0;        ///< factor on how much friction differs over the dish
   double map_correlation = 1.0;  ///< factor on how far it is alike
-  /// Where the four coils stand relative to where they should, the dish's own offset included; empty: exactly
+  /// Where the coils stand relative to where they should, the dish's own offset included; empty: exactly
   /// there.
   std::vector<physics::CoilPlacement> coils;
 
   /// Draws the deviations of rig `seed`; the same seed always gives the same ones.
-  static HiddenDeviation draw(DeviationWidth width, std::uint64_t seed);
+  static HiddenDeviation draw(DeviationWidth width, std::uint64_t seed, std::size_t coils = 4);
   /// The rig as it really is, but for the places of its coils.
   physics::RigDescription applied_to(physics::RigDescription rig) const;
 };

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lodestone/common/config.h"
+#include "lodestone/physics/per_coil.h"
 #include "lodestone/physics/rig_description.h"
 #include "lodestone/rig/coils.h"
 #include "lodestone/rig/serial_port.h"
@@ -59,6 +60,8 @@ struct SerialConfig {
   std::size_t output_of(std::size_t coil) const { return static_cast<std::size_t>(output[coil] - 1); }
 };
 
+constexpr std::size_t kSerialCoils = 4;  ///< outputs of the coil controller
+
 /// What the coil controller says of itself.
 struct CoilControllerInfo {
   int protocol = 0;
@@ -74,8 +77,8 @@ struct CoilControllerState {
   std::int64_t pulses = 0;  ///< since it started, modulo 65536
   std::array<double, 2> supply_V{};
   std::array<double, 2> board_C{};
-  std::array<double, kCoilCount> current_A{};
-  std::array<double, kCoilCount> resistance_ohm{};  ///< as the last long enough pulse told it
+  physics::PerCoil current_A{};
+  physics::PerCoil resistance_ohm{};  ///< as the last long enough pulse told it
   std::vector<std::string> faults;
 };
 

@@ -10,7 +10,8 @@
 #include "lodestone/common/config.h"
 #include "lodestone/common/random.h"
 #include "lodestone/geometry/pose2.h"
-#include "lodestone/physics/field_table.h"
+#include "lodestone/physics/coil_fields.h"
+#include "lodestone/physics/per_coil.h"
 #include "lodestone/physics/rig_description.h"
 #include "lodestone/rig/coils.h"
 #include "lodestone/rig/hidden_deviation.h"
@@ -48,17 +49,16 @@ struct VirtualRigConfig : physics::RigDescription {
   }
 };
 
-/// Stands in for the real rig: four coils, a needle in a dish, and a clock that advances the physics when
+/// Stands in for the real rig: its coils, a needle in a dish, and a clock that advances the physics when
 /// slept on. What the description does not say is drawn from the seed: the friction map, the scatter from
 /// pulse to pulse, and how far the rig is from its description (HiddenDeviation). Safe to use from any
 /// thread: who looks or stops waits at most until a stretch of constant current has been computed.
 class VirtualRig {
  public:
-  /// `table`: shared with other rigs of the same coil geometry and dish; made here when null. The needle lies
-  /// at the centre along +x. Throws ConfigError; LogicFault when the table is of another geometry or too
-  /// small.
+  /// `fields`: shared with other rigs of the same coils and dish; made here when null. The needle lies at the
+  /// centre along +x. Throws ConfigError; LogicFault when the fields are of other coils or too small.
   VirtualRig(const VirtualRigConfig& config, std::uint64_t seed,
-             std::shared_ptr<const physics::FieldTable> table = nullptr);
+             std::shared_ptr<const physics::CoilFields> fields = nullptr);
   ~VirtualRig();
   VirtualRig(const VirtualRig&) = delete;
   VirtualRig& operator=(const VirtualRig&) = delete;
@@ -72,7 +72,7 @@ class VirtualRig {
 
   /// What a power stage of its own puts on the coils from now on, instead of pulses: signed fractions of
   /// `supply_V`.
-  void drive(const std::array<double, kCoilCount>& duty, double supply_V);
+  void drive(const physics::PerCoil& duty, double supply_V);
 
   /// The operator places the needle, at rest. Throws DataError when an end would lie outside the wall.
   void place(const geometry::Pose2& pose);
@@ -87,7 +87,7 @@ class VirtualRig {
 
   const VirtualRigConfig& config() const;
   /// To be shared with further rigs.
-  std::shared_ptr<const physics::FieldTable> field_table() const;
+  std::shared_ptr<const physics::CoilFields> fields() const;
 
   /// Everything that changes (needle, currents, temperatures, time, random stream), and back, bitwise; the
   /// friction map comes from the seed. restore() throws DataError when the state is malformed or of another

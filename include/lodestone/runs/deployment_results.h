@@ -55,7 +55,7 @@ struct TrialFigures {
 
 using PointMm = std::array<double, 2>;  ///< x, y in mm
 using PoseMm = std::array<double, 3>;   ///< x, y in mm, heading in rad
-using PerCoil = std::array<double, 4>;  ///< +x, -x, +y, -y
+using PerCoil = std::vector<double>;    ///< in the order of the rig's coils: +x, -x, +y, -y
 
 /// One trial, as a line of trials.jsonl while a deployment runs, and in trials.json when it has ended.
 struct TrialRecord {

@@ -9,6 +9,7 @@
 #include "lodestone/control/pose_sensor.h"
 #include "lodestone/physics/coil_array.h"
 #include "lodestone/physics/field_table.h"
+#include "lodestone/physics/four_coils.h"
 #include "lodestone/physics/rig_description.h"
 #include "lodestone/rig/coils.h"
 #include "lodestone/rig/rig_config.h"
@@ -18,8 +19,8 @@ namespace lodestone::session {
 /// One way in which the coils may be connected: who asks for coil i gets coil `coil[i]`, with its field
 /// turned round where `sign[i]` is -1.
 struct CoilWiring {
-  std::array<int, rig::kCoilCount> coil{0, 1, 2, 3};
-  std::array<int, rig::kCoilCount> sign{1, 1, 1, 1};
+  std::array<int, physics::kFourCoils> coil{0, 1, 2, 3};
+  std::array<int, physics::kFourCoils> sign{1, 1, 1, 1};
 
   bool operator==(const CoilWiring& other) const { return coil == other.coil && sign == other.sign; }
 };
@@ -67,8 +68,8 @@ class WiringInference {
   physics::NeedleConfig needle_;
   double dish_radius_m_;
   /// Evidence against (log-likelihood, up to a constant) coil c with sign +, - in the place of each coil.
-  std::array<std::array<std::array<double, 2>, rig::kCoilCount>, rig::kCoilCount> against_{};
-  std::array<int, rig::kCoilCount> moved_{};
+  std::array<std::array<std::array<double, 2>, physics::kFourCoils>, physics::kFourCoils> against_{};
+  std::array<int, physics::kFourCoils> moved_{};
 };
 
 /// Pulses that find out about the wiring.

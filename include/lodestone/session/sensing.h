@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lodestone/imaging/scene_renderer.h"
+#include "lodestone/physics/per_coil.h"
 #include "lodestone/rig/free_running_camera.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/session/camera_detector.h"
@@ -65,8 +66,7 @@ class RigSensor final : public control::PoseSensor {
 
   control::PoseEstimate observe() override;
   void acquire() override { tracked_->acquire(); }
-  void pulsed(const std::array<double, rig::kCoilCount>& current_A,
-              const std::vector<physics::PulseOutcome>& outcomes) override;
+  void pulsed(const physics::PerCoil& current_A, const std::vector<physics::PulseOutcome>& outcomes) override;
   void expect_nothing() override { tracked_->expect_nothing(); }
   void forget() override;
   /// Null when the sensor is simulated.

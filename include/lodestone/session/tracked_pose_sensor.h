@@ -8,6 +8,7 @@
 
 #include "lodestone/common/clock.h"
 #include "lodestone/control/pose_sensor.h"
+#include "lodestone/physics/per_coil.h"
 #include "lodestone/session/needle_detector.h"
 #include "lodestone/vision/pose_tracker.h"
 
@@ -26,7 +27,7 @@ class TrackedPoseSensor final : public control::PoseSensor {
   /// Throws HardwareError where the detector does.
   control::PoseEstimate observe() override;
   void acquire() override;
-  void pulsed(const std::array<double, rig::kCoilCount>& current_A,
+  void pulsed(const physics::PerCoil& current_A,
               const std::vector<physics::PulseOutcome>& outcomes) override {
     tracker_.pulse(current_A, outcomes);
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lodestone/common/config.h"
+#include "lodestone/physics/per_coil.h"
 #include "lodestone/physics/rig_description.h"
 #include "lodestone/vision/background.h"
 #include "lodestone/vision/commanded_field.h"
@@ -81,7 +82,7 @@ class PoseTracker {
   void forget();
   /// The coils were asked for a pulse, which takes the needle to one of these outcomes from the pose that was
   /// seen; as far as field and friction tell where nobody says.
-  void pulse(const physics::Currents& current_A, const std::vector<physics::PulseOutcome>& outcomes = {});
+  void pulse(const physics::PerCoil& current_A, const std::vector<physics::PulseOutcome>& outcomes = {});
   Track see(const Sighting& sighting);
 
   /// Where it may be now, heaviest first; empty before it was seen.
@@ -119,10 +120,10 @@ class PoseTracker {
   bool gives_away(const Rod& seen);
   double learn(const geometry::Vector2& now_m, const Eigen::Matrix2d& noise_m2);
   void merge();
-  std::vector<Place> after_slip(const Place& place, const physics::Currents& current_A) const;
+  std::vector<Place> after_slip(const Place& place, const physics::PerCoil& current_A) const;
   std::vector<Place> after_outcomes(const std::vector<physics::PulseOutcome>& outcomes,
                                     const Slip& likeliest) const;
-  Slip slip_from(const geometry::Vector2& from_m, const physics::Currents& current_A) const;
+  Slip slip_from(const geometry::Vector2& from_m, const physics::PerCoil& current_A) const;
   Eigen::Matrix2d spread_m2(const Slip& slip) const;
   Eigen::Matrix2d wild_spread_m2(const Slip& slip) const;
 
