@@ -42,6 +42,7 @@ ON_THE_VIRTUAL_RIG = {
 # Blocks that the reader saves as a file.
 FILES = {
     ("docs/bring-your-own-rig.md", '{\n  "coils"'): "my-rig.json",
+    ("docs/bring-your-own-rig.md", '{\n  "drive"'): "six-coils.json",
     ("docs/sweep.md", '{\n  "verb"'): "rate.json",
 }
 
