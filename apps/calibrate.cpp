@@ -7,8 +7,8 @@
 #include "lodestone/common/log.h"
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/imaging/calibration.h"
+#include "lodestone/imaging/calibration_board.h"
 #include "lodestone/imaging/calibration_overlay.h"
-#include "lodestone/imaging/charuco.h"
 #include "lodestone/imaging/frame_guard.h"
 #include "lodestone/imaging/image_file.h"
 #include "lodestone/imaging/scene_renderer.h"
@@ -26,7 +26,7 @@ struct CalibrateConfig {
   std::int64_t threads = 0;
   std::int64_t images = 4;
   rig::RigConfig rig;
-  imaging::CharucoConfig board;
+  imaging::BoardConfig board;
   imaging::CalibrationConfig fit;
   imaging::SceneConfig scene;
 
@@ -37,7 +37,7 @@ struct CalibrateConfig {
     v.field("images", images, "", "images to average; the camera must stand still", {1, 1000});
     v.group("rig", rig, "the rig, with its camera");
     v.retired("camera", "rig.camera");
-    v.group("board", board, "the printed ChArUco board");
+    v.group("board", board, "the printed board");
     v.group("fit", fit, "how the camera is fitted");
     v.group("scene", scene, "lens, and the ranges of rendered benches");
   }
@@ -142,15 +142,40 @@ void check_moved(const CalibrateConfig& config, const cv::Mat& image, const std:
                                 std::to_string(1e3 * config.fit.moved_bound_m) + " mm; calibrate again");
 }
 
+/// An image; or of a video the views of the board that differ.
+void add_views(const std::string& file, const imaging::BoardConfig& board, std::vector<cv::Mat>& images) {
+  constexpr std::size_t kMost = 40;
+  if (imaging::is_image_file(file)) {
+    images.push_back(imaging::read_image(file));
+    return;
+  }
+  rig::CameraSourceConfig source;
+  source.source = file;
+  const std::unique_ptr<rig::Camera> video = rig::open_camera(source);
+  std::vector<imaging::BoardCorners> views;
+  std::int64_t frames = 0;
+  try {
+    for (; views.size() < kMost; ++frames) {
+      const cv::Mat image = video->grab(kGetImage_s).image;
+      const imaging::BoardCorners corners = imaging::detect_board(image, board);
+      if (!imaging::is_another_view(corners, views, image.cols)) continue;
+      views.push_back(corners);
+      images.push_back(image);
+    }
+  } catch (const common::HardwareError&) {
+    // it has ended
+  }
+  common::log_info(file + ": " + std::to_string(views.size()) + " views of the board that differ, in " +
+                   std::to_string(frames) + " images");
+}
+
 imaging::DishFit fit(const CalibrateConfig& config, const CalibrateOptions& options,
                      const std::vector<cv::Mat>& images) {
   imaging::CameraModel start = imaging::nominal_camera(config.scene.lens);
   if (options.board_files.empty()) return imaging::fit_dish(images, config.scene.bench, start, config.fit);
   std::vector<cv::Mat> boards;
-  for (const std::string& file : options.board_files) {
-    boards.push_back(imaging::read_image(file));
-  }
-  const imaging::CharucoFit lens = imaging::fit_charuco(boards, config.board);
+  for (const std::string& file : options.board_files) add_views(file, config.board, boards);
+  const imaging::BoardFit lens = imaging::fit_board(boards, config.board);
   common::log_info("board: " + std::to_string(lens.used.size()) + " images, residual " +
                    std::to_string(lens.rms_px) + " px, focal length " + std::to_string(lens.camera.focal_px) +
                    " px");
@@ -160,7 +185,7 @@ imaging::DishFit fit(const CalibrateConfig& config, const CalibrateOptions& opti
   start.rotation = imaging::nominal_camera(config.scene.lens).rotation;
   start.translation_m = place;
   imaging::DishFit found = imaging::fit_dish(images, config.scene.bench, start, config.fit, true);
-  found.calibration.method = "charuco";
+  found.calibration.method = common::name_of(config.board.kind);
   return found;
 }
 
@@ -168,7 +193,7 @@ void calibrate(const CalibrateOptions& options) {
   auto config = resolve_config<CalibrateConfig>(options);
   config.scene.bench = rig::bench_of(config.rig);
   if (!options.print_board.empty()) {
-    imaging::write_charuco(options.print_board, config.board);
+    imaging::write_board(options.print_board, config.board);
     common::log_info("wrote " + options.print_board +
                      ": print it in true size, measure a square, and set board.square_m");
     return;
@@ -227,8 +252,8 @@ void add_calibrate(Verb& program) {
       .named("FILE");
   verb.add_option(
           "--board", &options.board_files,
-          "images of the printed ChArUco board, tilted this way and that: they give the lens, the dish "
-          "gives the place")
+          "images of the printed board (board.kind), or a video of it, tilted this way and that: they give "
+          "the lens, the dish gives the place")
       .named("FILE...");
   verb.add_option("--print-board", &options.print_board, "write the board to print").named("PNG");
   add_calibrate_coils(verb);

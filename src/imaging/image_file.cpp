@@ -1,7 +1,9 @@
 #include "lodestone/imaging/image_file.h"
 
+#include <cctype>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +17,14 @@ namespace {
 constexpr std::size_t kLargestImage = 256 << 20;  // bytes of a file
 
 }  // namespace
+
+bool is_image_file(const std::string& path) {
+  static const std::set<std::string> kEndings = {".png",  ".jpg", ".jpeg", ".bmp", ".tif",
+                                                 ".tiff", ".ppm", ".pgm",  ".webp"};
+  std::string ending = std::filesystem::path(path).extension().string();
+  for (char& letter : ending) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  return kEndings.count(ending) != 0;
+}
 
 std::string encoded_image(const cv::Mat& image, const std::string& extension, int jpeg_quality) {
   std::vector<unsigned char> bytes;

@@ -3,12 +3,10 @@
 #include <glob.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdint>
 #include <filesystem>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
-#include <set>
 #include <vector>
 
 #include "lodestone/common/error.h"
@@ -21,18 +19,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_image(const fs::path& file) {
-  static const std::set<std::string> kEndings = {".png",  ".jpg", ".jpeg", ".bmp", ".tif",
-                                                 ".tiff", ".ppm", ".pgm",  ".webp"};
-  std::string ending = file.extension().string();
-  for (char& letter : ending) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  return kEndings.count(ending) != 0;
-}
-
 std::vector<std::string> images_of_folder(const std::string& folder) {
   std::vector<std::string> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.is_regular_file() && is_image(entry.path())) files.push_back(entry.path().string());
+    if (entry.is_regular_file() && imaging::is_image_file(entry.path()))
+      files.push_back(entry.path().string());
   }
   std::sort(files.begin(), files.end());
   if (files.empty())
@@ -87,7 +78,7 @@ struct FileCamera::Source {
       if (name.find_first_of("*?[") == std::string::npos)
         throw common::IoError("no such file or folder: '" + name + "', give images or a video to read");
       files = images_of_pattern(name);
-    } else if (is_image(name)) {
+    } else if (imaging::is_image_file(name)) {
       files = {name};
     } else if (!open_video()) {
       throw common::IoError("cannot read " + name +

@@ -46,7 +46,7 @@ struct Calibration {
   CameraModel camera;
   double reprojection_rms_m = 0.0;  ///< of the features it was fitted to, on the dish floor
   double reprojection_rms_px = 0.0;
-  std::string method;  ///< "dish" or "charuco"
+  std::string method;  ///< "dish", or the kind of board that gave the lens
 };
 
 common::Json to_json(const Calibration& calibration);

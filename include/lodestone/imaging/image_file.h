@@ -5,6 +5,9 @@
 
 namespace lodestone::imaging {
 
+/// Whether the file's ending is that of an image, rather than of a video.
+bool is_image_file(const std::string& path);
+
 /// The bytes of an image file: `extension` ".png" or ".jpg", the latter of this quality (0 to 100). Throws
 /// IoError.
 std::string encoded_image(const cv::Mat& image, const std::string& extension, int jpeg_quality = 85);
