@@ -3,7 +3,10 @@
 #include <string>
 
 #include "lodestone/common/artefact.h"
+#include "lodestone/common/config.h"
 #include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+#include "lodestone/physics/coil_fit.h"
 #include "lodestone/physics/field_fit.h"
 #include "lodestone/rig/rig_config.h"
 #include "verbs.h"
@@ -13,9 +16,27 @@ namespace {
 
 struct CalibrateFieldOptions {
   std::string samples;
-  std::string out = "field.json";
+  std::string out;
   std::string rig_file;
+  bool coils = false;
 };
+
+rig::RigConfig read_rig(const std::string& file) {
+  if (file.empty()) return {};  // the paper's
+  auto rig = common::config_from_json<rig::RigConfig>(common::read_json_file(file), file);
+  rig.validate();
+  return rig;
+}
+
+/// Runs what reads samples, so that its errors name their file.
+template <class Work>
+auto of_file(const std::string& file, const Work& work) {
+  try {
+    return work();
+  } catch (const common::DataError& error) {
+    throw common::DataError(file + ": " + error.what());
+  }
+}
 
 /// What an error of the field means for the needle that lies in it: most where the error is across it.
 void print_torque(const physics::FieldError& error, const rig::RigConfig& rig) {
@@ -27,45 +48,78 @@ void print_torque(const physics::FieldError& error, const rig::RigConfig& rig) {
       rig.needle.moment_A_m2, torque_N_m, torque_N_m / breakaway_N_m);
 }
 
-void calibrate_field(const CalibrateFieldOptions& options) {
-  rig::RigConfig rig;  // the paper's, where none is named
-  if (!options.rig_file.empty())
-    rig =
-        common::config_from_json<rig::RigConfig>(common::read_json_file(options.rig_file), options.rig_file);
-  const physics::FieldSamples samples = physics::read_field_samples(options.samples);
-  physics::FieldFit fit;
+void print_left(const physics::FieldError& error) {
+  std::printf(
+      "left of held-out samples %.3g mT (%.2f %%), its direction off by %.2f degrees (95 %%: below %.2f)\n",
+      1e3 * error.rms_T, 100.0 * error.relative_rms, error.direction_median_deg, error.direction_p95_deg);
+}
+
+/// The coils of a rig where samples say that they stand.
+void calibrate_coil_places(const CalibrateFieldOptions& options, rig::RigConfig rig,
+                           const physics::FieldSamples& samples) {
+  const std::string out = options.out.empty() ? "rig.json" : options.out;
+  if (rig.coils.each.empty())
+    throw common::ConfigError(
+        "calibrate field --coils places coils that a rig lists: name one by --rig whose coils.each does "
+        "(docs/bring-your-own-rig.md)");
+  const physics::CoilFit fit =
+      of_file(options.samples, [&] { return physics::fit_coils(rig.coils, samples); });
+  rig.coils = fit.coils;
   try {
-    fit = physics::fit_field(samples);
-  } catch (const common::DataError& error) {
-    throw common::DataError(options.samples + ": " + error.what());
+    rig.validate();
+  } catch (const common::ConfigError& error) {
+    throw common::DataError(options.samples +
+                            ": the coils cannot stand where they would fit best: " + error.what());
   }
-  common::write_artefact(options.out, fit.field);
+  common::write_file_atomically(out, common::config_to_json(rig).dump(1) + "\n");
+  std::printf("%lld samples; as described the coils leave %.1f %% of the field\n",
+              static_cast<long long>(fit.fitted.samples), 100.0 * fit.described.relative_rms);
+  std::printf("%-8s %26s %12s %8s\n", "coil", "moved by x, y, z in mm", "tilted by", "gain");
+  for (const physics::CoilShift& shift : fit.shifts)
+    std::printf("%-8s %8.2f %8.2f %8.2f %8.2f deg %8.3f\n", shift.name.c_str(), 1e3 * shift.moved_m[0],
+                1e3 * shift.moved_m[1], 1e3 * shift.moved_m[2], shift.tilted_deg, shift.gain);
+  std::printf("without current there are %.1f, %.1f, %.1f uT\n", 1e6 * fit.background_T[0],
+              1e6 * fit.background_T[1], 1e6 * fit.background_T[2]);
+  print_left(fit.held_out);
+  print_torque(fit.held_out, rig);
+  std::printf("rig      %s, for --rig\n", out.c_str());
+}
+
+void calibrate_field(const CalibrateFieldOptions& options) {
+  const rig::RigConfig rig = read_rig(options.rig_file);
+  const physics::FieldSamples samples = physics::read_field_samples(options.samples);
+  if (options.coils) return calibrate_coil_places(options, rig, samples);
+  const std::string out = options.out.empty() ? "field.json" : options.out;
+  const physics::FieldFit fit = of_file(options.samples, [&] { return physics::fit_field(samples); });
+  common::write_artefact(out, fit.field);
   std::printf("%lld samples of %zu coils; share of the field left by solid harmonics of degree\n",
               static_cast<long long>(fit.fitted.samples), samples.coils);
   for (std::size_t i = 0; i < fit.held_out_by_degree.size(); ++i)
     std::printf("  %zu  %7.3f %% of samples held out%s\n", i + 1, 100.0 * fit.held_out_by_degree[i],
                 static_cast<std::int64_t>(i + 1) == fit.field.degree ? "  <- taken" : "");
-  std::printf(
-      "left of held-out samples %.3g mT (%.2f %%), its direction off by %.2f degrees (95 %%: below %.2f)\n",
-      1e3 * fit.held_out.rms_T, 100.0 * fit.held_out.relative_rms, fit.held_out.direction_median_deg,
-      fit.held_out.direction_p95_deg);
+  print_left(fit.held_out);
   print_torque(fit.held_out, rig);
-  std::printf("field    %s\n", options.out.c_str());
+  std::printf("field    %s\n", out.c_str());
 }
 
 struct EvaluateFieldOptions {
   std::string field;
+  std::string rig_file;
   std::string data;
 };
 
 void evaluate_field(const EvaluateFieldOptions& options) {
-  const auto field = common::read_artefact<physics::MeasuredField>(options.field);
+  if (options.field.empty() == options.rig_file.empty())
+    throw common::ConfigError(
+        "evaluate field: name a field by --field FILE, or a rig by --rig FILE, and not both");
   const physics::FieldSamples samples = physics::read_field_samples(options.data);
   physics::FieldError error;
-  try {
-    error = physics::field_error(field, samples);
-  } catch (const common::DataError& fault) {
-    throw common::DataError(options.data + ": " + fault.what());
+  if (!options.rig_file.empty()) {
+    const rig::RigConfig rig = read_rig(options.rig_file);
+    error = of_file(options.data, [&] { return physics::field_error(rig.coils, samples); });
+  } else {
+    const auto field = common::read_artefact<physics::MeasuredField>(options.field);
+    error = of_file(options.data, [&] { return physics::field_error(field, samples); });
   }
   std::printf("%s\n", common::artefact_to_json(error).dump(2).c_str());
 }
@@ -80,17 +134,23 @@ void add_calibrate_field(Verb& calibrate) {
                   "CSV with x_m,y_m,z_m (or _mm), current_1_A,current_2_A,..., Bx_T,By_T,Bz_T (or _mT, _uT)")
       .named("FILE.csv")
       .required();
-  verb.add_option("--out", &options->out, "where the field is written").named("FILE").with_default();
-  verb.add_option("--rig", &options->rig_file,
-                  "rig.json: whose needle the residual is told for; without it the paper's")
+  verb.add_option("--out", &options->out, "where it is written: field.json, or with --coils rig.json")
       .named("FILE");
+  verb.add_option("--rig", &options->rig_file,
+                  "rig.json: whose needle the residual is told for, and whose coils are placed; without it "
+                  "the paper's")
+      .named("FILE");
+  verb.add_option("--coils", &options->coils,
+                  "place, tilt and gain of the rig's own air-core coils, written as a rig");
   verb.run = [options] { calibrate_field(*options); };
 }
 
 void add_evaluate_field(Verb& evaluate) {
   Verb& verb = evaluate.add_verb("field", "how far a fitted field is from samples that it has not seen");
   const auto options = std::make_shared<EvaluateFieldOptions>();
-  verb.add_option("--field", &options->field, "field.json of calibrate field").named("FILE").required();
+  verb.add_option("--field", &options->field, "field.json of calibrate field").named("FILE");
+  verb.add_option("--rig", &options->rig_file, "rig.json: the field of the coils as it describes them")
+      .named("FILE");
   verb.add_option("--data", &options->data, "samples, as for calibrate field").named("FILE.csv").required();
   verb.run = [options] { evaluate_field(*options); };
 }

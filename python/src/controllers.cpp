@@ -8,6 +8,7 @@
 #include "lodestone/control/planner.h"
 #include "lodestone/control/policy_controller.h"
 #include "lodestone/inference/policy.h"
+#include "lodestone/physics/coil_drive.h"
 #include "remembering_controller.h"
 
 namespace lodestone::python {
@@ -35,7 +36,7 @@ py::array drives_of(const task::ActionConfig& config, const py::handle& action) 
   std::vector<double> drives;
   for (std::size_t i = 0; i < actions.numbers.size(); i += 2)
     for (const double drive :
-         task::coil_currents(task::axis_drive({actions.numbers[i], actions.numbers[i + 1]}, config)))
+         physics::opposed_pairs_A(task::axis_drive({actions.numbers[i], actions.numbers[i + 1]}, config)))
       drives.push_back(drive);
   return array_of(std::move(drives),
                   actions.single ? std::vector<py::ssize_t>{4} : std::vector<py::ssize_t>{actions.count, 4});

@@ -124,21 +124,22 @@ void ControlLoop::pulse(const StepRecord& record) {
                                             : std::vector<physics::PulseOutcome>{});
 }
 
-void ControlLoop::drive(StepRecord& record, const geometry::Vector2& drive_A) const {
+void ControlLoop::drive(StepRecord& record, const geometry::Vector2& drive_A,
+                        const geometry::Vector2& at_m) const {
   record.drive_A = drive_A;
-  record.current_A = drive_.current_A(drive_A);
+  record.current_A = drive_.current_A(drive_A, at_m);
 }
 
-void ControlLoop::look_for_it(StepRecord& record) {
+void ControlLoop::look_for_it(StepRecord& record, const geometry::Vector2& at_m) {
   const std::optional<geometry::Vector2> probe_A = recovery_ ? recovery_->next_probe() : std::nullopt;
   record.probe = probe_A.has_value();
   if (!probe_A) return;
   // A probe says how much any coil may get: a drive along both axes may ask more of one that serves both.
-  drive(record, *probe_A);
+  drive(record, *probe_A, at_m);
   const double allowed_A = probe_A->cwiseAbs().maxCoeff();
   double most_A = 0.0;
   for (const double current_A : record.current_A) most_A = std::max(most_A, std::abs(current_A));
-  if (most_A > allowed_A) drive(record, *probe_A * ((1.0 - 1e-9) * allowed_A / most_A));
+  if (most_A > allowed_A) drive(record, *probe_A * ((1.0 - 1e-9) * allowed_A / most_A), at_m);
 }
 
 void ControlLoop::follow(Controller& controller, Reference& reference, const Observer& observer,
@@ -189,7 +190,7 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
       }
       if (!record.last) {
         record.action = checked(controller.act(observed()));
-        drive(record, task::axis_drive(record.action, action_));
+        drive(record, task::axis_drive(record.action, action_), seen_m);
       }
       if (recovery_) recovery_->seen(record.estimate.pose);
       memory.has_pose = true;
@@ -204,9 +205,9 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
       record.either_way = agreed.has_value();
       if (agreed) {
         record.action = checked(*agreed);
-        drive(record, task::axis_drive(record.action, action_));
-      } else if (!record.last) {
-        look_for_it(record);
+        drive(record, task::axis_drive(record.action, action_), record.estimate.pose.position_m());
+      } else if (!record.last && !record.estimate.blind) {
+        look_for_it(record, seen_m);
       }
       if (record.estimate.reason.empty())
         record.estimate.reason = "the sensor gave a pose that is not a number";

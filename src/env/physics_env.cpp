@@ -90,8 +90,8 @@ void PhysicsEnv::step_one(std::size_t i, const float* action) {
   const geometry::Vector2 drive_A = episodes_.drive(i, action);
   geometry::Pose2 next = episodes_.pose(i);
   if (!drive_A.isZero(0.0)) {
-    next = simulators_[simulators_.size() > 1 ? i : 0].step(next, drive_.current_A(drive_A), config_.pulse_s,
-                                                            config_.rest_s);
+    next = simulators_[simulators_.size() > 1 ? i : 0].step(
+        next, drive_.current_A(drive_A, next.position_m()), config_.pulse_s, config_.rest_s);
     next = beyond_wall_when_touching(next, rig_.dish.radius_m);
   }
   if (episodes_.finish(i, next)) begin(i);

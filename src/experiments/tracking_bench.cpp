@@ -65,7 +65,7 @@ class MaskedHead {
 
   /// What one pulse did: the head before it is known, of what came after it the axis.
   void add(const geometry::Pose2& before, const geometry::Vector2& drive_A, const geometry::Pose2& after) {
-    const physics::PerCoil current_A = drive_.current_A(drive_A);
+    const physics::PerCoil current_A = drive_.current_A(drive_A, before.position_m());
     if (!field_.direction_rad(current_A, before.position_m())) return;
     tracker_.forget();
     for (int look = 0; look < 2; ++look) tracker_.see(shown(before, kClearTape));

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "lodestone/task/action.h"
+#include "lodestone/physics/coil_drive.h"
 
 namespace lodestone::exports {
 namespace {
@@ -23,8 +23,7 @@ LoggedStep logged(const data::DatasetInfo& info, const data::Episode& episode, s
       info.rig.is_object() ? info.rig.value("drive", common::Json()) : common::Json();
   const bool pairs = !driven_by.is_object() || driven_by.value("kind", "opposed_pairs") == "opposed_pairs";
   if (info.action_unit == "A" && pairs) {  // what else a drive asks of its coils is not on record
-    const std::array<double, 4> current_A = task::coil_currents({drive[0], drive[1]});
-    step.current_A = OfCoils(current_A.begin(), current_A.end());
+    step.current_A = physics::opposed_pairs_A({drive[0], drive[1]}).list();
   }
   return step;
 }

@@ -62,8 +62,8 @@ bool CoilFields::of(const CoilsDescription& coils) const {
   if (coils.each.empty()) return false;
   return std::equal(described_.begin(), described_.end(), coils.each.begin(), coils.each.end(),
                     [](const CoilDescription& a, const CoilDescription& b) {
-                      return static_cast<const CoilWinding&>(a) == b && a.position_m == b.position_m &&
-                             a.axis == b.axis;
+                      return static_cast<const CoilWinding&>(a) == b && a.gain == b.gain &&
+                             a.position_m == b.position_m && a.axis == b.axis;
                     });
 }
 

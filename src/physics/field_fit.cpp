@@ -215,6 +215,14 @@ FieldError field_error(const MeasuredField& field, const FieldSamples& samples) 
   return errors.error();
 }
 
+FieldError field_error(const std::function<Eigen::Vector3d(std::size_t sample)>& predicted_T,
+                       const FieldSamples& samples, const std::vector<bool>& of) {
+  ErrorSum errors;
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    if (of[i]) errors.add(predicted_T(i), samples.field_T[i]);
+  return errors.error();
+}
+
 FieldFit fit_field(const FieldSamples& samples) {
   LODESTONE_CHECK(samples.size() > 0, "samples");
   const Box box = box_of(samples);

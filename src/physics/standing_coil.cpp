@@ -18,8 +18,8 @@ Eigen::Vector3d StandingCoil::per_ampere(const Eigen::Vector3d& point_m) const {
   const Eigen::Vector3d outwards_m = from_m - axial_m * axis_;
   const double radial_m = outwards_m.norm();
   const AxialRadial field = exact_.per_ampere(axial_m, radial_m);
-  if (radial_m < kOnAxis_m) return field.axial * axis_;
-  return field.axial * axis_ + field.radial / radial_m * outwards_m;
+  if (radial_m < kOnAxis_m) return coil_.gain * field.axial * axis_;
+  return coil_.gain * (field.axial * axis_ + field.radial / radial_m * outwards_m);
 }
 
 Eigen::Vector3d StandingCoil::beside_winding_per_ampere(geometry::Vector2 point_m) const {

@@ -1,6 +1,5 @@
 #include "lodestone/task/action.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "lodestone/geometry/saturation.h"
@@ -38,11 +37,6 @@ geometry::Vector2 axis_drive(const geometry::Vector2& action, const ActionConfig
   drive *= drive.norm() < config.dead_band ? 0.0 : config.scale;
   if (config.one_axis_at_a_time) drive[std::abs(drive[0]) >= std::abs(drive[1]) ? 1 : 0] = 0.0;
   return drive;
-}
-
-std::array<double, 4> coil_currents(const geometry::Vector2& axis_drive) {
-  return {std::max(axis_drive.x(), 0.0), std::max(-axis_drive.x(), 0.0), std::max(axis_drive.y(), 0.0),
-          std::max(-axis_drive.y(), 0.0)};
 }
 
 }  // namespace lodestone::task

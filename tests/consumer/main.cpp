@@ -1,14 +1,14 @@
 #include <cstdio>
 
+#include "lodestone/physics/coil_drive.h"
 #include "lodestone/rig/virtual_rig.h"
-#include "lodestone/task/action.h"
 
 /// Places the needle at the dish centre and pulls it towards coil +x: exits 0 when it went that way.
 int main() {
   lodestone::rig::VirtualRig rig(lodestone::rig::VirtualRigConfig{}, 1);
   rig.place({0.0, 0.0, 0.0});
   lodestone::rig::CoilPulse pulse;
-  pulse.current_A = lodestone::task::coil_currents({8.0, 0.0});
+  pulse.current_A = lodestone::physics::opposed_pairs_A({8.0, 0.0});
   pulse.duration_s = 0.1;
   rig.coils().apply(pulse);
   rig.clock().sleep_until(rig.clock().now_s() + 0.3);

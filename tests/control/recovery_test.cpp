@@ -42,7 +42,7 @@ class HiddenUntilTurned final : public control::PoseSensor {
 TEST_CASE("a needle that is not seen is waited for, turned to both sides, and pulled to the centre at last") {
   const physics::RigDescription rig;
   control::Recovery recovery({}, rig);
-  const control::DipoleField field(rig);
+  const control::DrivenField field(rig);
   const geometry::Pose2 last{0.015, 0.01, 0.4};
   recovery.seen(last);
   std::vector<Vector2> probes_A;

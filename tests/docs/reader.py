@@ -1,5 +1,6 @@
 """What a page takes for granted that its reader has: recordings, descriptions, a finished quickstart. By page."""
 import csv
+import json
 import math
 import random
 import shutil
@@ -36,6 +37,29 @@ def pulses(checkout, _):
 
 def field_samples(checkout, _):
     shutil.copy(checkout.root / "tests/physics/octomag_field.csv", checkout.root / "samples.csv")
+
+
+def six_samples(checkout, _):
+    """What a gaussmeter saw of six coils that stand elsewhere than configs/rigs/six_planar.json says, in the needle's plane."""
+    draw = random.Random(4)
+    rig = json.loads((checkout.root / "configs/rigs/six_planar.json").read_text())
+    for coil in rig["coils"]["each"]:
+        coil["position_m"] = [at + draw.uniform(-0.002, 0.002) for at in coil["position_m"]]
+    built, places = checkout.root / "six-built.json", checkout.root / "six-points.csv"
+    built.write_text(json.dumps(rig))
+    at = [(draw.uniform(-0.02, 0.02), draw.uniform(-0.02, 0.02)) for _ in range(60)]
+    write_rows(places, [("x_m", "y_m"), *at])
+    fields = []
+    for coil in rig["coils"]["each"]:
+        lodestone(checkout, "rig", "field", "--rig", built, "--coil", coil["name"], "--points", places, "--out", "six-field.csv")
+        with (checkout.root / "six-field.csv").open() as file:
+            fields.append([[float(row[f"B{axis}_T_per_A"]) for axis in "xyz"] for row in csv.DictReader(file)])
+    rows = [("x_m", "y_m", "z_m", *(f"current_{coil + 1}_A" for coil in range(6)), "Bx_T", "By_T", "Bz_T")]
+    for i, (x, y) in enumerate(at):
+        current_A = [draw.uniform(0, 10) for _ in fields]
+        field_T = [sum(current * field[i][axis] for current, field in zip(current_A, fields)) + draw.gauss(0, 5e-6) for axis in range(3)]
+        rows.append((x, y, 0.0, *current_A, *field_T))
+    write_rows(checkout.root / "six-samples.csv", rows)
 
 
 def odd_log(checkout, _):
@@ -86,7 +110,7 @@ def old_run(checkout, kept):
 
 HAS = {
     "docs/beyond-the-paper.md": [description("paper.json")],
-    "docs/bring-your-own-rig.md": [points, field_samples],
+    "docs/bring-your-own-rig.md": [points, field_samples, six_samples],
     "docs/deploy-safely.md": [quickstart],
     "docs/drive-a-bench.md": [quickstart, description("serial.json")],
     "docs/export.md": [imported_pulses, torchscript],

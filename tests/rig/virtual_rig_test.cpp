@@ -255,7 +255,7 @@ TEST_CASE("a rig of other coils drives its needle, and each coil within its own 
   for (const double angle_rad : {0.0, 0.6, 2.2, 4.0}) {
     const geometry::Vector2 along(std::cos(angle_rad), std::sin(angle_rad));
     rig.place({0.0, 0.0, angle_rad});
-    rig.coils().apply({drive.current_A(config.coils.max_current_A * along), 0.1});
+    rig.coils().apply({drive.current_A(config.coils.max_current_A * along, {0.0, 0.0}), 0.1});
     rig.clock().sleep_until(rig.clock().now_s() + 0.3);
     const geometry::Vector2 moved_m = rig.true_pose().position_m();
     CHECK(moved_m.dot(along) > 0.9 * moved_m.norm());

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <mutex>
@@ -101,8 +100,9 @@ class ControlLoop {
  private:
   void rest_until(double time_s);
   void pulse(const StepRecord& record);
-  void drive(StepRecord& record, const geometry::Vector2& drive_A) const;
-  void look_for_it(StepRecord& record);
+  /// `at_m`: where the needle is, or was when it was last seen.
+  void drive(StepRecord& record, const geometry::Vector2& drive_A, const geometry::Vector2& at_m) const;
+  void look_for_it(StepRecord& record, const geometry::Vector2& at_m);
   [[noreturn]] void throw_interrupted();
   void follow(Controller& controller, Reference& reference, const Observer& observer, LoopOutcome& outcome);
 

@@ -4,7 +4,7 @@
 
 #include "lodestone/common/config.h"
 #include "lodestone/control/controller.h"
-#include "lodestone/control/dipole_field.h"
+#include "lodestone/control/driven_field.h"
 #include "lodestone/physics/rig_description.h"
 
 namespace lodestone::control {
@@ -56,7 +56,7 @@ class DipolePull {
 
  private:
   double moment_A_m2_;
-  DipoleField field_;
+  DrivenField field_;
 };
 
 /// Baseline: pulls the needle towards where the target will be after the pulse, with a force that grows with

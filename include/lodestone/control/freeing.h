@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "lodestone/common/config.h"
-#include "lodestone/control/dipole_field.h"
 #include "lodestone/control/dipole_pull.h"
+#include "lodestone/control/driven_field.h"
 #include "lodestone/geometry/pose2.h"
 #include "lodestone/physics/rig_description.h"
 
@@ -57,7 +57,7 @@ class Freeing {
   geometry::Vector2 turn(const geometry::Pose2& pose, double by_rad) const;
 
   FreeingConfig config_;
-  DipoleField field_;
+  DrivenField field_;
   DipolePull pull_;
   double breakaway_N_;
   double max_current_A_;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +26,10 @@ struct PoseEstimate {
   /// How far from where it was expected, squared and in units of the spread that was expected (normalised
   /// innovation of 2 degrees of freedom: 2 on average); nothing where nothing was expected.
   std::optional<double> innovation;
+  /// Not valid, and not to be looked for: something covers the dish, or the camera is not where it was
+  /// calibrated.
+  bool blind = false;
+  bool camera_moved = false;  ///< blind because the camera has been seen to have moved
   Eigen::Matrix2d position_covariance_m2 = Eigen::Matrix2d::Zero();
 };
 

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "lodestone/common/config.h"
-#include "lodestone/control/dipole_field.h"
 #include "lodestone/control/dipole_pull.h"
+#include "lodestone/control/driven_field.h"
 #include "lodestone/geometry/pose2.h"
 #include "lodestone/physics/rig_description.h"
 
@@ -51,7 +51,7 @@ class Recovery {
   std::optional<geometry::Vector2> pull() const;
 
   RecoveryConfig config_;
-  DipoleField field_;
+  DrivenField field_;
   DipolePull pull_;
   std::optional<geometry::Pose2> last_;
   std::int64_t blind_ = 0;

@@ -4,7 +4,7 @@
 
 #include "lodestone/common/config.h"
 #include "lodestone/control/controller.h"
-#include "lodestone/control/dipole_field.h"
+#include "lodestone/control/driven_field.h"
 #include "lodestone/control/inner_controller.h"
 
 namespace lodestone::control {
@@ -59,7 +59,7 @@ class TurnInPlace final : public Controller {
   InnerController inner_;
   TurnConfig config_;
   double scale_A_;
-  DipoleField field_;
+  DrivenField field_;
   double current_A_ = 0.0;  // of the next turning pulse
   double last_error_deg_ = 0.0;
   bool arrived_ = false;

@@ -15,6 +15,7 @@ struct CoilDescription : CoilWinding {
   std::string name;
   std::vector<double> position_m;     ///< [3]: the middle of the winding in the dish frame; z is up
   std::vector<double> axis;           ///< [3]: the field on the axis for positive current; empty: outwards
+  double gain = 1.0;                  ///< of its field over that of the winding, as a magnetometer tells
   double max_current_A = 0.0;         ///< 0: as the rig's
   bool bipolar = false;               ///< takes currents of either sign
   std::vector<std::string> not_with;  ///< coils that are never on together with it
@@ -30,6 +31,10 @@ struct CoilDescription : CoilWinding {
             "to the coil",
             {-1e3, 1e3});
     CoilWinding::visit(v);
+    v.field("gain", gain, "",
+            "its field over that of the winding as described (turns that were miscounted, an ammeter that is "
+            "off), as calibrate field finds it",
+            {0.1, 10.0});
     v.field("max_current_A", max_current_A, "A", "largest current; 0: coils.max_current_A", {0.0, 1000.0});
     v.field("bipolar", bipolar, "", "whether its driver gives currents of either sign");
     v.field("not_with", not_with, "", "names of coils that must be off while this one is on");

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstddef>
-#include <utility>
-#include <vector>
+#include <memory>
 
 #include "lodestone/geometry/pose2.h"
+#include "lodestone/physics/field_allocation.h"
 #include "lodestone/physics/per_coil.h"
 #include "lodestone/physics/rig_description.h"
 
@@ -20,28 +20,19 @@ class CoilDrive {
  public:
   /// The paper's four coils.
   CoilDrive() = default;
-  /// Of DriveKind::kField: for each direction the smallest currents that make a field along it, and along it
-  /// the largest pull that every direction can have; where both at once are out of reach, as with four
-  /// unipolar coils between their axes, each as nearly as it can. Throws ConfigError where they would be more
-  /// than 25 degrees off.
+  /// Throws ConfigError where the coils cannot make the field of DriveKind::kField (FieldAllocation).
   explicit CoilDrive(const RigDescription& rig);
 
   std::size_t coils() const { return coils_; }
-  /// Within the coils' limits: a drive that asks for more gives as much as there is, along its direction.
-  PerCoil current_A(const geometry::Vector2& drive_A) const;
-  /// Pull (N) at the dish centre of a drive of the rig's largest current on a needle that lies along it; 0
-  /// for opposed pairs.
-  double full_pull_N() const { return full_pull_N_; }
+  /// For a needle at a point of the dish frame, which matters to DriveKind::kField alone. Within the coils'
+  /// limits: a drive that asks for more gives as much as there is, along its direction.
+  PerCoil current_A(const geometry::Vector2& drive_A, const geometry::Vector2& position_m) const;
 
  private:
-  PerCoil along(double direction_rad) const;
-
   std::size_t coils_ = 4;
-  std::vector<PerCoil> by_direction_A_;  ///< of a full drive, evenly around; empty: opposed pairs
+  std::shared_ptr<const FieldAllocation> field_;  ///< null: opposed pairs
   PerCoil largest_A_, smallest_A_;
-  std::vector<std::pair<std::size_t, std::size_t>> apart_;  ///< never on together
   double full_drive_A_ = 0.0;
-  double full_pull_N_ = 0.0;
 };
 
 }  // namespace lodestone::physics

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "lodestone/physics/field_samples.h"
@@ -28,6 +30,9 @@ struct FieldError {
 
 /// Throws DataError when a sample lies outside the field's box, or has another number of coils.
 FieldError field_error(const MeasuredField& field, const FieldSamples& samples);
+/// Of a field as it is predicted at each sample (T), over some of them.
+FieldError field_error(const std::function<Eigen::Vector3d(std::size_t sample)>& predicted_T,
+                       const FieldSamples& samples, const std::vector<bool>& of);
 
 /// A field fitted to samples, and how well it explains samples that it was not fitted to.
 struct FieldFit {

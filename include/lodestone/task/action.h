@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <string>
 
 #include "lodestone/common/config.h"
@@ -33,8 +32,5 @@ ActionConfig action_from_json(common::Json json, const std::string& what);
 
 /// Signed axis drives (x, y) of an action; components are clipped to [-1, 1] first.
 geometry::Vector2 axis_drive(const geometry::Vector2& action, const ActionConfig& config);
-
-/// Currents of the coils +x, -x, +y, -y for signed axis drives.
-std::array<double, 4> coil_currents(const geometry::Vector2& axis_drive);
 
 }  // namespace lodestone::task

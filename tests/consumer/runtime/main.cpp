@@ -8,7 +8,7 @@
 using namespace lodestone;
 
 /// deploy MODELS: a released policy pulls the needle of a virtual rig, seen by camera, to the dish centre for
-/// six seconds, under the supervisor. Exits 0 when it came nearer. For a bench: session::make_serial_session.
+/// six seconds, under the supervisor. Exits 0 when it came nearer. For a bench: session::make_bench_session.
 int main(int count, char** arguments) try {
   const std::string models = count > 1 ? arguments[1] : "models";
   session::SensingConfig sensing;

@@ -1,4 +1,4 @@
-#include "lodestone/control/dipole_field.h"
+#include "lodestone/control/driven_field.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -10,7 +10,7 @@ using geometry::Vector2;
 
 TEST_CASE("an axis drive is the field of the coil that its sign picks") {
   const physics::CoilGeometry coil = tests::paper_rig().coils.geometry;
-  const control::DipoleField field(tests::paper_rig());
+  const control::DrivenField field(tests::paper_rig());
   const Vector2 point(0.01, -0.005);
   physics::FieldGradient expected;
   physics::DipoleCoil(coil, 1).add(3.0, point, expected);  // -x

@@ -10,9 +10,9 @@ namespace lodestone::control {
 
 /// The field as classical controllers see it (of the paper's rig that of point dipoles), in terms of what
 /// drives the coils.
-class DipoleField {
+class DrivenField {
  public:
-  explicit DipoleField(const physics::RigDescription& rig);
+  explicit DrivenField(const physics::RigDescription& rig);
 
   /// Field (T) and gradient (T/m) of a drive (A) at a point of the dish frame.
   physics::FieldGradient at(const geometry::Vector2& drive_A, const geometry::Vector2& position_m) const;

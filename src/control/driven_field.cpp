@@ -1,4 +1,4 @@
-#include "lodestone/control/dipole_field.h"
+#include "lodestone/control/driven_field.h"
 
 #include <cmath>
 
@@ -6,11 +6,11 @@
 
 namespace lodestone::control {
 
-DipoleField::DipoleField(const physics::RigDescription& rig) : drive_(rig), field_(rig) {}
+DrivenField::DrivenField(const physics::RigDescription& rig) : drive_(rig), field_(rig) {}
 
-physics::FieldGradient DipoleField::at(const geometry::Vector2& drive_A,
+physics::FieldGradient DrivenField::at(const geometry::Vector2& drive_A,
                                        const geometry::Vector2& position_m) const {
-  return field_.at(drive_.current_A(drive_A), position_m);
+  return field_.at(drive_.current_A(drive_A, position_m), position_m);
 }
 
 geometry::Vector2 unit_drive_along(const geometry::Vector2& direction,
