@@ -157,6 +157,7 @@ runs::TrialRecord record_of(const TrialResult& result) {
     record.sensed_trajectory.push_back(estimate.valid ? std::optional(pose_mm(estimate.pose)) : std::nullopt);
     record.current_A->push_back(sample.step.current_A.list());
     if (sample.step.rig_changed && !record.rig_changed_s) record.rig_changed_s = sample.step.time_s;
+    if (estimate.camera_moved && !record.camera_moved_s) record.camera_moved_s = sample.step.time_s;
     if (record.log_drive_gain) {
       const std::optional<task::DriveGain>& gain = sample.step.drive_gain;
       record.log_drive_gain->push_back(

@@ -64,6 +64,7 @@ Trial read_trial(const runs::TrialRecord& record) {
   trial.completed = record.completed;
   trial.stop_reason = record.stop_reason;
   trial.rig_changed_s = record.rig_changed_s;
+  trial.camera_moved_s = record.camera_moved_s;
   return trial;
 }
 

@@ -34,7 +34,8 @@ struct Trial {
   bool success = false;
   bool completed = true;
   std::string stop_reason;
-  std::optional<double> rig_changed_s;  ///< when its rig was told to be another
+  std::optional<double> rig_changed_s;   ///< when its rig was told to be another
+  std::optional<double> camera_moved_s;  ///< when its camera no longer stood where it was calibrated
 
   /// Distance to the reference at an observation.
   double distance_mm(std::size_t observation) const;

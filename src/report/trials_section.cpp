@@ -134,6 +134,7 @@ std::string worst_section(const std::vector<const Trial*>& trials, double radius
   for (const Trial* trial : trials) {
     std::string ended = trial->completed ? "at its time" : escape(trial->stop_reason);
     if (trial->rig_changed_s) ended += "; rig found changed after " + fixed(*trial->rig_changed_s, 0) + " s";
+    if (trial->camera_moved_s) ended += "; camera slipped after " + fixed(*trial->camera_moved_s, 0) + " s";
     if (rows.size() < kWorstInTable)
       rows.push_back({escape(trial->task), escape(trial->controller), escape(trial->rig), ended,
                       std::to_string(trial->number), fixed(trial->error_mm, 2),

@@ -24,6 +24,8 @@ control::PoseEstimate TrackedPoseSensor::look() {
   estimate.position_sigma_m = std::sqrt(track.covariance(0, 0) + track.covariance(1, 1));
   estimate.heading_sigma_rad = std::sqrt(track.covariance(2, 2));
   estimate.innovation = tracker_.innovation();
+  estimate.blind = sighting.camera != vision::CameraPlace::kKept;
+  estimate.camera_moved = sighting.camera == vision::CameraPlace::kMoved;
   return estimate;
 }
 

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 #include <functional>
+#include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "control/fakes.h"
 #include "lodestone/common/error.h"
@@ -131,6 +133,59 @@ TEST_CASE("a spoiled image stops the coils, names the fault, and keeps what was 
     CHECK(outcome.steps.size() >= 3);
     CHECK(outcome.steps.size() <= 5);
   }
+}
+
+TEST_CASE("a camera that slips pauses the run, and one that is put back lets it go on") {
+  Bench bench;
+  bench.rig.place({0.01, 0.0, 0.0});
+  SpoiledCamera camera(bench.camera);
+  bool slipped = false;
+  camera.spoil = [&slipped](imaging::Frame& frame) {
+    if (!slipped) return;
+    const cv::Mat image = frame.image.clone();  // 6 px are 0.6 mm
+    const cv::Mat aside = (cv::Mat_<double>(2, 3) << 1, 0, 6, 0, 1, 0);
+    cv::warpAffine(image, frame.image, aside, image.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  };
+  session::CameraDetector detector = bench.detector(camera);
+  session::TrackedPoseSensor sensor(detector, {}, {}, bench.rig.clock());
+  tests::RecordingCoils recording;
+  safety::Supervisor coils(recording, {}, tests::paper_rig(), bench.rig.clock());
+  const physics::RigDescription rig = tests::paper_rig();  // which is looked for, too
+  control::ControlLoop loop({}, tests::paper_action(), coils, sensor, bench.rig.clock(), &rig);
+  tests::FunctionController controller([](const task::Observation&) { return geometry::Vector2(0.2, 0.0); });
+  control::PointReference reference({0.0, 0.0}, 4.0);
+  std::vector<control::StepRecord> steps;
+  const control::LoopOutcome outcome = loop.run(controller, reference, [&](const control::StepRecord& step) {
+    steps.push_back(step);
+    slipped = steps.size() >= 4 && steps.size() < 8;
+  });
+  CAPTURE(outcome.stop_reason);
+  CHECK(outcome.completed);
+  REQUIRE(steps.size() > 10);
+  CHECK(steps[2].estimate.valid);
+  CHECK_FALSE(steps[2].current_A == physics::PerCoil{});
+  for (std::size_t i = 5; i < 8; ++i) {  // the first image is not believed alone
+    CHECK_FALSE(steps[i].estimate.valid);
+    CHECK(steps[i].estimate.camera_moved);
+    CHECK(steps[i].current_A == physics::PerCoil{});
+    CHECK_THAT(steps[i].estimate.reason, Catch::Contains("the camera has slipped: the dish's rim is 0."));
+  }
+  CHECK(steps[10].estimate.valid);
+  CHECK_FALSE(steps[10].current_A == physics::PerCoil{});
+}
+
+TEST_CASE("a camera that stands far from its calibration sees nothing, though it never saw the rim") {
+  Bench bench;
+  common::RandomStream random(1, "empty");
+  imaging::Calibration calibration = imaging::calibrate_from_dish({bench.renderer->render({}, random).image},
+                                                                  Bench::scene().bench, Bench::scene().lens);
+  calibration.camera = imaging::moved(calibration.camera, {0.0, 0.0, 0.0}, {6e-3, 0.0, 0.0});
+  session::CameraDetector detector(bench.camera, shipped_segmenter(), physics::RigDescription{},
+                                   Bench::scene().lens, {}, calibration);
+  vision::Sighting sighting;
+  for (int i = 0; i < 12; ++i) sighting = detector.look();
+  CHECK(sighting.camera == vision::CameraPlace::kUnknown);
+  CHECK(sighting.candidates.empty());
 }
 
 TEST_CASE("an image without a dish is no reason to guess") {

@@ -80,6 +80,9 @@ struct TrialRecord {
   std::optional<std::vector<std::optional<std::array<double, 2>>>> log_drive_gain;
   /// When simulator and gain no longer explained what the pulses do; absent where they did.
   std::optional<double> rig_changed_s;
+  /// From when on the camera no longer stood where it was calibrated, at first; absent where it did. There
+  /// are no poses, and no pulses, while it does not.
+  std::optional<double> camera_moved_s;
   std::optional<TrialFigures> truth;  ///< by true poses; absent likewise
   TrialFigures sensed;
   bool completed = false;
@@ -104,6 +107,7 @@ struct TrialRecord {
     v.field("temperature_C", temperature_C);
     v.field("log_drive_gain", log_drive_gain);
     v.field("rig_changed_s", rig_changed_s);
+    v.field("camera_moved_s", camera_moved_s);
     v.part("final_error_mm", truth);
     v.field("sensed", sensed);
     v.field("completed", completed);

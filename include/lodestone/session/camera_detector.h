@@ -7,6 +7,7 @@
 #include "lodestone/imaging/calibration.h"
 #include "lodestone/imaging/frame.h"
 #include "lodestone/imaging/frame_guard.h"
+#include "lodestone/imaging/rim_watch.h"
 #include "lodestone/physics/rig_description.h"
 #include "lodestone/rig/camera.h"
 #include "lodestone/session/needle_detector.h"
@@ -37,7 +38,8 @@ struct CameraSensorConfig {
 };
 
 /// Camera -> U-Net -> rods in the dish frame. Without a calibration it makes one from the first image (the
-/// paper's own wish).
+/// paper's own wish). Once the dish's rim is no longer where it was calibrated (CalibrationConfig's
+/// moved_bound_m, in two images in a row), or nowhere for ten, no needle is seen until it is again.
 class CameraDetector final : public NeedleDetector {
  public:
   /// `camera` must outlive the detector. `lens` says how the camera is mounted, as far as that is known; it
@@ -60,6 +62,8 @@ class CameraDetector final : public NeedleDetector {
 
  private:
   void calibrate();
+  /// Nothing, and whether the camera stands where it stood.
+  vision::Sighting slipped();
 
   rig::Camera& camera_;
   std::shared_ptr<const vision::Segmenter> segmenter_;
@@ -69,6 +73,9 @@ class CameraDetector final : public NeedleDetector {
   imaging::FrameGuard guard_;
   std::optional<imaging::Calibration> calibration_;
   std::optional<vision::Localiser> localiser_;
+  std::optional<imaging::RimWatch> watch_;
+  int moved_images_ = 0;     // in a row
+  int doubtful_images_ = 0;  // likewise, with those in which nothing is where the rim was
   imaging::Frame frame_;
 };
 
