@@ -65,8 +65,8 @@ void adapt(const AdaptOptions& options) {
   const experiments::CollectionConfig& collection = config.collection;
   experiments::AdaptationRun work(config, run, [&] {
     if (!collection.rig.real()) return experiments::make_exploration_session(collection);
-    return session::make_serial_session(collection.rig, collection.sensor, collection.safety,
-                                        terminal_operator(), run.path());
+    return session::make_bench_session(collection.rig, collection.sensor, collection.safety,
+                                       terminal_operator(), run.path());
   });
   const runs::Adaptation result = work.run();
   run.finish();

@@ -95,8 +95,8 @@ std::unique_ptr<experiments::Collection> make_live_session(const CollectConfig& 
     window = std::make_unique<TeleoperationWindow>(config.by, collection.rig.coils.max_current_A,
                                                    collection.rig.dish.radius_m);
   std::unique_ptr<session::RigSession> bench =
-      collection.rig.real() ? session::make_serial_session(collection.rig, collection.sensor,
-                                                           collection.safety, terminal_operator(), out)
+      collection.rig.real() ? session::make_bench_session(collection.rig, collection.sensor,
+                                                          collection.safety, terminal_operator(), out)
                             : experiments::make_exploration_session(collection, 0, true);
   std::optional<experiments::Teleoperator> teleoperator;
   if (window) teleoperator = window->teleoperator(*bench);

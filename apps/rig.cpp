@@ -51,6 +51,7 @@ void add_rig(Verb& program) {
   Verb& rig = program.add_verb("rig", "look at the rig itself: its field, its wiring, or an emulated one");
   add_rig_check(rig);
   add_rig_emulate(rig);
+  add_rig_conform(rig);
   Verb& verb = rig.add_verb("field",
                             "exact field per ampere of one coil in the dish plane (CSV to --out "
                             "or standard output), to compare with a "

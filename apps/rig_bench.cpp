@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "common_options.h"
 #include "lodestone/common/files.h"
@@ -8,8 +10,10 @@
 #include "lodestone/common/log.h"
 #include "lodestone/experiments/emulated_rig.h"
 #include "lodestone/rig/coil_measurement.h"
+#include "lodestone/rig/driver_stream.h"
 #include "lodestone/rig/serial_coils.h"
 #include "lodestone/safety/check.h"
+#include "lodestone/session/driver_conformance.h"
 #include "lodestone/session/rig_check.h"
 #include "models.h"
 #include "terminal.h"
@@ -52,6 +56,9 @@ void calibrate_coils(const BenchOptions& options) {
   const session::RigCheckConfig config = resolve(options);
   if (options.out.empty())
     throw common::ConfigError("calibrate coils: --out FILE.json is missing; name the file to write");
+  if (config.rig.backend == rig::Backend::kDriver)
+    throw common::ConfigError(
+        "rig.backend = driver: calibrate coils measures those of the coil controller on a serial port");
   rig::SerialCoils coils(config.rig.serial, config.rig.coils);
   const common::SteadyClock clock;
   safety::Supervisor guarded(coils, config.safety, config.rig, clock, safety::Supervisor::Poses::kNone);
@@ -102,6 +109,56 @@ void emulate(const BenchOptions& options) {
     common::log_warning("this machine was too slow for real time for " + number(lost_s, "s"));
 }
 
+void show(const std::string& driver, const std::vector<session::ConformanceItem>& items, int& failed) {
+  std::printf("%s\n", driver.c_str());
+  for (const session::ConformanceItem& item : items) {
+    std::printf("  %-8s %s: %s\n", item.passed ? "ok" : "FAILED", item.what.c_str(), item.seen.c_str());
+    failed += item.passed ? 0 : 1;
+  }
+}
+
+void conform(const BenchOptions& options) {
+  const session::RigCheckConfig config = resolve(options);
+  const rig::DriverConfig& driver = config.rig.driver;
+  const bool camera = config.rig.camera.kind == rig::CameraKind::kDriver;
+  if (driver.coils.empty() && driver.sensor.empty() && !camera)
+    throw common::ConfigError(
+        "rig conform: this rig has no driver; name one as rig.driver.coils, rig.driver.sensor or "
+        "rig.camera.source (docs/driver-protocol.md)");
+  const auto opener = [&](const std::string& address, const std::string& key) {
+    return [=, start_s = driver.start_timeout_s] { return rig::open_driver_stream(address, start_s, key); };
+  };
+  int failed = 0;
+  if (!driver.coils.empty()) {
+    const std::string most =
+        number(config.safety.max_current_A < config.test_current_A ? config.safety.max_current_A
+                                                                   : config.test_current_A,
+               "A");
+    if (!confirm("test " + driver.coils + "? Each coil gets up to " + most +
+                     " for some tenths of a second, and is asked for more than it may have, which has to be "
+                     "refused.",
+                 options.yes))
+      throw common::Interrupted("rig conform: stopped; nothing was tested");
+    show(driver.coils,
+         session::check_coils_driver(opener(driver.coils, "rig.driver.coils"), driver, config.rig.coils,
+                                     std::min(config.test_current_A, config.safety.max_current_A)),
+         failed);
+  }
+  if (!driver.sensor.empty())
+    show(driver.sensor, session::check_sensor_driver(opener(driver.sensor, "rig.driver.sensor"), driver),
+         failed);
+  if (camera)
+    show(config.rig.camera.source,
+         session::check_camera_driver(opener(config.rig.camera.source, "rig.camera.source"), driver,
+                                      config.sensor.camera.timeout_s),
+         failed);
+  if (failed > 0)
+    throw common::HardwareError("rig conform: " + std::to_string(failed) +
+                                (failed == 1 ? " test" : " tests") +
+                                " failed; docs/driver-protocol.md says what a driver has to do");
+  std::printf("the driver keeps the protocol\n");
+}
+
 void add_bench_options(Verb& verb, BenchOptions& options, bool asks) {
   add_common_options(verb, options);
   add_shorthand(verb, options, "--port", "rig.serial.port", Shorthand::kText,
@@ -127,6 +184,14 @@ void add_rig_emulate(Verb& rig) {
   add_bench_options(verb, options, false);
   add_virtual_rig_options(verb, options, "seed");
   verb.add_option("--no-camera", &options.no_camera, "without a camera");
+}
+
+void add_rig_conform(Verb& rig) {
+  Verb& verb =
+      rig.add_verb("conform", "test drivers of your own (rig.driver, rig.camera) against their protocol");
+  auto& options = configure<session::RigCheckConfig>(verb, conform);
+  add_common_options(verb, options);
+  verb.add_option("--yes", &options.yes, "answer every question with yes: coils will be energised");
 }
 
 void add_calibrate_coils(Verb& calibrate) {

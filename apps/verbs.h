@@ -44,6 +44,7 @@ void add_calibrate_field(Verb& calibrate);
 void add_evaluate_field(Verb& evaluate);
 void add_rig_check(Verb& rig);
 void add_rig_emulate(Verb& rig);
+void add_rig_conform(Verb& rig);
 
 /// All verbs that have a configuration, and the program's own options.
 void add_verbs(Verb& program);

@@ -4,7 +4,7 @@
 //   build/examples/own_controller models/segmenter
 //
 // The folder is of the network that sees the needle; without it the sensor is simulated. A bench on a serial
-// port is opened by session::make_serial_session, and the rest stays as it is.
+// port is opened by session::make_bench_session, and the rest stays as it is.
 #include <algorithm>
 #include <cstdio>
 #include <memory>

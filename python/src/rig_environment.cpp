@@ -155,7 +155,7 @@ class RigEnvironment {
           const py::gil_scoped_acquire acquired;
           ask_(pose.x_m, pose.y_m, pose.heading_rad);
         };
-      rig_ = session::make_serial_session(config_.rig, config_.sensor, config_.safety, std::move(ask));
+      rig_ = session::make_bench_session(config_.rig, config_.sensor, config_.safety, std::move(ask));
     } else {
       session::VirtualSeeds seeds;
       seeds.rig = rig_seed_;

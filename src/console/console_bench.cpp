@@ -62,8 +62,8 @@ struct EmulatedConsole {
     parts.bench.sources = {simulator ? experiments::planner_source(config.deployment, *simulator)
                                      : experiments::baseline_source(config.deployment)};
     parts.bench.connect = [this, deployment = config.deployment] {
-      return session::make_serial_session(rig.description, deployment.sensor, deployment.safety,
-                                          [this](const geometry::Pose2& pose) { rig.bench->place(pose); });
+      return session::make_bench_session(rig.description, deployment.sensor, deployment.safety,
+                                         [this](const geometry::Pose2& pose) { rig.bench->place(pose); });
     };
     parts.rig_kind = parts.rig_name = "emulated";
     parts.folder = folder + "/console";

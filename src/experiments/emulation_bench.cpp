@@ -132,7 +132,7 @@ std::vector<double> EmulationBench::drive_square(std::int64_t index, const std::
   deployment.safety.stop_file = folder_ + "/STOP";
   PulseWatch watch(live);
   const std::unique_ptr<session::RigSession> session =
-      session::make_serial_session(deployment.rig, deployment.sensor, deployment.safety);
+      session::make_bench_session(deployment.rig, deployment.sensor, deployment.safety);
   const TrialPlan plan = plan_trial(deployment, "square", index, std::nullopt, std::nullopt,
                                     [&](const geometry::Pose2& pose) { return session->fits(pose); });
   live.place(plan.start);

@@ -211,6 +211,10 @@ class Walk {
 }  // namespace
 
 void check_rig(const RigCheckConfig& config, const RigCheckRequest& request, Dialogue& dialogue) {
+  if (config.rig.backend == rig::Backend::kDriver)
+    throw common::ConfigError(
+        "rig.backend = driver: the walk through the wiring is for the coil controller on a serial port; "
+        "`lodestone rig conform` tests a driver");
   if (!config.rig.coils.each.empty())
     throw common::ConfigError("rig.coils.each lists " + std::to_string(config.rig.coils.count()) +
                               " coils; the walk through the wiring knows the four around the dish");

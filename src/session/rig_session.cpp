@@ -5,7 +5,9 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/log.h"
 #include "lodestone/imaging/calibration.h"
+#include "lodestone/rig/driver_coils.h"
 #include "lodestone/rig/serial_coils.h"
+#include "lodestone/session/driver_detector.h"
 
 namespace lodestone::session {
 
@@ -40,12 +42,29 @@ struct VirtualParts final : Operator, GroundTruth {
   std::optional<safety::Supervisor> coils;
 };
 
-struct SerialParts {
-  SerialParts(const rig::RigConfig& rig, const SensingConfig& sensing, const safety::SafetyConfig& safety,
-              AskedOperator::Ask ask) {
+/// A real bench, or an emulated one.
+struct BenchParts {
+  BenchParts(const rig::RigConfig& rig, const SensingConfig& sensing, const safety::SafetyConfig& safety,
+             AskedOperator::Ask ask) {
+    open_sensor(rig, sensing);
+    open_coils(rig);
+    coils.emplace(*device, safety, rig, clock, safety::Supervisor::Poses::kRequired, true);
+    if (ask)
+      needle_operator = std::make_unique<AskedOperator>(std::move(ask));
+    else
+      needle_operator = std::make_unique<AbsentOperator>();
+  }
+
+  void open_sensor(const rig::RigConfig& rig, const SensingConfig& sensing) {
+    if (!rig.driver.sensor.empty()) {
+      by_driver.emplace(rig.driver);
+      sensor.emplace(*by_driver, sensing.tracker, rig, clock);
+      return;
+    }
     if (sensing.kind != "camera")
-      throw common::ConfigError("sensor.kind = \"" + sensing.kind +
-                                "\": only a camera can see the needle of a real bench; use \"camera\"");
+      throw common::ConfigError(
+          "sensor.kind = \"" + sensing.kind +
+          "\": only a camera can see the needle of a real bench; use \"camera\", or rig.driver.sensor");
     const auto segmenter = vision::Segmenter::load(sensing.segmenter);
     std::optional<imaging::Calibration> calibration;
     if (!sensing.calibration.empty()) calibration = imaging::read_calibration(sensing.calibration);
@@ -55,22 +74,33 @@ struct SerialParts {
       watched = running.get();
       camera = std::move(running);
     }
-    detector.emplace(*camera, segmenter, rig, sensing.scene.lens, sensing.camera, calibration);
-    sensor.emplace(*detector, sensing.tracker, rig, clock);
-    device = std::make_unique<rig::SerialCoils>(rig.serial, rig.coils);
-    coils.emplace(*device, safety, rig, clock, safety::Supervisor::Poses::kRequired, true);
-    if (ask)
-      needle_operator = std::make_unique<AskedOperator>(std::move(ask));
-    else
-      needle_operator = std::make_unique<AbsentOperator>();
+    by_camera.emplace(*camera, segmenter, rig, sensing.scene.lens, sensing.camera, calibration);
+    sensor.emplace(*by_camera, sensing.tracker, rig, clock);
+  }
+
+  void open_coils(const rig::RigConfig& rig) {
+    if (rig.backend == rig::Backend::kDriver) {
+      auto driven = std::make_unique<rig::DriverCoils>(rig.driver, rig.coils);
+      connected_to = driven->driver();
+      clear_faults = [coils = driven.get()] { coils->clear_faults(); };
+      device = std::move(driven);
+    } else {
+      auto serial = std::make_unique<rig::SerialCoils>(rig.serial, rig.coils);
+      connected_to = rig.serial.port;
+      clear_faults = [coils = serial.get()] { coils->clear_faults(); };
+      device = std::move(serial);
+    }
   }
 
   common::SteadyClock clock;
   std::unique_ptr<rig::Camera> camera;
   const rig::FreeRunningCamera* watched = nullptr;
-  std::optional<CameraDetector> detector;
+  std::optional<CameraDetector> by_camera;
+  std::optional<DriverDetector> by_driver;
   std::optional<TrackedPoseSensor> sensor;
-  std::unique_ptr<rig::SerialCoils> device;
+  std::unique_ptr<rig::Coils> device;
+  std::string connected_to;
+  std::function<void()> clear_faults;
   std::optional<safety::Supervisor> coils;
   std::unique_ptr<Operator> needle_operator;
 };
@@ -101,12 +131,12 @@ std::unique_ptr<RigSession> make_virtual_session(const rig::VirtualRigConfig& ri
   return std::make_unique<RigSession>(std::move(parts));
 }
 
-std::unique_ptr<RigSession> make_serial_session(const rig::RigConfig& rig, const SensingConfig& sensing,
-                                                safety::SafetyConfig safety, AskedOperator::Ask ask,
-                                                const std::string& folder) {
+std::unique_ptr<RigSession> make_bench_session(const rig::RigConfig& rig, const SensingConfig& sensing,
+                                               safety::SafetyConfig safety, AskedOperator::Ask ask,
+                                               const std::string& folder) {
   if (safety.stop_file.empty() && !folder.empty()) safety.stop_file = folder + "/STOP";
   const bool at_terminal = ask != nullptr;
-  const auto made = std::make_shared<SerialParts>(rig, sensing, safety, std::move(ask));
+  const auto made = std::make_shared<BenchParts>(rig, sensing, safety, std::move(ask));
   RigSession::Parts parts;
   parts.owner = made;
   parts.coils = &*made->coils;
@@ -116,12 +146,12 @@ std::unique_ptr<RigSession> make_serial_session(const rig::RigConfig& rig, const
   parts.fits = [known = physics::RigDescription(rig)](const geometry::Pose2& pose) {
     return known.fits(pose);
   };
-  parts.camera = &*made->detector;
+  parts.camera = made->by_camera ? &*made->by_camera : nullptr;
   parts.watched = made->watched;
-  parts.clear_faults = [device = made->device.get()] { device->clear_faults(); };
+  parts.clear_faults = made->clear_faults;
   if (!folder.empty())
-    common::log_info("bench connected on " + rig.serial.port + "; Ctrl-C" + (at_terminal ? ", any key" : "") +
-                     " or the file " + safety.stop_file + " stops it");
+    common::log_info("bench connected on " + made->connected_to + "; Ctrl-C" +
+                     (at_terminal ? ", any key" : "") + " or the file " + safety.stop_file + " stops it");
   return std::make_unique<RigSession>(std::move(parts));
 }
 

@@ -12,6 +12,7 @@ NOT_RUN = {
     ("docs/drive-a-bench.md", BASE + "rig check --rig configs/rigs/serial.json"): "needs an Arduino; below it runs on an emulated one",
     ("docs/drive-a-bench.md", BASE + "calibrate coils"): "needs an Arduino; apps.bench runs it on an emulated one",
     ("docs/drive-a-bench.md", BASE + "collect --rig my-rig.json --by gamepad"): "needs a gamepad, and somebody who holds it",
+    ("docs/driver-protocol.md", BASE + "rig conform"): "needs an Arduino; apps.driver runs it on an emulated bench, with both examples",
     ("docs/export.md", "import json, numpy, onnxruntime"): "ONNX Runtime for Python is no package of Debian; test_exports replays the same episodes by Node's",
     ("docs/packages.md", "scripts/package"): "needs root and a mirror of Debian, and installs a system",
     ("docs/packages.md", "apt-get install"): "needs root; scripts/package installs it in a bare Debian",
@@ -43,6 +44,7 @@ ON_THE_VIRTUAL_RIG = {
 FILES = {
     ("docs/bring-your-own-rig.md", '{\n  "coils"'): "my-rig.json",
     ("docs/bring-your-own-rig.md", '{\n  "drive"'): "six-coils.json",
+    ("docs/driver-protocol.md", '{\n  "backend"'): "my-bench.json",
     ("docs/sweep.md", '{\n  "verb"'): "rate.json",
 }
 
@@ -54,6 +56,7 @@ NO_COMMANDS = {
     ("docs/console-protocol.md", '{"kind": "state"'): "a message with gaps; tests/console holds the protocol against the page",
     ("docs/console.md", "server {"): "a configuration of nginx",
     ("docs/drive-a-bench.md", "@dialout"): "lines of limits.conf",
+    ("docs/driver-protocol.md", '{"id": 7'): "two messages",
     ("docs/results.md", "Errors in mm"): "a table that a quickstart has printed",
     ("docs/serial-protocol.md", "00  stuffed"): "bytes on the wire",
 }

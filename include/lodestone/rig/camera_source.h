@@ -10,8 +10,8 @@
 
 namespace lodestone::rig {
 
-enum class CameraKind { kFiles, kUvc, kGenicam };
-inline std::vector<std::string> names_of(CameraKind) { return {"files", "uvc", "genicam"}; }
+enum class CameraKind { kFiles, kUvc, kGenicam, kDriver };
+inline std::vector<std::string> names_of(CameraKind) { return {"files", "uvc", "genicam", "driver"}; }
 
 /// Which camera looks at the dish, and how it is set.
 struct CameraSourceConfig {
@@ -25,13 +25,15 @@ struct CameraSourceConfig {
   double gain = -1.0;
   std::string pixel_format;
   double latency_s = 0.0;
+  double start_timeout_s = 5.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("kind", kind, "", "images or a video from disk, a USB (UVC) camera, or a GenICam camera");
+    v.field("kind", kind, "",
+            "images or a video from disk, a USB (UVC) camera, a GenICam camera, or a driver of your own");
     v.field("source", source, "",
             "files: folder, pattern, image or video; uvc: number or /dev path; genicam: name, empty for the "
-            "first one found");
+            "first one found; driver: process:COMMAND or tcp://HOST:PORT");
     v.field("serial", serial, "",
             "genicam: serial number that the camera must have, where several could answer; empty: any");
     v.field("width_px", width_px, "px", "width of the image", {16, 16384});
@@ -43,6 +45,8 @@ struct CameraSourceConfig {
     v.field("pixel_format", pixel_format, "",
             "uvc: four letters such as MJPG; genicam: such as BayerRG8; empty chooses");
     v.field("latency_s", latency_s, "s", "from the end of the exposure to the image's arrival", {0.0, 1.0});
+    v.field("start_timeout_s", start_timeout_s, "s", "driver: how long it may take to get ready",
+            {0.1, 120.0});
   }
 };
 

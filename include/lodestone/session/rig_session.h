@@ -73,12 +73,13 @@ std::unique_ptr<RigSession> make_virtual_session(const rig::VirtualRigConfig& ri
                                                  const safety::SafetyConfig& safety,
                                                  const VirtualSeeds& seeds, bool realtime = false);
 
-/// The bench on the serial port, under its camera; with a `folder`, the file STOP in it stops the bench where
+/// A real bench (or an emulated one): the coils on the serial port or behind a driver, under a camera or a
+/// driver that sees the needle. With a `folder`, the file STOP in it stops the bench where
 /// `safety` names none. Images are calibrated from `sensing.calibration`, or
 /// from the first one. Any key in the terminal stops. Without `ask`, place() throws. Throws HardwareError,
 /// IoError, ConfigError and CheckpointError when a part is missing.
-std::unique_ptr<RigSession> make_serial_session(const rig::RigConfig& rig, const SensingConfig& sensing,
-                                                safety::SafetyConfig safety, AskedOperator::Ask ask = {},
-                                                const std::string& folder = "");
+std::unique_ptr<RigSession> make_bench_session(const rig::RigConfig& rig, const SensingConfig& sensing,
+                                               safety::SafetyConfig safety, AskedOperator::Ask ask = {},
+                                               const std::string& folder = "");
 
 }  // namespace lodestone::session
