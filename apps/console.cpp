@@ -87,7 +87,7 @@ Connected emulated(const experiments::DeploymentConfig& config) {
       experiments::make_emulated_rig(config.rig, static_cast<std::uint64_t>(config.rig_seed),
                                      &config.sensor.scene, static_cast<std::uint64_t>(config.sensor_seed)));
   return {made->description, [made, config] {
-            return session::make_serial_session(
+            return session::make_bench_session(
                 made->description, config.sensor, config.safety,
                 [made](const geometry::Pose2& pose) { made->bench->place(pose); });
           }};
@@ -97,8 +97,8 @@ Connected connected(const experiments::DeploymentConfig& config) {
   if (config.rig.real())
     return {config.rig, [config] {
               // Whoever places the needle is at the bench: its place is forgotten, and looked for.
-              return session::make_serial_session(config.rig, config.sensor, config.safety,
-                                                  [](const geometry::Pose2&) {});
+              return session::make_bench_session(config.rig, config.sensor, config.safety,
+                                                 [](const geometry::Pose2&) {});
             }};
   return {config.rig, [config] {
             session::VirtualSeeds seeds;
@@ -163,10 +163,9 @@ void console(const ConsoleOptions& given) {
   if (options.virtual_rig || options.emulate)
     options.overrides.push_back({"rig.backend=virtual", options.emulate ? "--emulate" : "--virtual"});
   auto config = resolve_config<ConsoleConfig>(options);
-  if (!config.deployment.rig.coils.each.empty())
-    throw common::ConfigError("rig.coils.each lists " + std::to_string(config.deployment.rig.coils.count()) +
-                              " coils; the console shows the four around the dish");
-  if (config.policy.empty() && config.dynamics.empty()) {
+  // The released models know opposed pairs; other drives have the baseline, unless they bring their own.
+  const bool pairs = config.deployment.rig.drive.kind == physics::DriveKind::kOpposedPairs;
+  if (config.policy.empty() && config.dynamics.empty() && pairs) {
     use_models(options, shipped_folder("models") + "/any_rig");
     config = resolve_config<ConsoleConfig>(options);
   }
@@ -175,7 +174,7 @@ void console(const ConsoleOptions& given) {
   console::ConsoleParts parts;
   parts.bench.config = config.deployment;
   parts.bench.sources = sources(config, parts.region);
-  parts.rig_kind = options.emulate ? "emulated" : config.deployment.rig.real() ? "serial" : "virtual";
+  parts.rig_kind = options.emulate ? "emulated" : common::name_of(config.deployment.rig.backend);
   parts.rig_name = options.rig_file.empty() ? parts.rig_kind + " rig" : options.rig_file;
   parts.runs = config.runs;
   parts.folder = options.out.empty() ? config.runs + "/console/" + common::utc_now() : options.out;

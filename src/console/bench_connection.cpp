@@ -29,7 +29,8 @@ void Bench::State::connect() {
     std::shared_ptr<session::RigSession> made = parts.connect();
     const std::lock_guard<common::PriorityMutex> lock(mutex);
     session = std::move(made);
-    pulses = std::make_shared<PulseLog>(session->coils(), session->clock(), parts.config.loop.period_s());
+    pulses = std::make_shared<PulseLog>(session->coils(), session->clock(), parts.config.loop.period_s(),
+                                        parts.config.rig.coils.count());
     shown.mode = stopped_before ? Mode::kStopped : Mode::kDisarmed;
     shown.reason = stopped_before.value_or("");
     shown.clears = false;

@@ -48,6 +48,7 @@ void Bench::State::follow(const Goal& to) {
   const auto running = std::make_shared<control::ControlLoop>(
       parts.config.loop, by_hand ? by_hand_action : driver.action, *pulses, session->sensor(),
       session->clock(), by_hand ? nullptr : &parts.config.rig, by_hand ? nullptr : identifier.get());
+  if (by_hand) running->drive_with(physics::CoilDrive(parts.config.rig));
   running->forget_steps();
   {
     const std::lock_guard<common::PriorityMutex> lock(mutex);

@@ -188,10 +188,18 @@ struct Console::State {
         {"shapes", {"centre", "square", "circle"}},
         {"jobs", jobs->verbs()},
         {"period_s", config.loop.period_s()},
+        {"coils", coil_names()},
         {"max_current_A", config.rig.coils.max_current_A},
         {"dish_radius_mm", geometry::kMmPerM * config.rig.dish.radius_m},
         {"samples", samples},
         {"events", log->last()}};
+  }
+
+  std::vector<std::string> coil_names() const {
+    const physics::CoilsDescription& coils = parts.bench.config.rig.coils;
+    std::vector<std::string> names;
+    for (std::size_t coil = 0; coil < coils.count(); ++coil) names.push_back(coils.name(coil));
+    return names;
   }
 
   void send_state(PageId page) {

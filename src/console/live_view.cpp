@@ -6,8 +6,8 @@
 
 #include "lodestone/common/artefact.h"
 #include "lodestone/geometry/angle.h"
-#include "lodestone/physics/dipole_coil.h"
 #include "lodestone/physics/per_coil.h"
+#include "lodestone/rig/rendered_camera.h"
 
 namespace lodestone::console {
 namespace {
@@ -106,18 +106,15 @@ Json LiveView::pose(const BenchState& state, const std::optional<ImageMap>& map)
 Json LiveView::field(const BenchState& state, const ImageMap& map) const {
   Json arrows = Json::array();
   if (largest(state.on_A) == 0.0) return arrows;
-  const std::vector<physics::DipoleCoil> coils = physics::dipole_coils(rig_.coils);
   const double step_m = 2.0 * rig_.dish.radius_m / (kArrows - 1);
   for (int row = 0; row < kArrows; ++row) {
     for (int column = 0; column < kArrows; ++column) {
       const Vector2 at_m(-rig_.dish.radius_m + column * step_m, -rig_.dish.radius_m + row * step_m);
       if (at_m.norm() > rig_.dish.radius_m) continue;
-      physics::FieldGradient here;
-      for (std::size_t coil = 0; coil < coils.size(); ++coil) coils[coil].add(state.on_A[coil], at_m, here);
-      const double strength = std::min(1.0, std::sqrt(here.field_T.norm() / kFullArrow_T));
+      const Vector2 field_T = field_.at(state.on_A, at_m).field_T;
+      const double strength = std::min(1.0, std::sqrt(field_T.norm() / kFullArrow_T));
       const ImagePlace from = map.to_image(at_m);
-      const ImagePlace along =
-          map.to_image(at_m + kFullArrow_m * strength * here.field_T.normalized()) - from;
+      const ImagePlace along = map.to_image(at_m + kFullArrow_m * strength * field_T.normalized()) - from;
       arrows.push_back({from.x(), from.y(), along.x(), along.y()});
     }
   }
@@ -140,10 +137,14 @@ void LiveView::draw(const BenchState& state, const ImageMap& map, Json& view) co
       map.json(ring(Vector2::Zero(), safety_.geofence * rig_.dish.radius_m * Eigen::Matrix2d::Identity()));
   view["field"] = field(state, map);
   std::vector<Vector2> coils_m;
-  const double face_m = rig_.coils.geometry.centre_distance_m - 0.5 * rig_.coils.geometry.length_m;
-  for (const Vector2& direction : {Vector2(1, 0), Vector2(-1, 0), Vector2(0, 1), Vector2(0, -1)})
-    coils_m.push_back(face_m * direction);
+  const imaging::BenchGeometry bench = rig::bench_of(rig_);
+  for (const Vector2& direction : bench.coil_directions) coils_m.push_back(bench.coil_face_m * direction);
   view["coil_places"] = map.json(coils_m);
+  const ImagePlace centre = map.to_image(Vector2::Zero());
+  for (const Vector2& axis : {Vector2(kPointer_m, 0.0), Vector2(0.0, kPointer_m)}) {
+    const ImagePlace along = map.to_image(axis) - centre;
+    view["axes"].push_back({along.x(), along.y()});
+  }
 }
 
 Json LiveView::limits(const BenchState& state) const {

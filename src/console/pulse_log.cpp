@@ -38,13 +38,13 @@ void PulseLog::note(const rig::CoilPulse& pulse, double start_s) {
 physics::PerCoil PulseLog::on_A(double now_s) const {
   const std::lock_guard<common::PriorityMutex> lock(mutex_);
   if (pulses_.empty() || now_s - pulses_.back().start_s >= pulses_.back().pulse.duration_s)
-    return physics::PerCoil(physics::kFourCoils);
+    return physics::PerCoil(coils_);
   return pulses_.back().pulse.current_A;
 }
 
 physics::PerCoil PulseLog::duty(double now_s) const {
   const std::lock_guard<common::PriorityMutex> lock(mutex_);
-  physics::PerCoil duty(physics::kFourCoils);
+  physics::PerCoil duty(coils_);
   for (const Logged& logged : pulses_) {
     const double from_s = std::max(logged.start_s, now_s - kWindow_s);
     const double on_s = std::min(logged.start_s + logged.pulse.duration_s, now_s) - from_s;

@@ -499,6 +499,34 @@ def fits_every_screen(operator):
         lone.driver.close()
 
 
+def drives_a_rig_of_other_coils(operator):
+    """Six coils by their names: a click and the keys drive the needle with more of them than a pair, and it comes closer."""
+    six = ("--virtual", "--rig", "configs/rigs/six_planar.json")
+    with tempfile.TemporaryDirectory() as folder, Console(program, folder, *six) as console:
+        page = operator.browser.page(console.url, "window").ready()
+        assert len(page.state["coil_places"]) == 6 and len(page.state["axes"]) == 2, page.state
+        assert page.text("coil-key").startswith("at0at60at120"), page.text("coil-key")
+        page.drive()
+        on = set()
+        def used():
+            on.update(coil for coil, current_A in enumerate(page.state["on_A"]) if current_A)
+            return len(on) >= 3 and page.state["run"]["steps"] > 10
+        page.wait_for(used, lambda: f"three coils: {on}", 20.0)
+        page.picture("six_coils", kept)
+        page.ready().choose("hand")
+        page.script("document.getElementById('view').focus()")
+        begun = page.state["pose"]["x_mm"]
+        page.key("Down", "ArrowRight")
+        page.wait_for(lambda: (page.state["run"] or {}).get("steps", 0) >= 4, "pulses by hand")
+        page.key("Up", "ArrowRight")
+        page.wait_for_mode("armed")
+        moved_mm = page.state["pose"]["x_mm"] - begun
+        assert moved_mm > 0.0, moved_mm
+        page.errors_are_none()
+        page.driver.close()
+    return f"coils {sorted(on)}, by hand {moved_mm:.1f} mm"
+
+
 def gives_way_where_the_page_is_busy(operator):
     """Who has too little of a processor is shown fewer images, and goes on beating."""
     page = operator.page.ready()
@@ -540,7 +568,7 @@ with tempfile.TemporaryDirectory() as name:
                      drives_by_stick_and_gamepad, drives_by_keyboard, costs_nothing_while_hidden,
                      has_one_operator, keeps_other_sites_out, asks_for_its_token_beyond_the_loopback,
                      shows_the_truth_after_a_reload, records, runs_a_job, fits_every_screen,
-                     gives_way_where_the_page_is_busy):
+                     drives_a_rig_of_other_coils, gives_way_where_the_page_is_busy):
             if len(sys.argv) > 2 and case.__name__ not in sys.argv[2:]:
                 continue
             begun_s = time.monotonic()

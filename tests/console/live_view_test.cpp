@@ -58,6 +58,8 @@ TEST_CASE("a bench's state is told as the page has it, and what is not known is 
   CHECK(json["sample"]["supply_V"].is_null());
   CHECK(json["fence"].size() > 10);
   CHECK(json["coil_places"].size() == 4);
+  CHECK(json["axes"][0][0] > 0.0);  // x to the right,
+  CHECK(json["axes"][1][1] < 0.0);  // y up
   bool warmest = false;
   for (const common::Json& limit : json["limits"])
     warmest = warmest || (limit["name"] == "coil temperature" && limit["value"] == 40.0);

@@ -15,7 +15,7 @@ TEST_CASE("the pulse log knows what is on, for how much of the time, and how eve
   device.state.temperature_C.assign(4, 22.0);
   safety::Supervisor supervisor(device, safety::SafetyConfig{}, tests::paper_rig(), clock,
                                 safety::Supervisor::Poses::kNone);
-  PulseLog log(supervisor, clock, 0.3);
+  PulseLog log(supervisor, clock, 0.3, 4);
   const auto rest = [&](double time_s) { clock.sleep_until(clock.now_s() + time_s); };
   log.begin_run();
   CHECK_FALSE(log.jitter_s());

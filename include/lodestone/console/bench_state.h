@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -23,8 +22,8 @@ inline std::vector<std::string> names_of(Mode) {
 struct BenchSample {
   double time_s = 0.0;  ///< on the bench's clock
   std::optional<double> error_mm;
-  physics::PerCoil current_A{0.0, 0.0, 0.0, 0.0};  ///< as asked
-  physics::PerCoil duty{0.0, 0.0, 0.0, 0.0};       ///< fraction of the last ten seconds that it was on
+  physics::PerCoil current_A;  ///< as asked
+  physics::PerCoil duty;       ///< fraction of the last ten seconds that it was on
   std::optional<physics::PerCoil> temperature_C;
   std::optional<double> supply_V;
   std::optional<double> pose_age_ms;
@@ -68,9 +67,9 @@ struct BenchState {
   std::optional<control::PoseEstimate> pose;  ///< as seen last
   std::optional<geometry::Vector2> target_m;
   std::optional<double> target_heading_rad;
-  std::vector<geometry::Vector2> plan_m;      ///< the path that is shown or followed
-  std::vector<geometry::Vector2> trail_m;     ///< where the needle was, oldest first
-  physics::PerCoil on_A{0.0, 0.0, 0.0, 0.0};  ///< what the coils have been asked for and still hold
+  std::vector<geometry::Vector2> plan_m;   ///< the path that is shown or followed
+  std::vector<geometry::Vector2> trail_m;  ///< where the needle was, oldest first
+  physics::PerCoil on_A;                   ///< what the coils have been asked for and still hold
   std::optional<imaging::CameraModel> camera;
   std::optional<BenchSample> sample;  ///< the last one,
   std::int64_t samples = 0;           ///< of so many

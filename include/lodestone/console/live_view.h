@@ -6,6 +6,7 @@
 #include "lodestone/common/json.h"
 #include "lodestone/console/bench_state.h"
 #include "lodestone/console/messages.h"
+#include "lodestone/physics/modelled_field.h"
 #include "lodestone/physics/rig_description.h"
 #include "lodestone/safety/supervisor.h"
 
@@ -29,7 +30,7 @@ class ImageMap {
 class LiveView {
  public:
   LiveView(const physics::RigDescription& rig, const safety::SafetyConfig& safety)
-      : rig_(rig), safety_(safety) {}
+      : rig_(rig), safety_(safety), field_(rig) {}
   common::Json json(const BenchState& state) const;
   static common::Json json(const BenchSample& sample);
 
@@ -41,6 +42,7 @@ class LiveView {
 
   physics::RigDescription rig_;
   safety::SafetyConfig safety_;
+  physics::ModelledField field_;
 };
 
 }  // namespace lodestone::console

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <deque>
 #include <optional>
 
@@ -20,8 +19,8 @@ class PulseLog final : public control::Guard {
   static constexpr double kWindow_s = 10.0;
 
   /// Both must outlive the log. `period_s`: how far apart pulses should be.
-  PulseLog(control::Guard& guard, const common::Clock& clock, double period_s)
-      : guard_(guard), clock_(clock), period_s_(period_s) {}
+  PulseLog(control::Guard& guard, const common::Clock& clock, double period_s, std::size_t coils)
+      : guard_(guard), clock_(clock), period_s_(period_s), coils_(coils) {}
 
   void begin_step(double due_s) override { guard_.begin_step(due_s); }
   void observe(const control::PoseEstimate& estimate) override { guard_.observe(estimate); }
@@ -48,6 +47,7 @@ class PulseLog final : public control::Guard {
   control::Guard& guard_;
   const common::Clock& clock_;
   double period_s_;
+  std::size_t coils_;
   mutable common::PriorityMutex mutex_;
   std::deque<Logged> pulses_;
   std::optional<double> last_s_, interval_s_;

@@ -44,7 +44,7 @@ export class Drive {
     const names = [...controllers.filter(name => name !== kHand), kHand];
     by_id('controller').replaceChildren(...names.map(option));
     by_id('controller').size = Math.max(2, names.length);
-    set_text(by_id('place'), rig.kind === 'serial' ? 'Needle was moved' : 'Put needle to centre');
+    set_text(by_id('place'), ['serial', 'driver'].includes(rig.kind) ? 'Needle was moved' : 'Put needle to centre');
     for (const button of document.querySelectorAll('[data-shape]')) button.hidden = !shapes.includes(button.dataset.shape);
     this.#forget_plan();
   }

@@ -140,17 +140,17 @@ export class Hand {
   }
 }
 
-/// From directions in the image to those of coils +x and +y, however the camera is turned.
+/// From directions in the image to those of the dish, however the camera is turned.
 function to_dish(pull, { hello, state }) {
-  const [plus_x, minus_x, plus_y, minus_y] = state?.coil_places ?? [];
-  const axis = (to, from, otherwise) => {
-    if (!to || !from || !hello) return otherwise;
-    const right = (to[0] - from[0]) * hello.image.width_px, down = (to[1] - from[1]) * hello.image.height_px;
+  const [x, y] = state?.axes ?? [];
+  const axis = (along, otherwise) => {
+    if (!along || !hello) return otherwise;
+    const right = along[0] * hello.image.width_px, down = along[1] * hello.image.height_px;
     const length = Math.hypot(right, down);
     return length > 0 ? [right / length, down / length] : otherwise;
   };
   const along = ([right, down]) => Math.round((pull[0] * right + pull[1] * down) * 1e3) / 1e3 || 0;
-  return within_circle([along(axis(plus_x, minus_x, [1, 0])), along(axis(plus_y, minus_y, [0, -1]))]);
+  return within_circle([along(axis(x, [1, 0])), along(axis(y, [0, -1]))]);
 }
 
 function within_circle([x, y]) {

@@ -1,6 +1,7 @@
 // The operator's console: puts the parts together, and beats while this page operates.
 
 import { Aim } from './aim.js';
+import { name_coils } from './coils.js';
 import { Connection } from './connection.js';
 import { Dialog } from './dialog.js';
 import { Drive } from './drive.js';
@@ -19,6 +20,7 @@ import { View } from './view.js';
 const kBeat_ms = 100;
 
 const connection = new Connection();
+connection.on('hello', hello => name_coils(hello.coils));
 const stop = start_stop(connection);
 const dialog = new Dialog(connection);
 const view = new View(connection);

@@ -1,6 +1,6 @@
 // What is drawn over the image. Places come as fractions of it; every line has a dark rim, to be seen on any ground.
 
-import { kCoils, overlay_colours as colours } from './coils.js';
+import { coil_names, overlay_colours as colours } from './coils.js';
 import { number } from './format.js';
 
 const kOn = 0.01;  // of the largest current: above it a coil counts as on
@@ -117,7 +117,8 @@ function draw_coils(pen, state, largest_A) {
   (state.coil_places ?? []).forEach((place, coil) => {
     const current_A = state.on_A?.[coil] ?? 0;
     const on = Math.abs(current_A) > kOn * largest_A;
-    const text = on ? `${kCoils[coil]}  ${number(current_A, 1)} A` : kCoils[coil];
+    const name = coil_names()[coil];
+    const text = on ? `${name}  ${number(current_A, 1)} A` : name;
     pen.label(place, text, on ? colours.coil_on : colours.coil_off, on ? colours.coil_on_ink : colours.coil_off_ink);
   });
 }

@@ -8,7 +8,7 @@ const kModes = {
   running: 'Running', stopped: 'Stopped',
 };
 const kArm = { disarmed: 'Arm', armed: 'Disarm', running: 'Disarm', stopped: 'Re-arm' };
-const kKinds = { virtual: 'virtual', emulated: 'emulated controller', serial: 'serial' };
+const kKinds = { virtual: 'virtual', emulated: 'emulated controller', serial: 'serial', driver: 'driver' };
 
 export function start_status(connection, dialog) {
   connection.on('hello', show_rig);

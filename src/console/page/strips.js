@@ -1,6 +1,6 @@
 // The instruments as strips of the last minutes: drawn at most twice a second, and only those in sight.
 
-import { coil_colours, kCoils } from './coils.js';
+import { coil_colours, coil_names } from './coils.js';
 import { by_id, dark_scheme, make, palette, set_text } from './dom.js';
 import { number } from './format.js';
 
@@ -40,7 +40,7 @@ export class Strips {
   #begin(hello) {
     this.#period_s = hello.period_s;
     this.#samples = hello.samples.slice();
-    this.#draw_soon();
+    this.#recolour();
   }
 
   #add(sample) {
@@ -77,7 +77,7 @@ export class Strips {
 
   #show_key() {
     const colours = coil_colours();
-    by_id('coil-key').replaceChildren(...kCoils.map((name, coil) => {
+    by_id('coil-key').replaceChildren(...coil_names().map((name, coil) => {
       const line = make('i');
       line.style.background = colours[coil];
       return make('span', {}, line, name);
@@ -109,7 +109,7 @@ class Strip {
     }).observe(this.element);
   }
 
-  get #lines() { return this.#spec.coils ? kCoils.length : 1; }
+  get #lines() { return this.#spec.coils ? coil_names().length : 1; }
 
   draw(samples, last, now_s, span_s, period_s) {
     this.#show_values(last);
@@ -128,6 +128,7 @@ class Strip {
   recolour() {
     this.#chart?.destroy();
     this.#chart = null;
+    this.#values.replaceChildren();
   }
 
   #value(sample, line) {
