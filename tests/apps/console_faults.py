@@ -4,8 +4,8 @@ import os
 import signal
 import time
 
-from console_page import (Browser, Console, Proxy, Watcher, kFaultWithin_s, kGone, kHidden, kSilent,
-                          kStopWithin_s, processes_below)
+from console_page import (Browser, Console, Proxy, Watcher, kFaultWithin_s, kGone, kHidden, kPressedWithin_s,
+                          kSilent, processes_below)
 
 
 class Operator:
@@ -128,15 +128,20 @@ class Operator:
         count = len(self.console.events())
         fault_s = time.monotonic()
         with fault(self):
+            happened_s = time.monotonic()
             since_s = since(self) if since else fault_s
-            took_ms = self.watcher.stopped(self.console, count, since_s, within_s, reason)
+            try:
+                took_ms = self.watcher.stopped(self.console, count, since_s, within_s, reason)
+            except AssertionError as error:
+                error.add_note(f"the fault itself took {1e3 * (happened_s - fault_s):.0f} ms to happen")
+                raise
         self.page.shows_stop(reason, 20.0)
         return took_ms
 
 
 kPressed = {Operator.mouse: "(button)", Operator.space: "(space)", Operator.escape: "(escape)",
             Operator.touch: "(touch)"}
-kStops = {fault.__name__: (fault, said, kStopWithin_s, Operator.pressed_s)
+kStops = {fault.__name__: (fault, said, kPressedWithin_s, Operator.pressed_s)
           for fault, said in kPressed.items()}
 kReasons = {Operator.killed: kSilent, Operator.closed: kGone, Operator.frozen: kGone, Operator.suspended: kSilent,
             Operator.busy: kSilent, Operator.cut: kSilent, Operator.held: kSilent, Operator.hidden: kHidden}

@@ -21,8 +21,9 @@ from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.remote.command import Command
 
-kStopWithin_s = 0.1   # from a STOP until no current is measured
-kFaultWithin_s = 0.6  # from a page that is gone until then
+kStopWithin_s = 0.1      # from a stop on record until no current is measured
+kPressedWithin_s = 0.25  # from the press itself until then, with what the browser on this machine takes
+kFaultWithin_s = 0.6     # from a page that is gone until then
 kSilent = "the operator's page is silent"
 kGone = "the operator's page is "  # as it closes, it may still say that it is hidden
 kHidden = "the operator's page is hidden"

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-
 #include "lodestone/physics/coils_description.h"
 #include "lodestone/safety/check.h"
 #include "lodestone/safety/thermal_model.h"

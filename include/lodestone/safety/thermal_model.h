@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-
 #include "lodestone/physics/per_coil.h"
 #include "lodestone/physics/rig_description.h"
 #include "lodestone/rig/coils.h"
