@@ -1,67 +1,59 @@
 // A driver outside the program: the coil controller on a serial port, a real or an emulated one, through
-// Lodestone's own library. In rig.json:
+// Lodestone's own library. In rig.json: "backend": "driver",
 //
-//   "backend": "driver", "driver": {"coils": "process:build/examples/driver_coils /dev/ttyACM0"}
+//   "driver": {"coils": "process:build/examples/driver_coils /dev/ttyACM0"}
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <memory>
-#include <string>
 
 #include "lodestone/common/json.h"
 #include "lodestone/rig/serial_coils.h"
-
 using namespace lodestone;
 
-/// The next request, until the program has gone.
-bool read_request(common::Json& request) {
-  std::array<unsigned char, 4> head{};
-  if (std::fread(head.data(), 1, head.size(), stdin) < head.size()) return false;
-  std::string text(head[0] | head[1] << 8 | head[2] << 16, '\0');
-  if (std::fread(text.data(), 1, text.size(), stdin) < text.size()) return false;
-  request = common::parse_json(text, "standard input");
-  return true;
-}
-
-void write_answer(const common::Json& answer) {
-  const std::string text = answer.dump();
-  for (std::size_t i = 0; i < 4; ++i) std::putchar(static_cast<int>(text.size() >> 8 * i & 0xff));
-  std::fwrite(text.data(), 1, text.size(), stdout);
-  std::fflush(stdout);
+common::Json answer_to(const common::Json& asked, const char* port,
+                       std::unique_ptr<rig::SerialCoils>& coils) {
+  if (asked["do"] == "hello") {
+    rig::SerialConfig line;
+    line.port = port;
+    line.max_pulse_s = asked["max_pulse_s"];
+    physics::CoilsDescription description;  // the paper's four
+    for (const common::Json& coil : asked["coils"])
+      description.max_current_A =
+          std::max({0.0, coil["largest_A"].get<double>(), -coil["smallest_A"].get<double>()});
+    coils = std::make_unique<rig::SerialCoils>(line, description);
+    return {{"protocol", 1}, {"name", "coil controller, by C++"}};
+  }
+  if (asked["do"] == "status") {
+    const rig::CoilStatus status = coils->status();
+    return {{"current_A", status.current_A.list()}, {"faults", status.faults}};
+  }
+  if (asked["do"] == "pulse")
+    coils->apply({physics::PerCoil(asked["current_A"].get<std::vector<double>>()), asked["duration_s"]});
+  else if (asked["do"] == "stop")
+    coils->stop();
+  else if (asked["do"] == "clear")
+    coils->clear_faults();
+  else if (asked["do"] != "ping")
+    throw common::DataError("unknown request");
+  return common::Json::object();
 }
 
 int main(int, char** words) {
   std::unique_ptr<rig::SerialCoils> coils;
-  for (common::Json asked; read_request(asked);) {
+  for (std::array<unsigned char, 4> head{}; std::fread(head.data(), 1, 4, stdin) == 4;) {
+    std::string text(head[0] | head[1] << 8 | head[2] << 16, '\0');
+    if (std::fread(text.data(), 1, text.size(), stdin) < text.size()) break;  // the program has gone
+    const common::Json asked = common::parse_json(text, "standard input");
     common::Json answer = {{"id", asked["id"]}};
     try {
-      if (asked["do"] == "hello") {
-        rig::SerialConfig line;
-        line.port = words[1];
-        line.max_pulse_s = asked["max_pulse_s"];
-        physics::CoilsDescription description;  // the paper's four
-        for (const common::Json& coil : asked["coils"])
-          description.max_current_A =
-              std::max({0.0, coil["largest_A"].get<double>(), -coil["smallest_A"].get<double>()});
-        coils = std::make_unique<rig::SerialCoils>(line, description);
-        answer.update({{"protocol", 1}, {"name", "coil controller, by C++"}});
-      } else if (asked["do"] == "pulse") {
-        coils->apply({physics::PerCoil(asked["current_A"].get<std::vector<double>>()), asked["duration_s"]});
-      } else if (asked["do"] == "status") {
-        const rig::CoilStatus status = coils->status();
-        answer.update({{"current_A", status.current_A.list()}, {"faults", status.faults}});
-      } else if (asked["do"] == "stop") {
-        coils->stop();
-      } else if (asked["do"] == "clear") {
-        coils->clear_faults();
-      } else if (asked["do"] == "ping") {
-        coils->ping();
-      } else {
-        throw common::DataError("unknown request");
-      }
+      answer.update(answer_to(asked, words[1], coils));
     } catch (const std::exception& error) {
       answer["error"] = error.what();
     }
-    write_answer(answer);
+    text = answer.dump();
+    for (std::size_t i = 0; i < 4; ++i) std::putchar(static_cast<int>(text.size() >> 8 * i & 0xff));
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    std::fflush(stdout);
   }
 }

@@ -1,15 +1,11 @@
-#!/usr/bin/env python3
 """A driver outside the program, with Python's own library alone: the coil controller on a serial port, a real or an
 emulated one. In rig.json: "backend": "driver", "driver": {"coils": "process:python3 examples/driver_coils.py PORT"}"""
 import json, os, random, select, struct, sys, termios, tty, zlib
 
 HELLO, CONFIGURE, PULSE, STOP, STATUS, CLEAR, PING = range(1, 8)  # docs/serial-protocol.md
-line = os.open(sys.argv[1], os.O_RDWR | os.O_NOCTTY)
+line, number = os.open(sys.argv[1], os.O_RDWR | os.O_NOCTTY), random.randrange(65536)
 tty.setraw(line)
-settings = termios.tcgetattr(line)
-termios.tcsetattr(line, termios.TCSANOW, settings[:4] + [termios.B115200] * 2 + settings[6:])
-number = random.randrange(65536)
-
+termios.tcsetattr(line, 0, termios.tcgetattr(line)[:4] + [termios.B115200] * 2 + termios.tcgetattr(line)[6:])
 
 def receive(within_s):
     stuffed, message = b"", b""
@@ -20,7 +16,6 @@ def receive(within_s):
             while stuffed:
                 message, stuffed = message + stuffed[1:stuffed[0]] + b"\0", stuffed[stuffed[0]:]
             return message[:-5] if struct.pack("<I", zlib.crc32(message[:-5])) == message[-5:-1] else b""
-
 
 def ask(kind, body=b""):
     global number
@@ -36,36 +31,29 @@ def ask(kind, body=b""):
                 raise ValueError("the coil controller: reason %d, detail %d" % struct.unpack("<BH", reply[4:7]))
     raise OSError("the coil controller does not answer")
 
-
 def answer(asked):
     if asked["do"] == "hello":
-        coils = asked["coils"]
-        most_A = max(max(coil["largest_A"], -coil["smallest_A"]) for coil in coils)
-        names, ohm = [coil["name"] for coil in coils], [coil["resistance_20C_ohm"] for coil in coils]
+        coils, ohm = asked["coils"], [coil["resistance_20C_ohm"] for coil in asked["coils"]]
+        names, most_A = [coil["name"] for coil in coils], max(max(coil["largest_A"], -coil["smallest_A"]) for coil in coils)
         opposite = [names.index((coil["not_with"] or [coil["name"]])[0]) for coil in coils]
         ask(HELLO, struct.pack("<BI", 2, random.getrandbits(32)))
         limits = [1e3 * most_A, 1e3 * asked["max_pulse_s"], 600, 10000, 200, 800, *(1e3 * each for each in ohm)]
         ask(CONFIGURE, struct.pack("<11H4BH", *map(round, limits + [3 * most_A ** 2 * max(ohm)]), *opposite, 1400))
-        while not ask(STATUS)[0] & 4:  # until the motor controllers are ready
-            pass
+        while not ask(STATUS)[0] & 4: pass  # until the motor controllers are ready
         return {"protocol": 1, "name": "coil controller, by Python"}
     if asked["do"] == "status":
         state = struct.unpack("<BHIHH4h4H2h2HH", ask(STATUS))
         return {"current_A": [1e-3 * current for current in state[5:9]], "supply_V": 0.1 * min(state[15:17]),
                 "faults": ["number %d of docs/serial-protocol.md" % bit for bit in range(12) if state[1] >> bit & 1]}
     if asked["do"] == "pulse":
-        ask(PULSE, struct.pack("<4hH", *(round(1e3 * each) for each in [*asked["current_A"], asked["duration_s"]])))
-    else:
-        ask({"stop": STOP, "clear": CLEAR, "ping": PING}[asked["do"]])
-    return {}
-
+        return ask(PULSE, struct.pack("<4hH", *(round(1e3 * each) for each in [*asked["current_A"], asked["duration_s"]]))) and {}
+    return ask({"stop": STOP, "clear": CLEAR, "ping": PING}[asked["do"]]) and {}
 
 while len(head := sys.stdin.buffer.read(4)) == 4:  # until the program has gone
     asked = json.loads(sys.stdin.buffer.read(int.from_bytes(head, "little")))
     try:
-        said = answer(asked)
+        text = json.dumps({"id": asked["id"], **(answer(asked) or {})}).encode()
     except Exception as error:
-        said = {"error": repr(error)}
-    text = json.dumps({"id": asked["id"], **said}).encode()
+        text = json.dumps({"id": asked["id"], "error": repr(error)}).encode()
     os.write(1, len(text).to_bytes(4, "little") + text)
 ask(STOP)

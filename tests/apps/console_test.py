@@ -501,7 +501,7 @@ def fits_every_screen(operator):
 
 def drives_a_rig_of_other_coils(operator):
     """Six coils by their names: a click and the keys drive the needle with more of them than a pair, and it comes closer."""
-    six = ("--virtual", "--rig", "configs/rigs/six_planar.json")
+    six = ("--virtual", "--rig", str(pathlib.Path(__file__).parents[2] / "configs/rigs/six_planar.json"))
     with tempfile.TemporaryDirectory() as folder, Console(program, folder, *six) as console:
         page = operator.browser.page(console.url, "window").ready()
         assert len(page.state["coil_places"]) == 6 and len(page.state["axes"]) == 2, page.state
