@@ -10,8 +10,9 @@
 namespace lodestone::imaging {
 
 /// Whether a camera still stands where it was calibrated: holds the rim of the dish and the base lines of the
-/// coils, in every image, against where the calibration has them. What camera_moved_m() finds out in a
-/// quarter of a second is looked at here in one or two milliseconds, and trusted up to about a millimetre.
+/// coils, in every image, against where the calibration has them. What camera_moved_m() finds out by a whole
+/// fit is looked at here at fewer places and without one, for every image, and trusted up to about a
+/// millimetre.
 class RimWatch {
  public:
   RimWatch(const Calibration& calibration, const BenchGeometry& bench);
