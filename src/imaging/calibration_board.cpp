@@ -249,7 +249,7 @@ BoardCorners detect_board(const cv::Mat& image, const BoardConfig& board) {
 }
 
 bool is_another_view(const BoardCorners& corners, const std::vector<BoardCorners>& before, int width_px) {
-  constexpr double kFar = 0.05;  // of the image's width
+  constexpr double kFar = 0.01;  // of the image's width; a tilt moves little but its far side
   if (corners.ids.size() < kMinCorners) return false;
   const auto alike = [&](const BoardCorners& other) {
     double away_px = 0.0;

@@ -1,4 +1,4 @@
-"""What somebody would photograph: shots/*.png of the printed board, tilted this way and that, and dish.png of the virtual rig.
+"""What somebody would photograph: shots/*.png and a video of the printed board, tilted this way and that, and dish.png of the virtual rig.
 
 usage: board_photos.py LODESTONE CHECKOUT    where PYTHONPATH has the package; by Debian's Python, which has numpy and Pillow
 """
@@ -38,6 +38,9 @@ for number, tilt in enumerate(TILTS_RAD):
     back = to_print @ numpy.linalg.inv(seen)
     photo = board.transform((1280, 1024), Image.PERSPECTIVE, tuple((back / back[2, 2]).flatten()[:8]), Image.BICUBIC, fillcolor=128)
     photo.save(root / f"shots/{number}.png")
+    with (root / "board.mjpeg").open("ab") as video:  # one picture after the other
+        for _ in range(3):
+            photo.save(video, "JPEG", quality=95)
 
 rig = lodestone.RigEnv(render_mode="rgb_array", task="centre")
 rig.reset(seed=1)

@@ -141,5 +141,7 @@ TEST_CASE("views of a board that hardly differ are one") {
   CHECK(imaging::is_another_view(first, {}, 640));
   CHECK_FALSE(imaging::is_another_view(seen(0.001), {first}, 640));
   CHECK(imaging::is_another_view(seen(0.010), {first}, 640));
+  const cv::Mat tilted = image_of_board(config, imaging::moved(camera, {0.45, 0.0, 0.0}, {0.0, 0.0, 0.0}));
+  CHECK(imaging::is_another_view(imaging::detect_board(tilted, config), {first}, 640));
   CHECK_FALSE(imaging::is_another_view({}, {}, 640));
 }

@@ -71,7 +71,7 @@ BoardFit fit_board(const std::vector<cv::Mat>& images, const BoardConfig& board)
 
 constexpr std::size_t kLeastBoardImages = 4;
 
-/// Whether a view of the board is another than those before: its corners lie elsewhere by a twentieth of the
+/// Whether a view of the board is another than those before: its corners lie elsewhere by a hundredth of the
 /// image's width on average, or others are seen.
 bool is_another_view(const BoardCorners& corners, const std::vector<BoardCorners>& before, int width_px);
 
