@@ -2,23 +2,18 @@
 """Drivers outside the program on an emulated bench: those of the examples keep the protocol and drive a needle, and
 one that hangs, lies or dies ends in coils off. usage: driver_test.py LODESTONE SOURCE DRIVER_COILS"""
 import json
-import os
-import pathlib
 import shlex
 import signal
 import socket
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 
-lodestone, source, driver_in_cpp = sys.argv[1], pathlib.Path(sys.argv[2]), sys.argv[3]
-folder = pathlib.Path(tempfile.mkdtemp(prefix="lodestone-driver-"))
-os.chdir(source)  # the shipped segmenter lies here
+from bench_program import expect, folder, patient, run, source, start, wait_for
+
+driver_in_cpp = sys.argv[3]
 python = "/usr/bin/python3"
-# As in bench_test.py.
-patient = ["--set", "safety.max_late_s=1", "--set", "safety.max_late_steps=10", "--set", "safety.max_pose_age_s=2"]
 
 # Stands between the program and a driver, and spoils what is in its name once so many pulses have gone by.
 BETWEEN = '''
@@ -45,29 +40,31 @@ while (asked := read(sys.stdin.buffer)) is not None:
         print("one more pulse", flush=True)
     write(sys.stdout.buffer, json.dumps(answer).encode())
 '''
+# A needle that comes to the dish centre within five seconds, as a sensor tells it, and grey images of nothing.
+SEES = '''
+import json, sys, time
+begun = time.monotonic()
+while len(head := sys.stdin.buffer.read(4)) == 4:
+    asked, more, image = json.loads(sys.stdin.buffer.read(int.from_bytes(head, "little"))), {}, b""
+    if asked["do"] == "hello":
+        more = {"protocol": 1, "name": "eyes"}
+    else:
+        time.sleep(0.02)
+        more = {"age_s": 0.01}
+    if asked["do"] == "pose":
+        x_m = max(0.0, 0.008 - 0.002 * (time.monotonic() - begun))
+        more.update(x_m=x_m, y_m=0.0, heading_rad=3.14, sigma_m=1e-4, sigma_rad=0.01)
+    if asked["do"] == "image":
+        image = bytes(640 * 480)
+        more.update(format="gray8", width_px=640, height_px=480, bytes=len(image))
+    text = json.dumps({"id": asked["id"], **more}).encode()
+    sys.stdout.buffer.write(len(text).to_bytes(4, "little") + text + image)
+    sys.stdout.buffer.flush()
+'''
+eyes = folder / "eyes.py"
+eyes.write_text(SEES)
 between = folder / "between.py"
 between.write_text(BETWEEN)
-
-
-def run(*arguments, code=0, timeout=120):
-    done = subprocess.run([lodestone, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                          timeout=timeout)
-    text = done.stdout + done.stderr
-    assert done.returncode == code, f"{arguments}: exit {done.returncode}, expected {code}\n{text}"
-    return text
-
-
-def expect(text, *parts):
-    for part in parts:
-        assert part in text, f"{part!r} is missing in:\n{text}"
-
-
-def wait_for(path, process, seconds=60):
-    end = time.time() + seconds
-    while not path.exists():
-        assert process.poll() is None, process.stdout.read()
-        assert time.time() < end, f"{path} does not come"
-        time.sleep(0.1)
 
 
 def served(command):
@@ -91,18 +88,17 @@ expect(run(*conform, "rig.driver.coils=tcp://127.0.0.1:9", code=1), "cannot be r
 expect(run(*conform, "rig.driver.coils=process:no-such-driver", code=1), "no-such-driver has gone")
 
 bench = folder / "bench.json"
-emulator = subprocess.Popen([lodestone, "rig", "emulate", "--out", bench], stdin=subprocess.DEVNULL,
-                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+emulator = start("rig", "emulate", "--out", bench)
 try:
     wait_for(bench, emulator)
     described = json.loads(bench.read_text())
     port = described["serial"]["port"]
     in_python = [python, str(source / "examples/driver_coils.py"), port]
 
-    def rig(name, address, **more):
+    def rig(name, address, sensor="", **more):
         file = folder / f"{name}.json"
-        file.write_text(json.dumps({**described, "backend": "driver",
-                                    "driver": {"coils": address, "reply_timeout_s": 0.5}, **more}))
+        file.write_text(json.dumps({**described, "backend": "driver", **more,
+                                    "driver": {"coils": address, "sensor": sensor, "reply_timeout_s": 0.5}}))
         return file
 
     with_python = rig("python", "process:" + shlex.join(in_python))
@@ -122,6 +118,18 @@ try:
     trial = next((one for one in trials if one["completed"]), trials[0])
     assert trial["completed"] and len(trial["sensed_trajectory"]) > 8, trial["stop_reason"]
 
+    # A program that sees the needle, in place of camera and segmenter; another that hands out images.
+    sees = "process:" + shlex.join([python, str(eyes)])
+    with_eyes = rig("eyes", "process:" + shlex.join(in_python), sees, camera={"kind": "driver", "source": sees})
+    text = run("rig", "conform", "--rig", with_eyes, "--yes")
+    expect(text, "seen 30 of 30 times", "640 x 480 px", "the driver keeps the protocol")
+    run(*deploy, "--rig", with_eyes, "--trials", 1, "--set", "trials.point_seconds=8", "--out", folder / "eyes")
+    trial, = json.loads((folder / "eyes/trials.json").read_text())
+    assert trial["completed"] and trial["sensed"]["final_error_mm"] < 0.1, trial["stop_reason"]
+    assert trial["sensed_trajectory"][0][0] > 4.0, trial["sensed_trajectory"][0]
+    dark = rig("dark", "process:" + shlex.join(in_python), camera={"kind": "driver", "source": sees})
+    expect(run(*deploy, "--rig", dark, "--trials", 1, "--out", folder / "dark", code=1), "must be 1280x1024")
+
     # What a driver does wrong in the middle of a run ends it, and the coils are off.
     for fault, why in (("hang", "does not answer in time"), ("die", "has gone"), ("lie", "is said to have 0 A"),
                        ("babble", "where a length belongs")):
@@ -133,9 +141,7 @@ try:
         expect(run("rig", "check", "--rig", bench, "--no-camera", "--clear", "--yes"), "currents are as asked")
 
     # Killed outright: the driver sees the end of its stream, and the next run finds a bench in order.
-    running = subprocess.Popen([lodestone, *map(str, deploy), "--rig", with_python, "--trials", "5", "--out",
-                                folder / "killed"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                               stderr=subprocess.STDOUT, text=True)
+    running = start(*deploy, "--rig", with_python, "--trials", 5, "--out", folder / "killed")
     wait_for(folder / "killed/trajectories.csv", running)
     time.sleep(2)
     running.kill()
