@@ -137,8 +137,8 @@ void add_calibrate_field(Verb& calibrate) {
   verb.add_option("--out", &options->out, "where it is written: field.json, or with --coils rig.json")
       .named("FILE");
   verb.add_option("--rig", &options->rig_file,
-                  "rig.json: whose needle the residual is told for, and whose coils are placed; without it "
-                  "the paper's")
+                  "rig.json: whose needle the residual is told for (without it the paper's); with --coils "
+                  "whose coils.each is placed")
       .named("FILE");
   verb.add_option("--coils", &options->coils,
                   "place, tilt and gain of the rig's own air-core coils, written as a rig");

@@ -61,6 +61,9 @@ void DeployConfig::validate() const {
   if (deployment.record.enabled && deployment.sensor.kind != "camera")
     throw common::ConfigError(
         "record.enabled = true needs sensor.kind = \"camera\": there is nothing to film");
+  if (deployment.record.enabled && !deployment.rig.driver.sensor.empty() && deployment.rig.real())
+    throw common::ConfigError(
+        "record.enabled = true needs images: rig.driver.sensor says where the needle is, and shows none");
   if (!target_mm.empty() && target_mm.size() != 2)
     throw common::ConfigError("target_mm holds " + std::to_string(target_mm.size()) +
                               " numbers, must be two: x and y in mm");

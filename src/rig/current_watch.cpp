@@ -7,6 +7,10 @@
 
 namespace lodestone::rig {
 
+namespace {
+constexpr double kSteadyWithin_s = 0.1;  // a coil has its current, or after half of a shorter pulse
+}
+
 void CurrentWatch::pulse(const CoilPulse& pulse, double asked_s, double answered_s) {
   constexpr double kClocks = 0.02;  // by which the device's may be fast
   asked_A_ = pulse.current_A;
@@ -38,9 +42,9 @@ std::string CurrentWatch::distrust(const physics::PerCoil& measured_A, double as
     if (!(std::abs(has_A) <= 1.25 * coils_.largest_A(coil) + 0.5))
       return fmt::format("over-current: coil {} is said to have {:g} A, its largest is {:g} A",
                          coils_.name(coil), has_A, coils_.largest_A(coil));
-    const bool off = asked_s >= off_since_s_[coil] + kOffWithin_s;
+    const bool off = asked_s >= off_since_s_[coil] + kDriverOffWithin_s;
     all_off = all_off && off;
-    if (off && std::abs(has_A) >= kOff_A)
+    if (off && std::abs(has_A) >= kDriverOff_A)
       return fmt::format("coil {} is switched off and is said to have {:g} A: cut the supply",
                          coils_.name(coil), has_A);
     if (!steady || wants_A == 0.0) continue;

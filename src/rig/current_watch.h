@@ -4,14 +4,9 @@
 #include <utility>
 
 #include "lodestone/physics/coils_description.h"
-#include "lodestone/rig/coils.h"
+#include "lodestone/rig/driver_coils.h"
 
 namespace lodestone::rig {
-
-constexpr double kOff_A = 0.3;           ///< a coil that is switched off has less,
-constexpr double kOffWithin_s = 0.15;    ///< so long after
-constexpr double kSteadyWithin_s = 0.1;  ///< a coil that is switched on has its current, or after half of a
-                                         ///< shorter pulse
 
 /// Whether the currents that a device says it has measured can be those of what was asked: what the firmware
 /// of the coil controller looks after by itself (docs/serial-protocol.md, faults 2 to 4), for devices that

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "current_watch.h"
 #include "lodestone/common/clock.h"
@@ -22,17 +23,11 @@ double steady_now_s() { return common::SteadyClock().now_s(); }
 
 physics::PerCoil numbers_of(const common::Json& content, const char* key, std::size_t coils) {
   const common::Json found = content.value(key, common::Json());
-  if (!found.is_array() || found.size() != coils)
+  const auto is_number = [](const common::Json& one) { return one.is_number(); };
+  if (!found.is_array() || found.size() != coils || !std::all_of(found.begin(), found.end(), is_number))
     throw common::HardwareError(fmt::format("the driver's status has {} = {}, {} numbers belong there", key,
                                             common::shown_json(found), coils));
-  physics::PerCoil numbers(coils);
-  for (std::size_t coil = 0; coil < coils; ++coil) {
-    if (!found[coil].is_number())
-      throw common::HardwareError(fmt::format("the driver's status has {} = {}, {} numbers belong there", key,
-                                              common::shown_json(found), coils));
-    numbers[coil] = found[coil].get<double>();
-  }
-  return numbers;
+  return physics::PerCoil(found.get<std::vector<double>>());
 }
 
 }  // namespace

@@ -47,14 +47,14 @@ DriverLink::DriverLink(const OpenStream& open, const std::string& role, common::
   hello["do"] = "hello";
   hello["protocol"] = kDriverProtocol;
   hello["role"] = role;
-  hello_ = ask(hello, start_timeout_s).content;
-  const auto named = hello_.find("name");
-  if (named != hello_.end() && named->is_string()) name_ += " " + common::shown(named->get<std::string>());
-  const auto spoken = hello_.find("protocol");
-  if (spoken == hello_.end() || *spoken != kDriverProtocol) {
+  const common::Json said = ask(hello, start_timeout_s).content;
+  const auto named = said.find("name");
+  if (named != said.end() && named->is_string()) name_ += " " + common::shown(named->get<std::string>());
+  const auto spoken = said.find("protocol");
+  if (spoken == said.end() || *spoken != kDriverProtocol) {
     close();
     throw common::HardwareError(fmt::format("{} speaks protocol {}, this program {}", name_,
-                                            spoken == hello_.end() ? "nothing" : common::shown_json(*spoken),
+                                            spoken == said.end() ? "nothing" : common::shown_json(*spoken),
                                             kDriverProtocol));
   }
   // Where this program dies of a signal, the driver of coils still hears of it.

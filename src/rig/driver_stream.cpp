@@ -123,9 +123,11 @@ std::unique_ptr<SerialPort> open_driver_stream(const std::string& address, doubl
   if (address.rfind(kProcess, 0) == 0 && address.size() > std::strlen(kProcess))
     return start(address.substr(std::strlen(kProcess)));
   const std::size_t colon = address.rfind(':');
-  if (address.rfind(kTcp, 0) == 0 && colon > std::strlen(kTcp) && colon + 1 < address.size())
-    return connect_to(address.substr(std::strlen(kTcp), colon - std::strlen(kTcp)), address.substr(colon + 1),
-                      timeout_s);
+  const std::string port = colon < address.size() ? address.substr(colon + 1) : "";
+  const bool digits =
+      !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == std::string::npos;
+  if (address.rfind(kTcp, 0) == 0 && colon > std::strlen(kTcp) && digits && std::stoi(port) < 65536)
+    return connect_to(address.substr(std::strlen(kTcp), colon - std::strlen(kTcp)), port, timeout_s);
   throw common::ConfigError(key + " = \"" + address + "\" must be process:COMMAND or tcp://HOST:PORT");
 }
 

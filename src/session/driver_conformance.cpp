@@ -26,9 +26,7 @@ constexpr double kPulse_s = 0.3;
 constexpr double kLongPulse_s = 2.0;
 constexpr double kLongest_s = 9.0;   // that the firmware of the coil controller can be told
 constexpr double kRefused_s = 0.02;  // of what must be refused, for drivers that do not
-constexpr double kOff_A = 0.3;
-constexpr double kOffWithin_s = 0.15;
-constexpr double kReady_s = 1.0;  // after a fault was cleared
+constexpr double kReady_s = 1.0;     // after a fault was cleared
 constexpr int kPings = 100;
 constexpr int kLooks = 30;
 
@@ -166,7 +164,7 @@ class CoilsConformance {
     const rig::CoilStatus now = status(link);
     for (std::size_t coil = 0; coil < coils_.count(); ++coil) {
       const double wants_A = coil == driven ? asked_A : 0.0;
-      if (!(std::abs(now.current_A[coil] - wants_A) < std::max(kOff_A, 0.25 * wants_A)))
+      if (!(std::abs(now.current_A[coil] - wants_A) < std::max(rig::kDriverOff_A, 0.25 * wants_A)))
         throw HardwareError(fmt::format("coil {} has {:.2f} A, {:.2f} A were asked for", coils_.name(coil),
                                         now.current_A[coil], wants_A));
     }
@@ -181,7 +179,7 @@ class CoilsConformance {
     pulse(link, {{coil, asked_A(coil)}}, kPulse_s);
     pass(0.5 * kPulse_s);
     const std::string seen = check_currents(link, coil, asked_A(coil));
-    pass(0.5 * kPulse_s + kOffWithin_s + kMargin_s);
+    pass(0.5 * kPulse_s + rig::kDriverOffWithin_s + kMargin_s);
     return seen + ", " + check_off(link) + " after its end";
   }
 
@@ -192,7 +190,7 @@ class CoilsConformance {
     pulse(link, {{0, asked_A(0)}}, kPulse_s);
     pass(0.3 * kPulse_s);
     pulse(link, {{1, asked_A(1)}}, kLongPulse_s);
-    pass(kOffWithin_s + kMargin_s);
+    pass(rig::kDriverOffWithin_s + kMargin_s);
     const std::string seen = check_currents(link, 1, asked_A(1));
     link.stop();
     return seen + " in the second coil";
@@ -204,8 +202,8 @@ class CoilsConformance {
     pulse(link, {{0, asked_A(0)}}, kLongPulse_s);
     pass(0.1);
     link.stop();
-    pass(kOffWithin_s + kMargin_s);
-    return check_off(link) + fmt::format(" {:g} s later", kOffWithin_s);
+    pass(rig::kDriverOffWithin_s + kMargin_s);
+    return check_off(link) + fmt::format(" {:g} s later", rig::kDriverOffWithin_s);
   }
 
   std::string check_refused(const std::vector<std::pair<std::size_t, double>>& current_A, double duration_s,
@@ -237,10 +235,10 @@ class CoilsConformance {
     Line line(*this);
     rig::DriverLink& link = line.link;
     pulse(link, {{0, asked_A(0)}}, kLongPulse_s);
-    pass(rig::kDriverSilence_s + kOffWithin_s + kMargin_s);
+    pass(rig::kDriverSilence_s + rig::kDriverOffWithin_s + kMargin_s);
     const rig::CoilStatus silent = rig::coil_status(link.ask({{"do", "status"}}).content, coils_.count());
     for (std::size_t coil = 0; coil < coils_.count(); ++coil)
-      if (std::abs(silent.current_A[coil]) >= kOff_A)
+      if (std::abs(silent.current_A[coil]) >= rig::kDriverOff_A)
         throw HardwareError(
             fmt::format("coil {} still has {:.2f} A", coils_.name(coil), silent.current_A[coil]));
     if (silent.faults.empty()) throw HardwareError("the coils are off, and it reports no fault");
@@ -266,7 +264,7 @@ class CoilsConformance {
       pass(0.1);
       line.stops = false;
     }
-    pass(kOffWithin_s + kMargin_s);
+    pass(rig::kDriverOffWithin_s + kMargin_s);
     Line line(*this);
     const std::string seen = check_off(line.link);
     const double back_s = clock.now_s() - begun_s;

@@ -91,7 +91,8 @@ TEST_CASE("a driver that waits on a port is connected to, and one that does not 
 }
 
 TEST_CASE("another address is refused, with the key that holds it") {
-  for (const char* bad : {"", "process:", "tcp://", "tcp://host", "tcp://:5", "tcp://host:", "/dev/ttyACM0"})
+  for (const char* bad : {"", "process:", "tcp://", "tcp://host", "tcp://:5",
+                          "tcp://host:", "tcp://host:99999", "tcp://host:coils", "/dev/ttyACM0"})
     CHECK_THROWS_WITH(
         rig::open_driver_stream(bad, 1.0, "rig.driver.coils"),
         "rig.driver.coils = \"" + std::string(bad) + "\" must be process:COMMAND or tcp://HOST:PORT");

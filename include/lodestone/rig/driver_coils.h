@@ -21,8 +21,11 @@ class CurrentWatch;
 common::Json coils_hello(const physics::CoilsDescription& coils, double max_pulse_s);
 /// Reads what a driver says of its coils. Throws HardwareError where that is no status of so many coils.
 CoilStatus coil_status(const common::Json& content, std::size_t coils);
-/// How long a driver may hear nothing while a pulse is on, as the firmware.
+/// What a driver keeps (docs/driver-protocol.md): so long it may hear nothing while a pulse is on, as the
+/// firmware; a coil that is switched off has less than this, so long after.
 constexpr double kDriverSilence_s = 0.5;
+constexpr double kDriverOff_A = 0.3;
+constexpr double kDriverOffWithin_s = 0.15;
 
 /// Coils behind a driver outside the program (docs/driver-protocol.md). While a current may flow, a thread
 /// asks for the currents, once they are steady and then every 50 ms: what cannot be, or no answer, switches

@@ -46,7 +46,6 @@ class DriverLink {
 
   /// As the driver calls itself.
   const std::string& name() const { return name_; }
-  const common::Json& hello() const { return hello_; }
 
   /// Throws DriverRefused, or HardwareError where nothing that can be understood came in time: from then on
   /// the link is closed, and a driver that was started is ended.
@@ -82,7 +81,6 @@ class DriverLink {
   std::atomic<std::int64_t> stops_{0};
   std::atomic<bool> open_{true};
   std::string name_ = "driver";
-  common::Json hello_;
 };
 
 }  // namespace lodestone::rig
