@@ -249,19 +249,19 @@ BoardCorners detect_board(const cv::Mat& image, const BoardConfig& board) {
 }
 
 bool is_another_view(const BoardCorners& corners, const std::vector<BoardCorners>& before, int width_px) {
-  constexpr double kFar = 0.01;  // of the image's width; a tilt moves little but its far side
+  constexpr double kFar = 0.01;  // of the image's width
   if (corners.ids.size() < kMinCorners) return false;
   const auto alike = [&](const BoardCorners& other) {
-    double away_px = 0.0;
+    double farthest_px = 0.0;  // a tilt moves little but the edges
     std::size_t common = 0;
     for (std::size_t i = 0; i < corners.ids.size(); ++i) {
       const auto found = std::find(other.ids.begin(), other.ids.end(), corners.ids[i]);
       if (found == other.ids.end()) continue;
-      away_px +=
-          (corners.pixels[i] - other.pixels[static_cast<std::size_t>(found - other.ids.begin())]).norm();
+      const Eigen::Vector2d& there = other.pixels[static_cast<std::size_t>(found - other.ids.begin())];
+      farthest_px = std::max(farthest_px, (corners.pixels[i] - there).norm());
       ++common;
     }
-    return 2 * common > corners.ids.size() && away_px < kFar * width_px * static_cast<double>(common);
+    return 2 * common > corners.ids.size() && farthest_px < kFar * width_px;
   };
   return std::none_of(before.begin(), before.end(), alike);
 }

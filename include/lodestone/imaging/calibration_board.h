@@ -71,8 +71,8 @@ BoardFit fit_board(const std::vector<cv::Mat>& images, const BoardConfig& board)
 
 constexpr std::size_t kLeastBoardImages = 4;
 
-/// Whether a view of the board is another than those before: its corners lie elsewhere by a hundredth of the
-/// image's width on average, or others are seen.
+/// Whether a view of the board is another than those before: a corner lies elsewhere by a hundredth of the
+/// image's width, or others are seen.
 bool is_another_view(const BoardCorners& corners, const std::vector<BoardCorners>& before, int width_px);
 
 /// Pose over the board in one image: the intrinsics of `camera` with the pose replaced, as if the board's
