@@ -8,7 +8,7 @@
 namespace lodestone::report {
 namespace {
 
-std::string coverage_image(const data::Coverage& coverage) {
+std::string coverage_image(const data::Coverage& coverage, const DrawnRig& rig) {
   const double radius_mm = 1000.0 * coverage.workspace_radius_m;
   const auto cells = coverage.position_cells;
   const double side_mm = 2.0 * radius_mm / static_cast<double>(cells);
@@ -22,7 +22,7 @@ std::string coverage_image(const data::Coverage& coverage) {
     map.push_back({(column + 0.5) * side_mm - radius_mm, (row + 0.5) * side_mm - radius_mm, count});
     most = std::max(most, count);
   }
-  DishSvg dish(radius_mm);
+  DishSvg dish(rig);
   dish.map(map, side_mm, 0.0, most, "pulses per cell", 0);
   return dish.svg("Map of the dish: recorded pulses per cell of position");
 }
@@ -63,7 +63,7 @@ std::string collection_section(const RunData& run) {
       "even spread, is <b>" +
       fixed(c.evenness, 3) + "</b> (1 would be even)." + placed(run) + "</p>\n<div class=\"two\">";
   html += figure(
-      coverage_image(c),
+      coverage_image(c, drawn_rig(run)),
       "<b>Where pulses were recorded.</b> Dark cells hold many, light cells few: a pale patch is a place "
       "about which the simulator has to guess. Coils are drawn schematically.");
   std::string charts;

@@ -132,9 +132,9 @@ std::string bar_caption(const std::vector<ErrorRow>& rows) {
 
 /// One small dish: some trials of a task by one controller.
 std::string panel(const std::vector<const Trial*>& trials, const std::string& task,
-                  const std::string& controller, double radius_mm, const std::vector<ErrorRow>& rows) {
+                  const std::string& controller, const DrawnRig& rig, const std::vector<ErrorRow>& rows) {
   std::string html = "<div class=\"panel\">" +
-                     draw_trials(trials, radius_mm, "Trajectories: " + task + ", " + controller) + "<b>" +
+                     draw_trials(trials, rig, "Trajectories: " + task + ", " + controller) + "<b>" +
                      escape(task) + "</b>";
   for (const ErrorRow& row : rows)
     if (row.task == task && row.controller == controller && row.rig == trials.front()->rig)
@@ -145,13 +145,13 @@ std::string panel(const std::vector<const Trial*>& trials, const std::string& ta
 }
 
 std::string panels(const std::vector<Trial>& trials, const std::string& controller,
-                   const std::vector<ErrorRow>& rows, double radius_mm) {
+                   const std::vector<ErrorRow>& rows, const DrawnRig& rig) {
   std::string html;
   std::vector<const Trial*> drawn;
   for (const char* task : {"centre", "point", "pose", "square", "circle", "path"}) {
     const std::vector<const Trial*> chosen = select(trials, task, controller);
     if (chosen.empty()) continue;
-    html += panel(chosen, task, controller, radius_mm, rows);
+    html += panel(chosen, task, controller, rig, rows);
     drawn.insert(drawn.end(), chosen.begin(), chosen.end());
   }
   if (drawn.empty()) return "";
@@ -173,7 +173,7 @@ std::string trajectories(const RunData& run, const std::vector<ErrorRow>& rows) 
     }
     std::string shown;
     for (const std::string& controller : controllers_of(trials))
-      shown += panels(trials, controller, rows, dish_radius_mm(run));
+      shown += panels(trials, controller, rows, drawn_rig(run));
     html += &deploy == &run.rigs.front()
                 ? shown
                 : "<details><summary>Trajectories on the " + escape(rig_words(deploy.rig)) + "</summary>" +

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "lodestone/geometry/angle.h"
 #include "lodestone/report/html.h"
 
 namespace lodestone::report {
@@ -52,29 +53,24 @@ double tick_step(double radius_mm) {
   return 200.0;
 }
 
-std::string coil(double x0, double y0, double width, double height) {
-  return "<rect" + attribute("x", x0) + attribute("y", y0) + attribute("width", width) +
-         attribute("height", height) + attribute("rx", std::min(width, height) * 0.12) +
-         " class=\"coil\" fill=\"#ead3bd\" stroke=\"#b98a5e\" stroke-width=\"0.4\"/>";
-}
-
-std::string coils() {
-  const double r = kDrawnRadius;
-  const double face = kCoilFace * r;
-  const double depth = kCoilDepth * r;
-  const double half = kCoilHalfWidth * r;
-  const double middle = face + depth / 2.0;
-  const double size = 0.105 * r;
-  std::string svg = coil(face, -half, depth, 2 * half) + coil(-face - depth, -half, depth, 2 * half) +
-                    coil(-half, -face - depth, 2 * half, depth) + coil(-half, face, 2 * half, depth);
-  const auto name = [&](double x, double y, const char* content) {
-    svg += label_at(x, y + size * 0.35, size, "middle", content, " font-weight=\"600\"");
-  };
-  name(middle, 0, "+x");
-  name(-middle, 0, "−x");
-  name(0, -middle, "+y");
-  name(0, middle, "−y");
-  return svg;
+/// Many coils are drawn narrower, so that neighbours do not touch.
+std::string coils(const std::vector<DrawnRig::Coil>& drawn) {
+  constexpr double kOfRoom = 0.8;
+  const double r = kDrawnRadius, face = kCoilFace * r, depth = kCoilDepth * r;
+  const double share = geometry::kPi / static_cast<double>(std::max<std::size_t>(drawn.size(), 4));
+  const double half = std::min(kCoilHalfWidth * r, kOfRoom * face * std::tan(share));
+  const double middle = face + depth / 2.0, size = 0.105 * r;
+  std::string boxes, names;
+  for (const DrawnRig::Coil& coil : drawn) {
+    boxes += "<rect" + attribute("x", face) + attribute("y", -half) + attribute("width", depth) +
+             attribute("height", 2.0 * half) + attribute("rx", std::min(depth, 2.0 * half) * 0.12) +
+             " transform=\"rotate(" + text(-coil.direction_deg) +
+             ")\" class=\"coil\" fill=\"#ead3bd\" stroke=\"#b98a5e\" stroke-width=\"0.4\"/>";
+    const double angle_rad = geometry::kRadPerDeg * coil.direction_deg;
+    names += label_at(middle * std::cos(angle_rad), -middle * std::sin(angle_rad) + size * 0.35, size,
+                      "middle", coil.name, " font-weight=\"600\"");
+  }
+  return boxes + names;
 }
 
 std::string axes(double radius_mm, bool compact) {
@@ -128,8 +124,8 @@ std::string map_colour(double t) {
   return colour;
 }
 
-DishSvg::DishSvg(double radius_mm, bool compact)
-    : radius_mm_(radius_mm), scale_(kDrawnRadius / radius_mm), compact_(compact) {}
+DishSvg::DishSvg(const DrawnRig& rig, bool compact)
+    : rig_(rig), scale_(kDrawnRadius / rig.radius_mm), compact_(compact) {}
 
 void DishSvg::map(const std::vector<MapCell>& cells, double side_mm, double low, double high,
                   const std::string& legend, int decimals) {
@@ -197,13 +193,13 @@ std::string DishSvg::svg(const std::string& label) const {
          "\" xmlns=\"http://www.w3.org/2000/svg\" data-mm=\"" + precise(1.0 / scale_) + "\" viewBox=\"" +
          text(-left) + " " + text(-top) + " " + text(left + right) + " " + text(top + bottom) + "\"><title>" +
          escape(label) + "</title><defs><clipPath id=\"dish\"><circle cx=\"0\" cy=\"0\"" + attribute("r", r) +
-         "/></clipPath></defs>" + coils() +
+         "/></clipPath></defs>" + coils(rig_.coils) +
          "<circle class=\"ground rim\" cx=\"0\" cy=\"0\" fill=\"#ffffff\" stroke=\"#5b6773\" "
          "stroke-width=\"0.6\"" +
          attribute("r", r) + "/><g clip-path=\"url(#dish)\">" + cells_ +
          "</g><circle class=\"rim\" cx=\"0\" cy=\"0\" fill=\"none\" "
          "stroke=\"#5b6773\" stroke-width=\"0.6\"" +
-         attribute("r", r) + "/>" + marks_ + axes(radius_mm_, compact_) + legend_ + "</svg>";
+         attribute("r", r) + "/>" + marks_ + axes(rig_.radius_mm, compact_) + legend_ + "</svg>";
 }
 
 }  // namespace lodestone::report

@@ -151,7 +151,9 @@ std::string error_map(const RunData& run) {
   std::sort(values.begin(), values.end());
   const double high = values[static_cast<std::size_t>(kMapQuantile * static_cast<double>(values.size() - 1))];
   // Without a record of the workspace the cells themselves tell how far it reaches.
-  DishSvg dish(run.coverage ? dish_radius_mm(run) : reach_mm);
+  DrawnRig rig = drawn_rig(run);
+  if (!run.coverage) rig.radius_mm = reach_mm;
+  DishSvg dish(rig);
   dish.map(cells, side_mm, 0.0, high, "one-step error (mm RMS)", 1);
   return figure(
       dish.svg("Map of the dish: one-step position error of the learned simulator"),

@@ -1,9 +1,11 @@
 #include "lodestone/report/report.h"
 
+#include <cmath>
 #include <filesystem>
 
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/files.h"
+#include "lodestone/geometry/angle.h"
 #include "lodestone/report/error_table.h"
 #include "lodestone/report/html_page.h"
 #include "sections.h"
@@ -12,10 +14,31 @@
 namespace lodestone::report {
 
 constexpr double kPaperDishRadius_mm = 42.5;
+constexpr double kBelow_m = 1e-3;
 
-double dish_radius_mm(const RunData& run) {
-  return run.coverage && run.coverage->workspace_radius_m > 0.0 ? 1000.0 * run.coverage->workspace_radius_m
-                                                                : kPaperDishRadius_mm;
+DrawnRig drawn_rig(const RunData& run) {
+  DrawnRig drawn(kPaperDishRadius_mm);
+  for (const StepData* step : {&run.deploy, &run.collect}) {
+    if (!step->config.is_object() || !step->config.contains("rig")) continue;
+    const common::Json& rig = step->config["rig"];
+    try {
+      drawn.radius_mm = 1e3 * rig.at("dish").at("radius_m").get<double>();
+      const common::Json each = rig.at("coils").value("each", common::Json::array());
+      if (!each.empty()) drawn.coils.clear();
+      for (const common::Json& coil : each) {
+        const double x_m = coil.at("position_m").at(0).get<double>();
+        const double y_m = coil.at("position_m").at(1).get<double>();
+        if (std::hypot(x_m, y_m) < kBelow_m) continue;  // above or below the dish
+        drawn.coils.push_back({coil.at("name").get<std::string>(), geometry::kDegPerRad * std::atan2(y_m, x_m)});
+      }
+      break;
+    } catch (const common::Json::exception&) {
+      drawn = DrawnRig(kPaperDishRadius_mm);  // a run of an earlier version, which told less
+    }
+  }
+  if (run.coverage && run.coverage->workspace_radius_m > 0.0)
+    drawn.radius_mm = 1e3 * run.coverage->workspace_radius_m;
+  return drawn;
 }
 
 std::string report_html(const RunData& run, const std::optional<RunData>& recorded) {
@@ -42,7 +65,7 @@ void write_images(const RunData& run) {
     for (const std::string& controller : controllers_of(trials))
       for (const char* task : runs::kTasks)
         write_svg(run.folder + "/images/" + rig.rig + "_" + controller + "_" + task + ".svg",
-                  draw_trials(select(trials, task, controller), dish_radius_mm(run),
+                  draw_trials(select(trials, task, controller), drawn_rig(run),
                               std::string("Trajectories: ") + task + ", " + controller));
   }
 }

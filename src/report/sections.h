@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "lodestone/report/dish_svg.h"
 #include "lodestone/report/run_data.h"
 
 namespace lodestone::report {
@@ -21,7 +22,7 @@ std::string camera_section(const RunData& run);
 /// Dynamics and policy learned from real recordings, beside the virtual rig's.
 std::string recorded_section(const RunData& run, const RunData& recorded);
 
-/// Dish radius of a run's data in mm; that of the paper's dish when the run does not tell.
-double dish_radius_mm(const RunData& run);
+/// The rig of a run as drawings show it; the paper's where the run does not tell.
+DrawnRig drawn_rig(const RunData& run);
 
 }  // namespace lodestone::report

@@ -47,11 +47,11 @@ std::string colour_of(const std::string& controller) {
   return controller == "planner" ? kSecondColour : kPolicyColour;
 }
 
-std::string draw_trials(const std::vector<const Trial*>& trials, double radius_mm, const std::string& label) {
+std::string draw_trials(const std::vector<const Trial*>& trials, const DrawnRig& rig, const std::string& label) {
   if (trials.empty()) return "";
   const std::vector<const Trial*> drawn(
       trials.begin(), trials.begin() + static_cast<std::ptrdiff_t>(std::min(trials.size(), kDrawnTrials)));
-  DishSvg dish(radius_mm, true);
+  DishSvg dish(rig, true);
   dish.line(drawn.front()->path_mm, kTargetColour, 0.7, 0.9, true);
   for (const Trial* trial : drawn) draw_trial(*trial, dish);
   draw_targets(drawn, dish);

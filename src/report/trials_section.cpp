@@ -127,7 +127,7 @@ std::vector<const Trial*> worst_trials(const std::vector<Group>& groups) {
   return trials;
 }
 
-std::string worst_section(const std::vector<const Trial*>& trials, double radius_mm) {
+std::string worst_section(const std::vector<const Trial*>& trials, const DrawnRig& rig) {
   std::vector<std::vector<std::string>> rows;
   std::string panels;
   std::vector<const Trial*> drawn;
@@ -145,7 +145,7 @@ std::string worst_section(const std::vector<const Trial*>& trials, double radius
       continue;
     drawn.push_back(trial);
     panels += "<div class=\"panel\">" +
-              draw_trials({trial}, radius_mm,
+              draw_trials({trial}, rig,
                           "The worst trial of " + trial->task + ": " + fixed(trial->error_mm, 1) + " mm") +
               "<b>" + escape(trial->task) + "</b><br>" + escape(trial->rig) + ", trial " +
               std::to_string(trial->number) + ": " + fixed(trial->error_mm, 1) + " mm</div>";
@@ -259,7 +259,7 @@ std::string trials_section(const RunData& run) {
                  "further left is better.");
   const std::vector<const Trial*> worst = worst_trials(groups);
   if (worst.empty()) return html;
-  html += "<h3>Worst trials</h3>\n" + worst_section(worst, dish_radius_mm(run));
+  html += "<h3>Worst trials</h3>\n" + worst_section(worst, drawn_rig(run));
   html += "<h3>Currents and temperatures</h3>\n" + coils_section(groups, *worst.front());
   return html;
 }

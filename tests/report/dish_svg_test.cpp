@@ -25,6 +25,18 @@ TEST_CASE("a dish drawing holds what was put into it, with y upwards") {
   CHECK(std::stod(svg.substr(circle + 4)) < 0.0);
 }
 
+TEST_CASE("coils are drawn the way they stand") {
+  DrawnRig rig(17.0);
+  rig.coils = {{"low45", 45.0}, {"ring180", 180.0}};
+  const std::string svg = DishSvg(rig).svg("other coils");
+  CHECK(holds(svg, "rotate(-45.00)"));
+  CHECK(holds(svg, "ring180"));
+  CHECK(!holds(svg, "+x"));
+  const std::size_t name = svg.find(">low45<");
+  REQUIRE(name != std::string::npos);
+  CHECK(std::stod(svg.substr(svg.rfind(" y=\"", name) + 4)) < 0.0);  // upwards
+}
+
 TEST_CASE("the map's scale runs from light to dark and ends at its ends") {
   CHECK(map_colour(0.0) == map_colour(-3.0));
   CHECK(map_colour(1.0) == map_colour(7.0));

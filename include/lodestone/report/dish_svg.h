@@ -16,13 +16,27 @@ struct MapCell {
   double value = 0.0;
 };
 
-/// A drawing of the dish seen from above, with its four coils (schematic), axes in mm and what is put in it.
+/// What a drawing shows of a rig: its dish, and coils, schematically, the way they stand from the dish centre
+/// (degrees from +x towards +y).
+struct DrawnRig {
+  struct Coil {
+    std::string name;
+    double direction_deg = 0.0;
+  };
+  /// The four around the dish.
+  DrawnRig(double dish_radius_mm) : radius_mm(dish_radius_mm) {}
+
+  double radius_mm;
+  std::vector<Coil> coils = {{"+x", 0.0}, {"−x", 180.0}, {"+y", 90.0}, {"−y", 270.0}};
+};
+
+/// A drawing of the dish seen from above, with its coils (schematic), axes in mm and what is put in it.
 /// Things drawn later lie on top; lines may leave the dish. Positions and lengths called _mm are true to
 /// scale; line widths and dots are in drawing units, of which the dish radius has 42.5.
 class DishSvg {
  public:
   /// `compact` leaves out tick labels, for small panels.
-  explicit DishSvg(double radius_mm, bool compact = false);
+  explicit DishSvg(const DrawnRig& rig, bool compact = false);
 
   /// Coloured cells of a side length, on a scale from `low` to `high`; a colour bar with `legend` (name and
   /// unit) stands on the right. Cells are clipped to the dish.
@@ -40,7 +54,7 @@ class DishSvg {
   std::string svg(const std::string& label) const;
 
  private:
-  double radius_mm_;
+  DrawnRig rig_;
   double scale_;  // drawing units per mm
   bool compact_;
   std::string cells_;
