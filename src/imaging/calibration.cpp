@@ -256,7 +256,9 @@ class DishFitter {
 DishFit fit_dish(const std::vector<cv::Mat>& images, const BenchGeometry& bench, const CameraModel& start,
                  const CalibrationConfig& config, bool hold_intrinsics) {
   const cv::Mat_<float> grey = mean_grey(images, start);
-  return DishFitter(grey, bench, start, config, hold_intrinsics).run();
+  CameraModel over_fluid = start;
+  if (bench.fluid_depth_m > 0.0) over_fluid.fluid = fluid_of(bench);
+  return DishFitter(grey, bench, over_fluid, config, hold_intrinsics).run();
 }
 
 Calibration calibrate_from_dish(const std::vector<cv::Mat>& images, const BenchGeometry& bench,

@@ -33,6 +33,12 @@ CameraModel nominal_camera(const LensConfig& lens) {
   return camera;
 }
 
+FluidLayer fluid_of(const BenchGeometry& bench) {
+  if (bench.fluid_depth_m <= 0.0) return {};
+  // Up to the middle of the wall: its foot is seen through the fluid, too.
+  return {bench.fluid_depth_m, bench.dish_radius_m + 0.5 * bench.wall_thickness_m, bench.refractive_index};
+}
+
 SceneConfig widened(SceneConfig config, double fraction) {
   struct Widener {
     double fraction;
@@ -60,6 +66,7 @@ Scene draw_scene(const SceneConfig& config, std::uint64_t seed) {
                               config.camera_rise_m.draw(random));
   scene.camera = moved(nominal_camera(config.lens), turn, shift);
   scene.camera.k1 = config.lens_k1.draw(random);
+  scene.camera.fluid = fluid_of(config.bench);
   scene.brightness = config.brightness.draw(random);
   for (float& gain : scene.cast) gain = static_cast<float>(config.colour_cast.draw(random));
   scene.vignetting = config.vignetting.draw(random);

@@ -81,9 +81,9 @@ class Bench {
                     static_cast<float>(scene.floor_grey) * 0.95F, static_cast<float>(scene.floor_grey)},
                    static_cast<float>(8.0 * scene.fluid_tint))) {}
 
-  /// `texture` is about normal.
-  Colour at(float x, float y, float texture) const {
-    const float r_floor = std::hypot(x, y);
+  /// `r_floor`: how far from the dish centre the ray meets the floor, bent by the fluid. `texture` is about
+  /// normal.
+  Colour at(float x, float y, float r_floor, float texture) const {
     const float radius = static_cast<float>(bench_.dish_radius_m);
     if (r_floor < radius - 2.0F * pixel_m_) return (1.0F + 0.02F * texture) * floor_;
     // The ray passes the top of the wall at this fraction of its way.
@@ -139,16 +139,20 @@ class Bench {
   Colour floor_;
 };
 
-cv::Mat paint_bench(const Scene& scene, const cv::Mat& floor_m, common::RandomStream& random) {
+/// `straight_m`: where the rays would meet the floor plane without fluid, as they do outside the dish.
+cv::Mat paint_bench(const Scene& scene, const cv::Mat& straight_m, const cv::Mat& floor_m,
+                    common::RandomStream& random) {
   const Bench bench(scene);
   const cv::Mat texture = unevenness(random, floor_m.size(), 24);
   cv::Mat painted(floor_m.size(), CV_8UC3);
   for (int v = 0; v < painted.rows; ++v) {
+    const auto* straight = straight_m.ptr<cv::Vec2f>(v);
     const auto* floor = floor_m.ptr<cv::Vec2f>(v);
     const auto* rough = texture.ptr<float>(v);
     auto* out = painted.ptr<cv::Vec3b>(v);
     for (int u = 0; u < painted.cols; ++u) {
-      const Colour colour = bench.at(floor[u][0], floor[u][1], rough[u]);
+      const Colour colour =
+          bench.at(straight[u][0], straight[u][1], std::hypot(floor[u][0], floor[u][1]), rough[u]);
       const float light = 255.0F * light_at(scene, u, v);
       for (int i = 0; i < 3; ++i) {
         const float gain = light * scene.cast[static_cast<std::size_t>(i)];
@@ -224,8 +228,12 @@ void compose(const SceneLayers& layers, const cv::Mat& under, const cv::Rect& ar
 SceneLayers paint_layers(const Scene& scene) {
   common::RandomStream random(scene.seed, "scene/paint");
   SceneLayers layers;
-  layers.floor_m = floor_map(scene.camera);
-  layers.under = paint_bench(scene, layers.floor_m, random);
+  CameraModel straight = scene.camera, bent = scene.camera;
+  straight.fluid = {};
+  bent.fluid.radius_m = 1e3;  // without a seam at the wall, which hides where the fluid ends
+  const cv::Mat straight_m = floor_map(straight);
+  layers.floor_m = scene.camera.fluid.depth_m > 0.0 ? floor_map(bent) : straight_m;
+  layers.under = paint_bench(scene, straight_m, layers.floor_m, random);
   layers.glare = paint_glare(scene, layers.floor_m, random);
   layers.over = cv::Mat::zeros(layers.under.size(), CV_8UC3);
   layers.over_alpha = cv::Mat::zeros(layers.under.size(), CV_8U);

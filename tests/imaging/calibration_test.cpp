@@ -43,6 +43,26 @@ TEST_CASE("a camera 5 mm and 5 degrees off is calibrated from one image of the d
   }
 }
 
+TEST_CASE("a fluid that is told of is looked through; one that is not bends the dish") {
+  imaging::SceneConfig wet = far_off();
+  wet.bench.fluid_depth_m = 0.009;
+  wet.bench.refractive_index = 1.36;
+  double told_m = 0.0, untold_m = 0.0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const imaging::SceneRenderer renderer(imaging::draw_scene(wet, seed));
+    const cv::Mat image = image_of(renderer);
+    const auto error_m = [&](const imaging::BenchGeometry& bench) {
+      const imaging::CameraModel found = imaging::calibrate_from_dish({image}, bench, wet.lens).camera;
+      return imaging::floor_error(found, renderer.scene().camera, wet.bench).rms_m;
+    };
+    told_m += error_m(wet.bench) / 4.0;
+    untold_m += error_m(far_off().bench) / 4.0;
+  }
+  CAPTURE(told_m, untold_m);
+  CHECK(told_m < 0.1e-3);
+  CHECK(untold_m > 1.5 * told_m);
+}
+
 TEST_CASE("known intrinsics are left as they are") {
   const imaging::SceneConfig config = far_off();
   const imaging::SceneRenderer renderer(imaging::draw_scene(config, 11));

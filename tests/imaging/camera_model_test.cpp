@@ -1,6 +1,7 @@
 #include "lodestone/imaging/camera_model.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <map>
 
 #include "lodestone/common/error.h"
@@ -40,6 +41,39 @@ TEST_CASE("a pixel's point of the dish projects back onto the pixel") {
   }
 }
 
+TEST_CASE("what lies in the fluid is seen along a ray that obeys Snell's law") {
+  imaging::CameraModel camera;  // 0.4717 m above the dish centre
+  camera.fluid = {0.005, 0.0425, 1.36};
+  const geometry::Vector2 point_m(0.03, -0.02);
+  const Eigen::Vector2d pixel = camera.project_floor(point_m);
+  // Straight through the air to the surface, then towards the vertical.
+  imaging::CameraModel air = camera;
+  air.fluid = {};
+  const geometry::Vector2 surface_m = air.to_dish(pixel, 0.005);
+  const double tangent_air = surface_m.norm() / (0.4717 - 0.005);
+  const double tangent_fluid = (point_m - surface_m).norm() / 0.005;
+  CHECK(std::sin(std::atan(tangent_air)) == Approx(1.36 * std::sin(std::atan(tangent_fluid))).epsilon(1e-6));
+  // The fluid makes the floor look nearer, so what is off the middle lies further out in the image.
+  CHECK((pixel - air.project_floor({0.0, 0.0})).norm() > (air.project_floor(point_m) - air.project_floor({0.0, 0.0})).norm());
+  CHECK(camera.project_floor({0.0, 0.0}) == air.project_floor({0.0, 0.0}));
+  // What stands above the surface, or beside the dish, is seen as ever.
+  CHECK(camera.project({0.03, -0.02, 0.006}) == air.project({0.03, -0.02, 0.006}));
+  CHECK(camera.project_floor({0.05, 0.0}) == air.project_floor({0.05, 0.0}));
+}
+
+TEST_CASE("through fluid, too, a pixel's point of the dish projects back onto the pixel") {
+  imaging::CameraModel camera = tilted();
+  camera.fluid = {0.006, 0.0425, 1.36};
+  for (double radius_m : {0.0, 0.01, 0.025, 0.041})
+    for (int turn = 0; turn < 12; ++turn)
+      for (const double height_m : {0.0, 0.002, 0.009}) {
+        const double angle_rad = 0.5235987756 * turn;
+        const geometry::Vector2 point_m(radius_m * std::cos(angle_rad), radius_m * std::sin(angle_rad));
+        const Eigen::Vector2d pixel = camera.project(Eigen::Vector3d(point_m.x(), point_m.y(), height_m));
+        CHECK((camera.to_dish(pixel, height_m) - point_m).norm() < 1e-9);
+      }
+}
+
 TEST_CASE("a camera that moves to +x sees the dish further left") {
   const imaging::CameraModel camera = imaging::moved({}, {0.0, 0.0, 0.0}, {0.005, 0.0, 0.0});
   CHECK(camera.project_floor(geometry::Vector2(0.0, 0.0)).x() == Approx(589.5).margin(0.01));
@@ -54,7 +88,14 @@ TEST_CASE("a calibration survives its file, and a damaged one is named") {
   const std::string file = folder.path() + "/calibration.json";
   imaging::write_calibration(file, calibration);
   CHECK(imaging::read_calibration(file).camera == calibration.camera);
+  calibration.camera.fluid = {0.005, 0.043, 1.36};
+  imaging::write_calibration(file, calibration);
+  CHECK(imaging::read_calibration(file).camera == calibration.camera);
   common::Json json = imaging::to_json(calibration);
+  json["fluid"]["refractive_index"] = 0.5;
+  CHECK_THROWS_WITH(imaging::calibration_from_json(json, "here"),
+                    Catch::Contains("here: fluid.refractive_index = 0.5 must be within 1 .. 3"));
+  json = imaging::to_json(calibration);
   json.erase("k1");
   CHECK_THROWS_AS(imaging::calibration_from_json(json, "here"), common::DataError);
   json = imaging::to_json(calibration);

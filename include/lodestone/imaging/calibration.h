@@ -51,7 +51,8 @@ struct DishFit {
 /// turned by less than 45 degrees (dish and coils look alike every 90).
 ///
 /// `images`: 8-bit BGR or grey, of the size of `start`; several are averaged, the camera must stand still.
-/// With `hold_intrinsics` only the pose is fitted. Throws DataError when an image cannot be used, the dish
+/// With `hold_intrinsics` only the pose is fitted. Fluid as the bench has it, or where that has none, as
+/// `start` has it, is looked through. Throws DataError when an image cannot be used, the dish
 /// is not found, too few edges are in view, or the residual is above config.max_rms_px.
 DishFit fit_dish(const std::vector<cv::Mat>& images, const BenchGeometry& bench, const CameraModel& start,
                  const CalibrationConfig& config = {}, bool hold_intrinsics = false);

@@ -8,11 +8,25 @@
 
 namespace lodestone::imaging {
 
-/// Where a point of the dish frame lands in the image: a pinhole with radial distortion.
+/// Fluid that the floor is seen through; none where its depth is 0.
+struct FluidLayer {
+  double depth_m = 0.0;   ///< of its surface above the floor
+  double radius_m = 0.0;  ///< about the dish centre
+  double refractive_index = 1.0;
+
+  bool operator==(const FluidLayer& other) const {
+    return depth_m == other.depth_m && radius_m == other.radius_m &&
+           refractive_index == other.refractive_index;
+  }
+};
+
+/// Where a point of the dish frame lands in the image: a pinhole with radial distortion, over a flat surface
+/// of fluid.
 ///
 /// Pixel coordinates: the centre of the top left pixel is (0, 0), u to the right, v downwards. The dish frame
 /// has its origin at the centre of the dish floor, z upwards. Camera frame: x right, y down, z forward.
-/// Distortion (Brown): (x, y) -> (1 + k1 r^2 + k2 r^4) (x, y) on the plane at distance 1.
+/// Distortion (Brown): (x, y) -> (1 + k1 r^2 + k2 r^4) (x, y) on the plane at distance 1. What lies in the
+/// fluid is seen where its ray leaves the surface (Snell's law).
 struct CameraModel {
   std::int64_t width_px = 1280;
   std::int64_t height_px = 1024;
@@ -23,6 +37,7 @@ struct CameraModel {
   double k2 = 0.0;
   Eigen::Matrix3d rotation = Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal();  ///< dish frame -> camera frame
   Eigen::Vector3d translation_m = {0.0, 0.0, 0.4717};  ///< dish origin in the camera frame
+  FluidLayer fluid;
 
   /// Pixel of a point given in the dish frame, in metres. The point must lie in front of the camera.
   Eigen::Vector2d project(const Eigen::Vector3d& point_m) const;
@@ -35,6 +50,9 @@ struct CameraModel {
   /// Length on the floor of one pixel at the dish centre, in metres.
   double pixel_size_m() const;
   bool operator==(const CameraModel& other) const;
+
+ private:
+  Eigen::Vector3d eye_m() const { return -(rotation.transpose() * translation_m); }
 };
 
 /// Turns a camera about the dish axes (x, then y, then z; radians) and then moves it, seen in the dish frame.

@@ -29,6 +29,8 @@ struct LensConfig {
 };
 
 CameraModel nominal_camera(const LensConfig& lens);
+/// What a camera sees the floor of a bench through.
+FluidLayer fluid_of(const BenchGeometry& bench);
 
 /// What may differ from one bench, day or image to the next. Every factor is drawn uniformly from its
 /// range.

@@ -38,6 +38,8 @@ struct FluidConfig {
   double density_kg_m3 = 1046.0;    // I
   double wall_gap_m = 10e-6;        // D: fluid film under the needle
   double cross_flow_factor = 1.0;   // D: scales White's cylinder drag; 0 leaves viscous drag alone
+  double depth_m = 0.0;             // D: 25 + 5 ml in the dish would be 5.3 mm deep
+  double refractive_index = 1.36;   // I: 20 % of glycerol by mass
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -45,6 +47,10 @@ struct FluidConfig {
     v.field("density_kg_m3", density_kg_m3, "kg/m^3", "density", {1.0, 2e4});
     v.field("wall_gap_m", wall_gap_m, "m", "fluid film between needle and dish", {1e-8, 0.1});
     v.field("cross_flow_factor", cross_flow_factor, "", "scale of the cross-flow drag", {0.0, 10.0});
+    v.field("depth_m", depth_m, "m",
+            "depth that a camera sees the floor through; 0: it is calibrated as if there were no fluid",
+            {0.0, 0.1});
+    v.field("refractive_index", refractive_index, "", "of the fluid, where its depth is given", {1.0, 3.0});
   }
 };
 
