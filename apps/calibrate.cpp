@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <memory>
 
 #include "common_options.h"
+#include "lodestone/common/files.h"
 #include "lodestone/common/log.h"
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/imaging/calibration.h"
@@ -12,10 +14,12 @@
 #include "lodestone/imaging/frame_guard.h"
 #include "lodestone/imaging/image_file.h"
 #include "lodestone/imaging/scene_renderer.h"
+#include "lodestone/imaging/video_writer.h"
 #include "lodestone/rig/camera_source.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/rig_config.h"
 #include "lodestone/runs/run_folder.h"
+#include "lodestone/segmentation/samples.h"
 #include "verbs.h"
 
 namespace lodestone::apps {
@@ -48,6 +52,8 @@ struct CalibrateOptions : CommonOptions {
   std::int64_t trials = 0;
   std::string check;
   std::string print_board;
+  std::string film;
+  std::int64_t places = 200;
   std::vector<std::string> board_files;
 };
 
@@ -76,6 +82,21 @@ std::vector<cv::Mat> grab(const CalibrateConfig& config) {
 cv::Mat render(const imaging::SceneRenderer& renderer) {
   common::RandomStream random(renderer.scene().seed, "image for calibration");
   return renderer.render({}, random).image;
+}
+
+/// A film of a needle that lies elsewhere in every image.
+void write_film(const imaging::SceneRenderer& renderer, const std::string& file, std::int64_t places) {
+  const imaging::Scene& scene = renderer.scene();
+  constexpr double kFrameRate_hz = 10.0;
+  const std::string folder = std::filesystem::path(file).parent_path().string();
+  if (!folder.empty()) common::make_folders(folder);
+  imaging::VideoWriter film(
+      file, {static_cast<int>(scene.camera.width_px), static_cast<int>(scene.camera.height_px)}, kFrameRate_hz);
+  common::RandomStream random(scene.seed, "film of a needle");
+  for (std::int64_t i = 0; i < places; ++i)
+    film.write(renderer.render({{segmentation::draw_needle_pose(scene.bench, random)}}, random).image);
+  film.finish();
+  common::log_info("wrote " + film.file() + ": a needle in " + std::to_string(places) + " places");
 }
 
 double thread_ms() {
@@ -199,6 +220,8 @@ void calibrate(const CalibrateOptions& options) {
     return;
   }
   if (options.trials > 0) return run_trials(config, options.trials);
+  if (!options.film.empty() && !options.rendered)
+    throw common::ConfigError("--film shows a rendered bench: give --rendered, too");
   std::unique_ptr<imaging::SceneRenderer> renderer;
   std::vector<cv::Mat> images;
   if (options.rendered) {
@@ -218,6 +241,7 @@ void calibrate(const CalibrateOptions& options) {
   imaging::write_calibration(options.out + "/calibration.json", calibration);
   imaging::write_image(options.out + "/overlay.png",
                        imaging::calibration_overlay(images.front(), calibration.camera, config.scene.bench));
+  if (!options.film.empty()) write_film(*renderer, options.film, options.places);
   run.finish();
   for (const imaging::EdgeUse& edge : found.edges)
     if (edge.expected > 0)
@@ -245,6 +269,12 @@ void add_calibrate(Verb& program) {
       verb, options, "--camera", "rig.camera.source", Shorthand::kText,
       "image, folder, video; number of a USB camera; name of a GenICam camera (see rig.camera.kind)");
   verb.add_option("--rendered", &options.rendered, "try it on a rendered bench, where the truth is known");
+  verb.add_option("--film", &options.film,
+                  "film a needle on the rendered bench, to try train-segmenter --frames on (.avi, .mp4)")
+      .named("FILE");
+  verb.add_option("--places", &options.places, "images of that film, each with the needle elsewhere")
+      .within(1, 100000)
+      .with_default();
   verb.add_option("--trials", &options.trials,
                   "calibrate so many rendered benches and print the errors as JSON")
       .within(0, 1000000);

@@ -136,6 +136,8 @@ LocalisationScore score(const std::vector<Attempt>& attempts) {
   return out;
 }
 
+}  // namespace
+
 std::string in_words(const LocalisationScore& score) {
   if (score.position_rms_mm) {
     char text[120];
@@ -149,7 +151,22 @@ std::string in_words(const LocalisationScore& score) {
   return text;
 }
 
-}  // namespace
+LocalisationScore evaluate_views(const vision::Segmenter& segmenter, const imaging::DishView& view,
+                                 const vision::RodConfig& rod, const std::vector<cv::Mat>& images,
+                                 const std::vector<geometry::Pose2>& poses) {
+  LODESTONE_CHECK(images.size() == poses.size(), "a pose for each image");
+  vision::Segmenter::Workspace workspace;
+  std::vector<Attempt> attempts;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    Attempt& attempt = attempts.emplace_back();
+    attempt.truth = poses[i];
+    const double start_ms = thread_ms();
+    const vision::Evidence evidence = segmenter.segment(images[i], workspace);
+    attempt.found = {vision::fit_rod(evidence, segmenter.grid_of(view, view.whole()), rod)};
+    attempt.ms = thread_ms() - start_ms;
+  }
+  return score(attempts);
+}
 
 SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const vision::Segmenter> segmenter,
                                        const imaging::SceneConfig& scenes,

@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include <ATen/TensorOperators.h>
 #include <ATen/ops/empty.h>
-#include <ATen/ops/from_blob.h>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/geometry/angle.h"
 #include "lodestone/imaging/scene_renderer.h"
+#include "sample_rows.h"
 
 namespace lodestone::segmentation {
 
@@ -36,9 +34,9 @@ class SampleMaker {
                geometry::Vector2(random.uniform(-room_m, room_m), random.uniform(-room_m, room_m));
     }
     const cv::Rect area = view.around(centre, static_cast<int>(config_.crop_px));
-    store(view.cut(frame.image, area), row);
-    store_mask(view.cut(frame.needle_mask, area), row, 0);
-    store_mask(view.cut(frame.tape_mask, area), row, 1);
+    store_image(view.cut(frame.image, area), row, out_);
+    store_mask(view.cut(frame.needle_mask, area), row, 0, out_);
+    store_mask(view.cut(frame.tape_mask, area), row, 1, out_);
   }
 
  private:
@@ -59,19 +57,6 @@ class SampleMaker {
       needles.push_back(needle);
     }
     return needles;
-  }
-
-  void store(const cv::Mat& image, std::int64_t row) const {
-    const at::Tensor pixels =
-        at::from_blob(image.data, {image.rows, image.cols, 3}, at::kByte).permute({2, 0, 1});
-    out_.images[row].copy_(pixels);
-  }
-
-  void store_mask(const cv::Mat& mask, std::int64_t row, std::int64_t channel) const {
-    const auto side = static_cast<int>(out_.masks.size(2));
-    cv::Mat small;
-    cv::resize(mask, small, {side, side}, 0.0, 0.0, cv::INTER_AREA);
-    out_.masks[row][channel].copy_(at::from_blob(small.data, {side, side}, at::kByte));
   }
 
   const SampleConfig& config_;

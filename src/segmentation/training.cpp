@@ -8,6 +8,7 @@
 #include <ATen/TensorOperators.h>
 #include <ATen/core/grad_mode.h>
 #include <ATen/ops/binary_cross_entropy_with_logits.h>
+#include <ATen/ops/cat.h>
 #include <ATen/ops/sigmoid.h>
 #include <ATen/ops/stack.h>
 #include <ATen/ops/tensor.h>
@@ -75,7 +76,7 @@ Tensor turned(const Tensor& image, std::uint64_t way) {
 
 class Training : public runs::ResumableWork {
  public:
-  Training(const TrainSegmenterConfig& config, std::string folder)
+  Training(const TrainSegmenterConfig& config, std::string folder, const FrameTraining* frames)
       : config_(config),
         folder_(std::move(folder)),
         seed_(static_cast<std::uint64_t>(config.seed)),
@@ -83,14 +84,21 @@ class Training : public runs::ResumableWork {
     start_s_ = clock_.now_s();
     train_ = render(config.training.samples, "train");
     validation_ = render(config.training.validation_samples, "validation");
-    common::log_info("rendered " + std::to_string(train_.size() + validation_.size()) + " images");
+    if (frames != nullptr) {
+      add(frames->train, train_);
+      add(frames->validation, validation_);
+    }
+    common::log_info("there are " + std::to_string(train_.size() + validation_.size()) + " images");
     for (std::size_t shard = 0; shard < kShards; ++shard) {
       networks_.push_back(std::make_shared<nets::UNet>(config.segmenter.network));
       networks_.back()->tensors().flatten();
     }
     common::RandomStream random(seed_, "segmenter weights");
     networks_[0]->initialise(random);
-    networks_[0]->fit_normaliser(train_.images.slice(0, 0, std::min<std::int64_t>(train_.size(), 256)));
+    if (frames != nullptr)
+      networks_[0]->tensors().load(nets::to_tensors(frames->weights), "the segmenter that goes on learning");
+    else
+      networks_[0]->fit_normaliser(train_.images.slice(0, 0, std::min<std::int64_t>(train_.size(), 256)));
     share();
     first_moment_ = at::zeros_like(networks_[0]->tensors().values());
     second_moment_ = at::zeros_like(networks_[0]->tensors().values());
@@ -164,6 +172,12 @@ class Training : public runs::ResumableWork {
   SegmenterSamples render(std::int64_t count, const char* part) {
     return render_samples(config_.scenes, config_.images, config_.segmenter, count,
                           common::derive_seed(seed_, part), pool_);
+  }
+
+  static void add(const SegmenterSamples& more, SegmenterSamples& samples) {
+    if (more.size() == 0) return;
+    samples.images = at::cat({samples.images, more.images});
+    samples.masks = at::cat({samples.masks, more.masks});
   }
 
   std::int64_t batches() const { return train_.size() / config_.training.batch_size; }
@@ -351,9 +365,10 @@ runs::RunRequest run_request(const TrainSegmenterConfig& config, const std::stri
   return request;
 }
 
-SegmenterTrainingResult train_segmenter(const TrainSegmenterConfig& config, runs::RunFolder& run) {
+SegmenterTrainingResult train_segmenter(const TrainSegmenterConfig& config, runs::RunFolder& run,
+                                        const FrameTraining* frames) {
   config.validate();
-  Training work(config, run.path());
+  Training work(config, run.path(), frames);
   return work.finish(runs::run_resumably(run, work, {"train segmenter", "epochs", 0.0}));
 }
 

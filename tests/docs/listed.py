@@ -22,6 +22,7 @@ NOT_RUN = {
     ("docs/reproduce-the-paper.md", BASE + "bench paper --scale full"): "takes days; results/paper holds what has been run of it",
     ("docs/scale.md", BASE + "bench paper --scale full"): "takes days; apps.slurm runs a small one",
     ("docs/see-the-needle.md", BASE + "calibrate --rig my-rig.json --set rig.camera.kind=uvc"): "needs a camera",
+    ("docs/see-the-needle.md", BASE + "train-segmenter --config configs/vision/fine_tune.json --rig my-rig.json"): "needs a film of a needle; apps.own_needle runs it on a rendered one",
 }
 
 # In the soak only: what takes long and cannot be made shorter. Parsed in the sample, where it calls the program.

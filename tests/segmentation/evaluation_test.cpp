@@ -4,6 +4,7 @@
 
 #include <ATen/ATen.h>
 
+#include "segmentation/own_frames.h"
 #include "segmentation/small_segmenter.h"
 #include "temporary_folder.h"
 
@@ -35,4 +36,15 @@ TEST_CASE("a checkpoint holds the scenes it was trained on, without the bench") 
   vision::save_segmenter(folder / "s", config.segmenter, tests::untrained_weights(),
                          common::config_to_json(config), {});
   CHECK(segmentation::training_scenes(folder / "s").glare.high == config.scenes.glare.high);
+}
+
+TEST_CASE("whole views are scored by the poses they are known to show") {
+  const tests::OwnFrames own = tests::own_frames(3);
+  const segmentation::TrainSegmenterConfig config = tests::small_config();
+  const vision::Segmenter untrained(config.segmenter, tests::untrained_weights());
+  const segmentation::LocalisationScore score = segmentation::evaluate_views(
+      untrained, own.frames.view, vision::rod_of(own.bench), own.frames.images, own.truth);
+  CHECK(score.n == 3);
+  CHECK(score.poses == 0);  // nothing was learned
+  CHECK(score.refusals.size() > 0);
 }

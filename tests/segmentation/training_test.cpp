@@ -1,6 +1,8 @@
 #include "lodestone/segmentation/training.h"
 
 #include <catch2/catch.hpp>
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "lodestone/common/error.h"
@@ -39,4 +41,32 @@ TEST_CASE("sizes that do not fit the network are named") {
   config = small_config();
   config.training.batch_size = 6;
   CHECK_THROWS_WITH(config.validate(), Catch::Contains("batch_size"));
+}
+
+TEST_CASE("a training with images of one's own goes on from the weights it is given", "[slow]") {
+  const tests::TemporaryFolder folder;
+  segmentation::TrainSegmenterConfig config = small_config();
+  const auto train = [&](const std::string& name, const segmentation::FrameTraining* frames) {
+    runs::RunFolder run(segmentation::run_request(config, folder / name, false));
+    return segmentation::train_segmenter(config, run, frames).weights;
+  };
+  segmentation::FrameTraining frames;
+  frames.weights = train("first", nullptr);
+  common::ThreadPool pool(1);
+  frames.train = segmentation::render_samples(config.scenes, config.images, config.segmenter, 8, 77, pool);
+  frames.validation = segmentation::render_samples(config.scenes, config.images, config.segmenter, 8, 78, pool);
+  config.training.learning_rate = 1e-7;
+  const inference::Arrays same = train("same", &frames);
+  config.training.learning_rate = 3e-3;
+  const inference::Arrays other = train("other", &frames);
+  const auto change = [&](const inference::Arrays& weights) {
+    const std::vector<double> before = frames.weights.at("stem.weight").to_double();
+    const std::vector<double> after = weights.at("stem.weight").to_double();
+    double most = 0.0;
+    for (std::size_t i = 0; i < before.size(); ++i) most = std::max(most, std::abs(after[i] - before[i]));
+    return most;
+  };
+  CHECK(change(same) < 1e-5);
+  CHECK(change(other) > 1e-4);
+  CHECK(same.at("colour_mean").to_double() == frames.weights.at("colour_mean").to_double());
 }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/thread_pool.h"
@@ -78,10 +79,17 @@ SegmenterEvaluation evaluate_segmenter(std::shared_ptr<const vision::Segmenter> 
                                        const vision::LocaliserConfig& localiser, std::int64_t frames,
                                        std::uint64_t seed, common::ThreadPool& pool);
 
+/// Localises the needle in whole views of a dish whose poses are known, as a localiser does that has just
+/// begun.
+LocalisationScore evaluate_views(const vision::Segmenter& segmenter, const imaging::DishView& view,
+                                 const vision::RodConfig& rod, const std::vector<cv::Mat>& images,
+                                 const std::vector<geometry::Pose2>& poses);
+
 /// Scenes that a segmenter was trained on. Throws CheckpointError.
 imaging::SceneConfig training_scenes(const std::string& checkpoint_folder);
 
 /// One line: the errors, clean and partly covered, or that no pose was found and why not.
 std::string in_words(const SegmenterEvaluation& evaluation);
+std::string in_words(const LocalisationScore& score);
 
 }  // namespace lodestone::segmentation

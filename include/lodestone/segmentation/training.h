@@ -8,7 +8,9 @@
 #include "lodestone/inference/array.h"
 #include "lodestone/runs/run_folder.h"
 #include "lodestone/runs/training_results.h"
+#include "lodestone/segmentation/frames_config.h"
 #include "lodestone/segmentation/sample_config.h"
+#include "lodestone/segmentation/samples.h"
 #include "lodestone/vision/segmenter.h"
 
 namespace lodestone::segmentation {
@@ -58,6 +60,7 @@ struct TrainSegmenterConfig {
   vision::SegmenterConfig segmenter;
   SampleConfig images;
   imaging::SceneConfig scenes;
+  FramesConfig frames;
   SegmenterTrainingConfig training;
 
   template <class Visitor>
@@ -67,6 +70,7 @@ struct TrainSegmenterConfig {
     v.group("segmenter", segmenter, "what is trained");
     v.group("images", images, "what the images hold");
     v.group("scenes", scenes, "benches, lights and cameras the images are drawn from");
+    v.group("frames", frames, "images of a needle of your own, to learn from as well");
     v.group("training", training, "how it learns");
   }
   /// Throws ConfigError when sizes do not fit the network.
@@ -79,6 +83,12 @@ struct SegmenterTrainingResult {
   double validation_dice = 0.0;  ///< overlap of predicted and true needle, 1 is perfect
 };
 
+/// Where a training begins, and what it learns from besides rendered images.
+struct FrameTraining {
+  inference::Arrays weights;
+  SegmenterSamples train, validation;
+};
+
 /// The run of a configuration, and which of its keys may change when it is gone on with.
 runs::RunRequest run_request(const TrainSegmenterConfig& config, const std::string& folder, bool resume);
 
@@ -87,6 +97,8 @@ runs::RunRequest run_request(const TrainSegmenterConfig& config, const std::stri
 /// normalisation of their own, so that the result depends on the seed and not on threads. Writes metrics,
 /// TensorBoard images of predictions and, after every epoch, `training` into the run's folder, from which a
 /// resumption goes on bitwise. Throws ConfigError, CheckpointError, IoError, and Interrupted after saving.
-SegmenterTrainingResult train_segmenter(const TrainSegmenterConfig& config, runs::RunFolder& run);
+/// With `frames`, goes on from their weights and normaliser.
+SegmenterTrainingResult train_segmenter(const TrainSegmenterConfig& config, runs::RunFolder& run,
+                                        const FrameTraining* frames = nullptr);
 
 }  // namespace lodestone::segmentation
