@@ -16,7 +16,7 @@ namespace {
 
 struct CalibrateFieldOptions {
   std::string samples;
-  std::string out;
+  std::string out = "rig.json";
   std::string rig_file;
   bool coils = false;
 };
@@ -54,10 +54,21 @@ void print_left(const physics::FieldError& error) {
       1e3 * error.rms_T, 100.0 * error.relative_rms, error.direction_median_deg, error.direction_p95_deg);
 }
 
+/// The rig with the coils that samples tell of. Throws DataError where it cannot be one.
+void write_rig(const CalibrateFieldOptions& options, const rig::RigConfig& rig) {
+  try {
+    rig.coils.validate();
+    rig.validate();
+  } catch (const common::ConfigError& error) {
+    throw common::DataError(options.samples + ": with the coils that fit best, the rig is none: " +
+                            error.what());
+  }
+  common::write_file_atomically(options.out, common::config_to_json(rig).dump(1) + "\n");
+}
+
 /// The coils of a rig where samples say that they stand.
 void calibrate_coil_places(const CalibrateFieldOptions& options, rig::RigConfig rig,
                            const physics::FieldSamples& samples) {
-  const std::string out = options.out.empty() ? "rig.json" : options.out;
   if (rig.coils.each.empty())
     throw common::ConfigError(
         "calibrate field --coils places coils that a rig lists: name one by --rig whose coils.each does "
@@ -65,13 +76,7 @@ void calibrate_coil_places(const CalibrateFieldOptions& options, rig::RigConfig 
   const physics::CoilFit fit =
       of_file(options.samples, [&] { return physics::fit_coils(rig.coils, samples); });
   rig.coils = fit.coils;
-  try {
-    rig.validate();
-  } catch (const common::ConfigError& error) {
-    throw common::DataError(options.samples +
-                            ": the coils cannot stand where they would fit best: " + error.what());
-  }
-  common::write_file_atomically(out, common::config_to_json(rig).dump(1) + "\n");
+  write_rig(options, rig);
   std::printf("%lld samples; as described the coils leave %.1f %% of the field\n",
               static_cast<long long>(fit.fitted.samples), 100.0 * fit.described.relative_rms);
   std::printf("%-8s %26s %12s %8s\n", "coil", "moved by x, y, z in mm", "tilted by", "gain");
@@ -82,45 +87,46 @@ void calibrate_coil_places(const CalibrateFieldOptions& options, rig::RigConfig 
               1e6 * fit.background_T[1], 1e6 * fit.background_T[2]);
   print_left(fit.held_out);
   print_torque(fit.held_out, rig);
-  std::printf("rig      %s, for --rig\n", out.c_str());
+}
+
+/// The coils of a rig with the field that samples say they have, whatever makes it.
+void calibrate_coil_fields(const CalibrateFieldOptions& options, rig::RigConfig rig,
+                           const physics::FieldSamples& samples) {
+  const physics::FieldFit fit = of_file(options.samples, [&] { return physics::fit_field(samples); });
+  rig.coils = of_file(options.samples, [&] { return fit.field.applied_to(rig.coils); });
+  rig.drive.kind = physics::DriveKind::kField;  // of any coils
+  write_rig(options, rig);
+  std::printf("%lld samples of %zu coils; share of the field left by solid harmonics of degree\n",
+              static_cast<long long>(fit.fitted.samples), samples.coils);
+  for (std::size_t i = 0; i < fit.held_out_by_degree.size(); ++i)
+    std::printf("  %zu  %7.3f %% of samples held out%s\n", i + 1, 100.0 * fit.held_out_by_degree[i],
+                static_cast<std::int64_t>(i + 1) == fit.degree ? "  <- taken" : "");
+  print_left(fit.held_out);
+  print_torque(fit.held_out, rig);
+  std::printf("it holds up to %.1f mm from the dish centre in the needle's plane\n",
+              1e3 * fit.field.region.disc_radius_m());
 }
 
 void calibrate_field(const CalibrateFieldOptions& options) {
   const rig::RigConfig rig = read_rig(options.rig_file);
   const physics::FieldSamples samples = physics::read_field_samples(options.samples);
-  if (options.coils) return calibrate_coil_places(options, rig, samples);
-  const std::string out = options.out.empty() ? "field.json" : options.out;
-  const physics::FieldFit fit = of_file(options.samples, [&] { return physics::fit_field(samples); });
-  common::write_artefact(out, fit.field);
-  std::printf("%lld samples of %zu coils; share of the field left by solid harmonics of degree\n",
-              static_cast<long long>(fit.fitted.samples), samples.coils);
-  for (std::size_t i = 0; i < fit.held_out_by_degree.size(); ++i)
-    std::printf("  %zu  %7.3f %% of samples held out%s\n", i + 1, 100.0 * fit.held_out_by_degree[i],
-                static_cast<std::int64_t>(i + 1) == fit.field.degree ? "  <- taken" : "");
-  print_left(fit.held_out);
-  print_torque(fit.held_out, rig);
-  std::printf("field    %s\n", out.c_str());
+  if (options.coils)
+    calibrate_coil_places(options, rig, samples);
+  else
+    calibrate_coil_fields(options, rig, samples);
+  std::printf("rig      %s, for --rig\n", options.out.c_str());
 }
 
 struct EvaluateFieldOptions {
-  std::string field;
   std::string rig_file;
   std::string data;
 };
 
 void evaluate_field(const EvaluateFieldOptions& options) {
-  if (options.field.empty() == options.rig_file.empty())
-    throw common::ConfigError(
-        "evaluate field: name a field by --field FILE, or a rig by --rig FILE, and not both");
+  const rig::RigConfig rig = read_rig(options.rig_file);
   const physics::FieldSamples samples = physics::read_field_samples(options.data);
-  physics::FieldError error;
-  if (!options.rig_file.empty()) {
-    const rig::RigConfig rig = read_rig(options.rig_file);
-    error = of_file(options.data, [&] { return physics::field_error(rig.coils, samples); });
-  } else {
-    const auto field = common::read_artefact<physics::MeasuredField>(options.field);
-    error = of_file(options.data, [&] { return physics::field_error(field, samples); });
-  }
+  const physics::FieldError error =
+      of_file(options.data, [&] { return physics::field_error(rig.coils, samples); });
   std::printf("%s\n", common::artefact_to_json(error).dump(2).c_str());
 }
 
@@ -128,28 +134,27 @@ void evaluate_field(const EvaluateFieldOptions& options) {
 
 void add_calibrate_field(Verb& calibrate) {
   Verb& verb =
-      calibrate.add_verb("field", "fit the field of any coils, with cores too, to a magnetometer's samples");
+      calibrate.add_verb("field", "fit the coils of a rig to a magnetometer's samples of their field");
   const auto options = std::make_shared<CalibrateFieldOptions>();
   verb.add_option("samples", &options->samples,
                   "CSV with x_m,y_m,z_m (or _mm), current_1_A,current_2_A,..., Bx_T,By_T,Bz_T (or _mT, _uT)")
       .named("FILE.csv")
       .required();
-  verb.add_option("--out", &options->out, "where it is written: field.json, or with --coils rig.json")
-      .named("FILE");
+  verb.add_option("--out", &options->out, "the rig that is written").named("FILE").with_default();
   verb.add_option("--rig", &options->rig_file,
-                  "rig.json: whose needle the residual is told for (without it the paper's); with --coils "
-                  "whose coils.each is placed")
+                  "rig.json: whose coils were measured, in the order of the samples' currents; the paper's "
+                  "without it")
       .named("FILE");
   verb.add_option("--coils", &options->coils,
-                  "place, tilt and gain of the rig's own air-core coils, written as a rig");
+                  "the coils are windings without cores: fit their places, tilts and gains; else their "
+                  "field is fitted as it is, with cores too");
   verb.run = [options] { calibrate_field(*options); };
 }
 
 void add_evaluate_field(Verb& evaluate) {
-  Verb& verb = evaluate.add_verb("field", "how far a fitted field is from samples that it has not seen");
+  Verb& verb = evaluate.add_verb("field", "how far the field of a rig's coils is from a magnetometer's samples");
   const auto options = std::make_shared<EvaluateFieldOptions>();
-  verb.add_option("--field", &options->field, "field.json of calibrate field").named("FILE");
-  verb.add_option("--rig", &options->rig_file, "rig.json: the field of the coils as it describes them")
+  verb.add_option("--rig", &options->rig_file, "rig.json: the coils as it describes them; the paper's without it")
       .named("FILE");
   verb.add_option("--data", &options->data, "samples, as for calibrate field").named("FILE.csv").required();
   verb.run = [options] { evaluate_field(*options); };

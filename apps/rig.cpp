@@ -30,11 +30,11 @@ struct FieldOptions : CommonOptions {
 void field(const FieldOptions& options) {
   const auto config = resolve_config<FieldConfig>(options);
   const physics::CoilsDescription& coils = config.rig.coils;
-  const physics::CoilDescription coil = coils.coil(rig::coil_index(coils, options.coil));
+  const std::size_t coil = rig::coil_index(coils, options.coil);
   const std::vector<geometry::Vector2> points = geometry::read_points_csv(options.points);
-  const std::string csv = rig::field_csv(points, rig::field_per_ampere(coil, points));
+  const std::string csv = rig::field_csv(points, rig::field_per_ampere(coils, coil, points));
   if (!options.plot.empty()) {
-    rig::write_field_plot(options.plot, coil, config.rig.dish.radius_m, points);
+    rig::write_field_plot(options.plot, coils, coil, config.rig.dish.radius_m, points);
     common::log_info("rig field: wrote " + options.plot);
   }
   if (options.out.empty()) {

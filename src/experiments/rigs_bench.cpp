@@ -212,7 +212,7 @@ runs::RigsResult RigsRun::rigs_result() const {
     const auto hidden = rig::HiddenDeviation::draw(
         deployment_.rig.simulation.deviation,
         unseen_rig(deployment_, job_.tasks.front(), rig * empty_.trials_per_rig).seed,
-        deployment_.rig.coils.count());
+        deployment_.rig.coils);
     runs::RigFigures figures;
     figures.moment = hidden.moment;
     figures.friction = hidden.friction;

@@ -55,7 +55,7 @@ geometry::Vector2 CoilArray::field_T(const PerCoil& current_A, const geometry::V
 }
 
 Eigen::Vector3d CoilArray::spatial_field_T(const PerCoil& current_A, const geometry::Vector2& point_m) const {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sum = fields_->background_T(point_m);
   for (std::size_t coil = 0; coil < fields_->coils(); ++coil)
     if (std::abs(current_A[coil]) >= kNegligible_A) sum += current_A[coil] * per_ampere(coil, point_m);
   return sum;

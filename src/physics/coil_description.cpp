@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lodestone/common/config.h"
+#include "lodestone/physics/measured_region.h"
 
 namespace lodestone::physics {
 
@@ -22,6 +23,9 @@ void CoilDescription::validate() const {
     if (given) throw common::InvalidConfig("axis", axis, "not be 0");
     throw common::InvalidConfig("position_m", position_m, "not be the dish centre, or have an axis");
   }
+  if (measured() && !are_harmonics(harmonics_T_per_A.size()))
+    throw common::InvalidConfig("harmonics_T_per_A", harmonics_T_per_A.size(),
+                                "be 3, 8, 15, 24, ... numbers: harmonics of degree 1, 2, 3, 4, ...");
 }
 
 Eigen::Vector3d CoilDescription::unit_axis() const {

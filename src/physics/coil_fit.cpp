@@ -8,6 +8,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/geometry/angle.h"
+#include "lodestone/physics/described_coil.h"
 #include "lodestone/physics/standing_coil.h"
 
 namespace lodestone::physics {
@@ -45,7 +46,8 @@ CoilDescription changed(const CoilDescription& coil, const CoilChange& change) {
 /// Coils of a description, and by how much each is to be changed.
 class Fitter {
  public:
-  Fitter(const CoilsDescription& described, const FieldSamples& samples) : samples_(samples) {
+  Fitter(const CoilsDescription& described, const FieldSamples& samples)
+      : samples_(samples), measured_(described.measured) {
     for (std::size_t coil = 0; coil < described.count(); ++coil) {
       coils_.push_back(described.coil(coil));
       check_outside(coils_.back());
@@ -73,6 +75,7 @@ class Fitter {
   Eigen::Index unknowns() const { return static_cast<Eigen::Index>(coils_.size()) * kOfCoil + kBackground; }
 
   void check_outside(const CoilDescription& coil) const {
+    if (coil.measured()) return;
     for (const Eigen::Vector3d& point_m : samples_.position_m)
       if (coil.winds_at(point_m, kClearOfWinding_m))
         throw common::DataError(
@@ -83,8 +86,10 @@ class Fitter {
 
   std::vector<Eigen::Vector3d> predict() const {
     std::vector<Eigen::Vector3d> field_T(samples_.size(), background_T());
+    for (std::size_t i = 0; i < samples_.size(); ++i)
+      field_T[i] += measured_.sum(measured_.background_T, samples_.position_m[i]);
     for (std::size_t index = 0; index < coils_.size(); ++index) {
-      const StandingCoil exact(coil(index));
+      const DescribedCoil exact(coil(index), measured_);
       for (std::size_t i = 0; i < samples_.size(); ++i)
         if (const double current_A = samples_.current_A[i][static_cast<Eigen::Index>(index)];
             current_A != 0.0)
@@ -142,6 +147,7 @@ class Fitter {
   }
 
   const FieldSamples& samples_;
+  const MeasuredRegion measured_;
   std::vector<CoilDescription> coils_;
   Eigen::VectorXd changes_;  // of each coil, and the background (T)
 };
@@ -161,6 +167,9 @@ FieldError field_error(const CoilsDescription& coils, const FieldSamples& sample
 
 CoilFit fit_coils(const CoilsDescription& described, const FieldSamples& samples) {
   check_number(described, samples);
+  if (described.any_measured())
+    throw common::DataError(
+        "the rig's coils are what a magnetometer saw (harmonics_T_per_A): there is no winding to place");
   const std::size_t least = kLeastOfCoil * described.count();
   if (samples.size() < least)
     throw common::DataError(

@@ -27,7 +27,7 @@ void check_among(const std::vector<CoilDescription>& each, std::size_t coil) {
     if (each[other].name == one.name)
       throw common::InvalidConfig(key + ".name", one.name,
                                   fmt::format("not be that of each[{}], too: is it listed twice?", other));
-    if ((each[other].middle_m() - one.middle_m()).norm() < kSamePlace_m)
+    if (!one.measured() && (each[other].middle_m() - one.middle_m()).norm() < kSamePlace_m)
       throw common::InvalidConfig(
           key + ".position_m", one.position_m,
           fmt::format("be another place than that of coil {}: is it listed twice?", each[other].name));
@@ -37,6 +37,16 @@ void check_among(const std::vector<CoilDescription>& each, std::size_t coil) {
                                          [&](const CoilDescription& other) { return other.name == name; }))
       throw common::InvalidConfig(key + ".not_with", one.not_with,
                                   "hold names of other coils, which " + name + " is not");
+}
+
+/// Harmonics say nothing without the box that they were measured in, and that one nothing without them.
+void check_measured(const CoilsDescription& coils) {
+  coils.measured.validate();
+  if (coils.any_measured() == !coils.measured.empty()) return;
+  throw common::InvalidConfig(
+      "measured.centre_m", coils.measured.centre_m,
+      coils.measured.empty() ? "be given, with low_m and high_m: coils have harmonics_T_per_A"
+                             : "be [], with low_m, high_m and background_T: no coil has harmonics_T_per_A");
 }
 
 }  // namespace
@@ -55,6 +65,7 @@ void CoilsDescription::validate() const {
           fmt::format("each[{}].max_current_A", coil), each[coil].max_current_A,
           fmt::format("be at most max_current_A = {}, the largest of all", max_current_A));
   }
+  check_measured(*this);
   const auto need_all = [&](const char* key, const auto& list) {
     if (list.size() == count()) return;
     if (each.empty()) throw common::InvalidConfig(key, list, "hold four numbers: +x, -x, +y, -y");
@@ -101,6 +112,10 @@ double CoilsDescription::smallest_A(std::size_t coil) const {
 std::string CoilsDescription::name(std::size_t coil) const {
   if (coil >= count()) return std::to_string(coil);
   return each.empty() ? kFourNames[coil] : each[coil].name;
+}
+
+bool CoilsDescription::any_measured() const {
+  return std::any_of(each.begin(), each.end(), [](const CoilDescription& coil) { return coil.measured(); });
 }
 
 bool CoilsDescription::apart(std::size_t one, std::size_t other) const {

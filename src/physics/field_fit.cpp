@@ -139,20 +139,17 @@ MeasuredField solve(const Sums& sums, const FieldSamples& samples, const Box& bo
   const Eigen::VectorXd solved =
       shrink.cwiseProduct(Eigen::LLT<Eigen::MatrixXd>(scaled).solve(shrink.cwiseProduct(right).eval()));
   MeasuredField field;
-  field.degree = degree;
-  field.scale_m = box.scale();
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto row = static_cast<Eigen::Index>(axis);
-    field.centre_m[axis] = box.centre()[row];
-    field.low_m[axis] = box.low[row];
-    field.high_m[axis] = box.high[row];
-  }
+  const auto numbers = [](const Eigen::Vector3d& p) { return std::vector<double>{p.x(), p.y(), p.z()}; };
+  field.region.centre_m = numbers(box.centre());
+  field.region.scale_m = box.scale();
+  field.region.low_m = numbers(box.low);
+  field.region.high_m = numbers(box.high);
   for (Eigen::Index set = 0; set < sets; ++set) {
     std::vector<double> coefficients(solved.data() + set * count, solved.data() + (set + 1) * count);
     if (set + 1 < sets)
       field.coils_T_per_A.push_back(std::move(coefficients));
     else
-      field.background_T = std::move(coefficients);
+      field.region.background_T = std::move(coefficients);
   }
   return field;
 }
@@ -205,6 +202,33 @@ FieldError held_out_error(const std::array<Sums, kFolds>& sums, const FieldSampl
 
 }  // namespace
 
+Eigen::Vector3d MeasuredField::field_T(const Eigen::VectorXd& current_A,
+                                       const Eigen::Vector3d& point_m) const {
+  LODESTONE_CHECK(current_A.size() == static_cast<Eigen::Index>(coils_T_per_A.size()),
+                  "a current for each coil");
+  region.check_holds(point_m);
+  std::vector<double> all = region.background_T;  // as many numbers as of each coil: one sum for all
+  for (std::size_t coil = 0; coil < coils_T_per_A.size(); ++coil)
+    for (std::size_t i = 0; i < all.size(); ++i)
+      all[i] += current_A[static_cast<Eigen::Index>(coil)] * coils_T_per_A[coil][i];
+  return region.sum(all, point_m);
+}
+
+CoilsDescription MeasuredField::applied_to(const CoilsDescription& described) const {
+  if (described.count() != coils_T_per_A.size())
+    throw common::DataError(
+        fmt::format("the samples are of {} coils, the rig has {}", coils_T_per_A.size(), described.count()));
+  CoilsDescription coils = described;
+  coils.each.clear();
+  for (std::size_t coil = 0; coil < described.count(); ++coil) {
+    coils.each.push_back(described.coil(coil));
+    coils.each.back().gain = 1.0;  // is in what was measured
+    coils.each.back().harmonics_T_per_A = coils_T_per_A[coil];
+  }
+  coils.measured = region;
+  return coils;
+}
+
 FieldError field_error(const MeasuredField& field, const FieldSamples& samples) {
   if (samples.coils != field.coils_T_per_A.size())
     throw common::DataError(fmt::format("the samples are of {} coils, the field of {}", samples.coils,
@@ -246,6 +270,7 @@ FieldFit fit_field(const FieldSamples& samples) {
         "another unit, are two of them swapped, do cores saturate, or are {} samples too few for {} coils?",
         100.0 * fit.held_out.relative_rms, 100.0 * kMostLeft, samples.size(), samples.coils));
   fit.field = solve(total(sums, kFolds), samples, box, best, highest);
+  fit.degree = best;
   fit.fitted = field_error(fit.field, samples);
   return fit;
 }

@@ -1,39 +1,62 @@
-#include "lodestone/physics/measured_field.h"
+#include "lodestone/physics/measured_region.h"
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "lodestone/common/config.h"
 #include "lodestone/common/error.h"
 #include "lodestone/physics/solid_harmonics.h"
 
 namespace lodestone::physics {
 namespace {
 
-constexpr std::int64_t kLimitDegree = 20;
+constexpr int kLimitDegree = 20;
+
+int degree_of(std::size_t numbers) {
+  return static_cast<int>(std::lround(std::sqrt(static_cast<double>(numbers) + 1.0))) - 1;
+}
 
 }  // namespace
 
-void MeasuredField::validate() const {
-  if (degree < 1 || degree > kLimitDegree)
-    throw common::DataError(fmt::format("degree = {} must be within 1 and {}", degree, kLimitDegree));
-  const auto count = static_cast<std::size_t>(harmonic_count(static_cast<int>(degree)));
-  if (background_T.size() != count)
-    throw common::DataError(
-        fmt::format("background_T must hold {} numbers, not {}", count, background_T.size()));
-  if (coils_T_per_A.empty()) throw common::DataError("coils_T_per_A must hold a coil at least");
-  for (const std::vector<double>& coil : coils_T_per_A)
-    if (coil.size() != count)
-      throw common::DataError(
-          fmt::format("each of coils_T_per_A must hold {} numbers, not {}", count, coil.size()));
-  if (!(scale_m > 0.0)) throw common::DataError("scale_m must be above 0");
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    if (!(low_m[axis] < high_m[axis])) throw common::DataError("low_m must be below high_m");
+bool are_harmonics(std::size_t numbers) {
+  const int degree = degree_of(numbers);
+  return degree >= 1 && degree <= kLimitDegree && static_cast<std::size_t>(harmonic_count(degree)) == numbers;
 }
 
-Eigen::Vector3d MeasuredField::field_T(const Eigen::VectorXd& current_A,
-                                       const Eigen::Vector3d& point_m) const {
-  LODESTONE_CHECK(current_A.size() == static_cast<Eigen::Index>(coils_T_per_A.size()),
-                  "a current for each coil");
-  for (std::size_t axis = 0; axis < 3; ++axis) {
+void MeasuredRegion::validate() const {
+  const auto need = [](const char* key, const std::vector<double>& list, std::size_t count) {
+    if (list.size() == count) return;
+    if (count == 0)
+      throw common::InvalidConfig(key, list, "be [] as centre_m is, which says that no coil was measured");
+    throw common::InvalidConfig(key, list, "hold [x, y, z]");
+  };
+  if (!empty()) need("centre_m", centre_m, 3);
+  need("low_m", low_m, centre_m.size());
+  need("high_m", high_m, centre_m.size());
+  for (std::size_t axis = 0; axis < centre_m.size(); ++axis)
+    if (!(low_m[axis] < high_m[axis]))
+      throw common::InvalidConfig("low_m", low_m, "be below high_m along x, y and z");
+  if (background_T.empty()) return;
+  if (empty()) need("background_T", background_T, 0);
+  if (!are_harmonics(background_T.size()))
+    throw common::InvalidConfig("background_T", background_T.size(),
+                                "be 3, 8, 15, 24, ... numbers: harmonics of degree 1, 2, 3, 4, ...");
+}
+
+Eigen::Vector3d MeasuredRegion::sum(const std::vector<double>& harmonics,
+                                    const Eigen::Vector3d& point_m) const {
+  if (harmonics.empty()) return Eigen::Vector3d::Zero();
+  LODESTONE_CHECK(!empty() && are_harmonics(harmonics.size()), "harmonics, and what they are about");
+  const Eigen::Vector3d centre(centre_m[0], centre_m[1], centre_m[2]);
+  const HarmonicGradients gradients =
+      harmonic_gradients(degree_of(harmonics.size()), (point_m - centre) / scale_m);
+  return gradients * Eigen::Map<const Eigen::VectorXd>(harmonics.data(), gradients.cols());
+}
+
+void MeasuredRegion::check_holds(const Eigen::Vector3d& point_m) const {
+  for (std::size_t axis = 0; axis < centre_m.size(); ++axis) {
     const double at_m = point_m[static_cast<Eigen::Index>(axis)];
     if (!(at_m >= low_m[axis] && at_m <= high_m[axis]))
       throw common::DataError(fmt::format(
@@ -41,14 +64,11 @@ Eigen::Vector3d MeasuredField::field_T(const Eigen::VectorXd& current_A,
           1e3 * point_m.x(), 1e3 * point_m.y(), 1e3 * point_m.z(), "xyz"[axis], 1e3 * low_m[axis],
           1e3 * high_m[axis]));
   }
-  const Eigen::Vector3d centre(centre_m[0], centre_m[1], centre_m[2]);
-  const HarmonicGradients gradients =
-      harmonic_gradients(static_cast<int>(degree), (point_m - centre) / scale_m);
-  Eigen::VectorXd sum = Eigen::Map<const Eigen::VectorXd>(background_T.data(), gradients.cols());
-  for (std::size_t coil = 0; coil < coils_T_per_A.size(); ++coil)
-    sum += current_A[static_cast<Eigen::Index>(coil)] *
-           Eigen::Map<const Eigen::VectorXd>(coils_T_per_A[coil].data(), gradients.cols());
-  return gradients * sum;
+}
+
+double MeasuredRegion::disc_radius_m() const {
+  if (empty() || low_m[2] > 0.0 || high_m[2] < 0.0) return 0.0;
+  return std::max(0.0, std::min({-low_m[0], high_m[0], -low_m[1], high_m[1]}));
 }
 
 }  // namespace lodestone::physics

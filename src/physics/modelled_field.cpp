@@ -27,6 +27,7 @@ FieldGradient ModelledField::at(const PerCoil& current_A, const geometry::Vector
   const auto field_T = [&](std::size_t coil, const geometry::Vector2& step_m) {
     return geometry::Vector2(exact_->per_ampere(coil, here_m + step_m).head<2>());
   };
+  add_background(here_m, sum);
   for (std::size_t coil = 0; coil < exact_->coils(); ++coil) {
     if (current_A[coil] == 0.0) continue;
     sum.field_T += current_A[coil] * field_T(coil, {0.0, 0.0});
@@ -37,6 +38,17 @@ FieldGradient ModelledField::at(const PerCoil& current_A, const geometry::Vector
     }
   }
   return sum;
+}
+
+/// What is there without current, of coils that were measured.
+void ModelledField::add_background(const geometry::Vector2& here_m, FieldGradient& sum) const {
+  sum.field_T += exact_->background_T(here_m).head<2>();
+  for (int axis = 0; axis < 2; ++axis) {
+    const geometry::Vector2 step_m = kSlope_m * geometry::Vector2::Unit(axis);
+    sum.gradient_T_per_m.col(axis) +=
+        (exact_->background_T(here_m + step_m) - exact_->background_T(here_m - step_m)).head<2>() /
+        (2.0 * kSlope_m);
+  }
 }
 
 }  // namespace lodestone::physics

@@ -12,11 +12,13 @@ namespace lodestone::physics {
 
 namespace {
 
+constexpr double kOfNeedleEnds_m = 0.5e-3;  // beyond the dish
+
 /// Whether a coil's winding reaches into the dish, or closer to the needle's plane there than its field is
 /// known.
 bool winds_in(const CoilDescription& coil, double dish_radius_m) {
   constexpr double kStep_m = 0.5e-3;              // winding sections are wider, with their clearance
-  const double reach_m = dish_radius_m + 0.5e-3;  // of the needle's ends
+  const double reach_m = dish_radius_m + kOfNeedleEnds_m;
   const auto rings = static_cast<int>(std::ceil(reach_m / kStep_m));
   for (int ring = 0; ring <= rings; ++ring) {
     const double radius_m = reach_m * ring / rings;
@@ -43,18 +45,29 @@ void RigDescription::validate() const {
   if (needle.length_m >= 2.0 * dish.radius_m)
     throw common::InvalidConfig("needle.length_m", needle.length_m,
                                 fmt::format("be below the dish diameter, {}", 2.0 * dish.radius_m));
+  if (fluid.depth_m > dish.wall_height_m)
+    throw common::InvalidConfig(
+        "fluid.depth_m", fluid.depth_m,
+        fmt::format("be at most the height of the dish's wall, dish.wall_height_m = {}", dish.wall_height_m));
   if (drive.kind == DriveKind::kOpposedPairs && !coils.each.empty())
     throw common::InvalidConfig(
         "drive.kind", common::name_of(drive.kind),
         fmt::format("be field: opposed_pairs drives +x, -x, +y and -y, and coils.each lists {} others",
                     coils.count()));
   for (std::size_t coil = 0; coil < coils.each.size(); ++coil)
-    if (winds_in(coils.each[coil], dish.radius_m))
+    if (!coils.each[coil].measured() && winds_in(coils.each[coil], dish.radius_m))
       throw common::InvalidConfig(
           fmt::format("coils.each[{}].position_m", coil), coils.each[coil].position_m,
           fmt::format("keep the winding of coil {} out of the dish of {} m (dish.radius_m), and {} m away "
                       "from where the needle moves",
                       coils.each[coil].name, dish.radius_m, kClearOfWinding_m));
+  if (coils.any_measured() && coils.measured.disc_radius_m() < dish.radius_m + kOfNeedleEnds_m)
+    throw common::InvalidConfig(
+        "dish.radius_m", dish.radius_m,
+        fmt::format("be at most {:.4f}: {:.1f} mm from the dish centre, less {} m for the needle's ends, is "
+                    "as far as the coils were measured in the needle's plane (coils.measured)",
+                    std::max(0.0, coils.measured.disc_radius_m() - kOfNeedleEnds_m),
+                    1e3 * coils.measured.disc_radius_m(), kOfNeedleEnds_m));
   if (!coils.each.empty()) {
     if (dish.holder_m <= dish.radius_m + dish.wall_thickness_m)
       throw common::InvalidConfig(

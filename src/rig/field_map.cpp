@@ -9,7 +9,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "lodestone/imaging/image_file.h"
-#include "lodestone/physics/standing_coil.h"
+#include "lodestone/physics/described_coil.h"
 
 namespace lodestone::rig {
 namespace {
@@ -19,7 +19,7 @@ const cv::Scalar kBlack(0, 0, 0), kWhite(255, 255, 255), kRed(40, 40, 230);
 /// The picture of a coil's field, drawn part by part.
 class Plot {
  public:
-  Plot(const physics::CoilDescription& coil, double dish_radius_m);
+  Plot(const physics::CoilDescription& coil, const physics::MeasuredRegion& measured, double dish_radius_m);
   void draw_field();
   void draw_dish(const std::vector<geometry::Vector2>& points_m);
   void draw_axes();
@@ -32,7 +32,7 @@ class Plot {
             kTop + static_cast<int>(std::lround((reach_m_ - y) * px_per_m_))};
   }
   geometry::Vector2 field_mT(double x, double y) const {
-    return 1e3 * exact_.beside_winding_per_ampere({x, y}).head<2>();
+    return 1e3 * field_.in_plane_per_ampere({x, y}).head<2>();
   }
   void label(const std::string& words, cv::Point at, double size = 0.55) {
     cv::putText(image_, words, at, cv::FONT_HERSHEY_SIMPLEX, size, kBlack, 1, cv::LINE_AA);
@@ -42,7 +42,7 @@ class Plot {
   static constexpr int kLeft = 90, kTop = 60, kBottom = 80, kRight = 190;
 
   std::string name_;
-  physics::StandingCoil exact_;
+  physics::DescribedCoil field_;
   double dish_radius_m_;
   double reach_m_;
   double px_per_m_;
@@ -50,9 +50,10 @@ class Plot {
   cv::Mat image_;
 };
 
-Plot::Plot(const physics::CoilDescription& coil, double dish_radius_m)
+Plot::Plot(const physics::CoilDescription& coil, const physics::MeasuredRegion& measured,
+           double dish_radius_m)
     : name_(coil.name),
-      exact_(coil),
+      field_(coil, measured),
       dish_radius_m_(dish_radius_m),
       reach_m_(1.08 * dish_radius_m),
       px_per_m_(kSide / (2.0 * reach_m_)),
@@ -140,18 +141,19 @@ std::size_t coil_index(const physics::CoilsDescription& coils, const std::string
   throw common::ConfigError("coil = \"" + name + "\" is unknown; it is one of " + known);
 }
 
-std::vector<Eigen::Vector3d> field_per_ampere(const physics::CoilDescription& coil,
+std::vector<Eigen::Vector3d> field_per_ampere(const physics::CoilsDescription& coils, std::size_t coil,
                                               const std::vector<geometry::Vector2>& points_m) {
-  const physics::StandingCoil exact(coil);
+  const physics::CoilDescription described = coils.coil(coil);
+  const physics::DescribedCoil field(described, coils.measured);
   std::vector<Eigen::Vector3d> fields;
   fields.reserve(points_m.size());
   for (std::size_t i = 0; i < points_m.size(); ++i) {
     const Eigen::Vector3d point_m(points_m[i].x(), points_m[i].y(), 0.0);
-    if (coil.winds_at(point_m))
+    if (!described.measured() && described.winds_at(point_m))
       throw common::DataError("point " + std::to_string(i + 1) + " (" + std::to_string(points_m[i].x()) +
                               ", " + std::to_string(points_m[i].y()) + ") m lies in the winding of coil " +
-                              coil.name);
-    fields.push_back(exact.per_ampere(point_m));
+                              described.name);
+    fields.push_back(field.per_ampere(point_m));
   }
   return fields;
 }
@@ -165,9 +167,9 @@ std::string field_csv(const std::vector<geometry::Vector2>& points_m,
   return csv;
 }
 
-void write_field_plot(const std::string& file, const physics::CoilDescription& coil, double dish_radius_m,
-                      const std::vector<geometry::Vector2>& points_m) {
-  Plot plot(coil, dish_radius_m);
+void write_field_plot(const std::string& file, const physics::CoilsDescription& coils, std::size_t coil,
+                      double dish_radius_m, const std::vector<geometry::Vector2>& points_m) {
+  Plot plot(coils.coil(coil), coils.measured, dish_radius_m);
   plot.draw_field();
   plot.draw_dish(points_m);
   plot.draw_axes();

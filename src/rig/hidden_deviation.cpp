@@ -48,7 +48,8 @@ geometry::Vector2 draw_in_disc(double radius_m, common::RandomStream& random) {
 
 }  // namespace
 
-HiddenDeviation HiddenDeviation::draw(DeviationWidth width, std::uint64_t seed, std::size_t coils) {
+HiddenDeviation HiddenDeviation::draw(DeviationWidth width, std::uint64_t seed,
+                                      const physics::CoilsDescription& coils) {
   HiddenDeviation hidden;
   if (width == DeviationWidth::kNone) return hidden;
   const Ranges& of = ranges(width);
@@ -57,11 +58,15 @@ HiddenDeviation HiddenDeviation::draw(DeviationWidth width, std::uint64_t seed, 
   hidden.friction = draw_factor(of.friction, random);
   hidden.viscosity = draw_factor(of.viscosity, random);
   const geometry::Vector2 offset_m = draw_in_disc(of.offset_m, random);
-  for (std::size_t coil = 0; coil < coils; ++coil) {
+  for (std::size_t coil = 0; coil < coils.count(); ++coil) {
     physics::CoilPlacement placement;
     placement.gain = 1.0 + random.uniform(-of.gain, of.gain);
     placement.tilt_rad = random.uniform(-of.tilt_rad, of.tilt_rad);
     placement.offset_m = offset_m + draw_in_disc(of.position_m, random);
+    if (coils.coil(coil).measured()) {
+      placement.tilt_rad = 0.0;
+      placement.offset_m = offset_m;
+    }
     hidden.coils.push_back(placement);
   }
   hidden.weight = draw_factor(of.weight, random);
@@ -85,11 +90,14 @@ physics::RigDescription HiddenDeviation::applied_to(physics::RigDescription rig)
 double deviation_margin_m(DeviationWidth width, const physics::RigDescription& rig) {
   if (width == DeviationWidth::kNone) return 0.0;
   const Ranges& of = ranges(width);
-  double distance_m = 0.0;
-  for (std::size_t coil = 0; coil < rig.coils.count(); ++coil)
-    distance_m = std::max(distance_m, rig.coils.coil(coil).middle_m().head<2>().norm());
-  const double lever_m = distance_m + rig.dish.radius_m;
-  return of.position_m + of.offset_m + of.tilt_rad * lever_m;
+  double margin_m = of.offset_m;
+  for (std::size_t coil = 0; coil < rig.coils.count(); ++coil) {
+    const physics::CoilDescription one = rig.coils.coil(coil);
+    if (one.measured()) continue;
+    const double lever_m = one.middle_m().head<2>().norm() + rig.dish.radius_m;
+    margin_m = std::max(margin_m, of.position_m + of.offset_m + of.tilt_rad * lever_m);
+  }
+  return margin_m;
 }
 
 }  // namespace lodestone::rig

@@ -11,6 +11,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/physics/coil_array.h"
+#include "lodestone/physics/core_saturation.h"
 #include "lodestone/rig/hidden_deviation.h"
 
 namespace lodestone::rig {
@@ -31,7 +32,7 @@ struct VirtualRig::State {
         std::shared_ptr<const physics::CoilFields> shared)
       : config(rig_config),
         seed(rig_seed),
-        hidden(HiddenDeviation::draw(config.simulation.deviation, seed, config.coils.count())),
+        hidden(HiddenDeviation::draw(config.simulation.deviation, seed, config.coils)),
         truth(hidden.applied_to(config)),
         fields(std::move(shared)),
         field(fields, hidden.coils),
@@ -54,6 +55,13 @@ struct VirtualRig::State {
     if (now_s > circuits_s)
       for (physics::CoilCircuit& circuit : circuits) circuit.advance(now_s - circuits_s);
     circuits_s = now_s;
+  }
+  /// What the coils' currents make, of cores that saturate.
+  physics::PerCoil magnetising_A(physics::PerCoil current_A) const {
+    const SimulationConfig& cores = config.simulation;
+    for (std::size_t i = 0; i < circuits.size(); ++i)
+      current_A[i] = physics::unsaturated_A(current_A[i], cores.core_share, cores.core_saturation_A);
+    return current_A;
   }
   void switch_off() {
     catch_up();
@@ -293,7 +301,7 @@ bool VirtualRig::run(double duration_s, std::unique_lock<std::mutex>& lock,
     const bool at_rest = quiet && state.needle.stuck;
     if (at_rest && state.wall == nullptr) break;
     if (!at_rest)
-      state.motion.step(state.needle, state.field, current, state.map, state.friction_scale, step_s);
+      state.motion.step(state.needle, state.field, state.magnetising_A(current), state.map, state.friction_scale, step_s);
     if (state.wall == nullptr || (step + 1) % steps_at_once != 0 || step + 1 == steps) continue;
     state.now_s = start_s + (step + 1) * step_s;
     const bool go_on = pace(lock, interruption);

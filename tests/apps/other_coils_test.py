@@ -8,7 +8,7 @@ import sys
 import tempfile
 
 program, source = sys.argv[1], pathlib.Path(sys.argv[2])
-kRigs = {"six_planar": 6, "eight_tilted": 8, "helmholtz_pair_xy": 4}
+kRigs = {"six_planar": 6, "eight_tilted": 8, "helmholtz_pair_xy": 4, "octomag": 8}
 
 
 def run(*arguments, code=0):
@@ -49,6 +49,21 @@ with tempfile.TemporaryDirectory() as name:
         assert len(columns) == coils, columns
         assert all(any(float(row[column]) != 0.0 for row in rows) for column in columns), f"{rig}: a coil was never on"
         run("report", "--run", folder / "planner")
+
+    # The rig whose coils were measured has the field that was measured.
+    text = run("evaluate", "field", "--rig", source / "configs/rigs/octomag.json", "--data",
+               source / "tests/physics/octomag_field.csv")
+    assert json.loads(text)["relative_rms"] < 0.005, text
+
+    # Of cores that saturate no description tells: what is learned from the rig's own motion does not mind.
+    folder = pathlib.Path(name) / "saturating"
+    run("collect", "--config", source / "configs/quickstart/collect.json", "--set", "transitions=3000", "--set",
+        "rig.simulation.core_share=0.9", "--set", "rig.simulation.core_saturation_A=3", "--sensor", "simulated", "--out",
+        folder / "collect")
+    run("train-dynamics", "--config", source / "configs/quickstart/dynamics.json", "--set",
+        f"data={folder}/collect/transitions.h5", "--set", "training.epochs=150", "--out", folder / "dynamics")
+    learned = json.loads((folder / "dynamics/evaluation.json").read_text())
+    assert learned["position_rms_mm"] < 0.8 * learned["baselines"]["no_motion"]["position_rms_mm"], learned
 
     # A simulator of one kind of drive is refused on another, and so is what knows only four coils.
     text = run("deploy", "--sensor", "simulated", "--config", source / "configs/best/deploy_planner.json", "--set",

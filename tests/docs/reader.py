@@ -37,6 +37,11 @@ def pulses(checkout, _):
 
 def field_samples(checkout, _):
     shutil.copy(checkout.root / "tests/physics/octomag_field.csv", checkout.root / "samples.csv")
+    rig = json.loads((checkout.root / "configs/rigs/octomag.json").read_text())
+    for coil in rig["coils"]["each"]:
+        del coil["harmonics_T_per_A"]
+    del rig["coils"]["measured"]
+    (checkout.root / "cored.json").write_text(json.dumps(rig))
 
 
 def six_samples(checkout, _):

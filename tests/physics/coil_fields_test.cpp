@@ -6,7 +6,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/physics/coil_array.h"
 #include "lodestone/physics/standing_coil.h"
-#include "other_rigs.h"
+#include "measured_rig.h"
 
 namespace lodestone::physics {
 namespace {
@@ -49,6 +49,29 @@ TEST_CASE("tables of coils out of the plane hold their exact field") {
   CHECK(fields.of(rig.coils));
   CHECK_FALSE(fields.of(tests::ring_rig(8, 0.031).coils));
   CHECK_FALSE(fields.of(CoilsDescription{}));
+}
+
+TEST_CASE("measured coils have the field of their windings, over what is there without current") {
+  const RigDescription rig = tests::measured_small_ring_rig(), built = tests::small_ring_rig();
+  const auto fields = std::make_shared<const CoilFields>(rig.coils, rig.dish.radius_m, 2e-3);
+  const CoilFields exact(built.coils, rig.dish.radius_m);
+  for (const Vector2& point_m : {Vector2(0.0, 0.0), Vector2(0.013, -0.0127), Vector2(-0.0101, 0.0162)}) {
+    for (std::size_t coil = 0; coil < 6; ++coil)
+      CHECK((fields->per_ampere(coil, point_m) - exact.per_ampere(coil, point_m)).norm() <
+            0.02 * exact.per_ampere(coil, point_m).norm());
+    CHECK((fields->background_T(point_m) - Eigen::Vector3d(40e-6, 0.0, 0.0)).norm() < 4e-6);
+    CHECK(exact.background_T(point_m).isZero(0.0));
+  }
+  // It is there whatever the currents are, and whoever asks.
+  CHECK((CoilArray(fields).field_T({}, {0.01, 0.0}) - Vector2(40e-6, 0.0)).norm() < 4e-6);
+  CHECK(fields->of(rig.coils));
+  CHECK_FALSE(fields->of(built.coils));
+  RigDescription other = rig;
+  other.coils.each[3].harmonics_T_per_A[1] *= 1.01;
+  CHECK_FALSE(fields->of(other.coils));
+  CHECK_THROWS_WITH(CoilFields(rig.coils, rig.dish.radius_m, 8e-3),
+                    Catch::Contains("in the needle's plane, and 28.5 mm are needed") &&
+                        Catch::Contains("simulation.deviation"));
 }
 
 }  // namespace

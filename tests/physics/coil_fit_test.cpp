@@ -6,7 +6,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/random.h"
 #include "lodestone/physics/standing_coil.h"
-#include "other_rigs.h"
+#include "measured_rig.h"
 
 namespace lodestone::physics {
 namespace {
@@ -94,6 +94,16 @@ TEST_CASE("what samples do not tell stays as it was described") {
   const CoilFit fit = fit_coils(rig.coils, samples);
   for (const double moved_m : fit.shifts[5].moved_m) CHECK(std::abs(moved_m) < 1e-4);
   CHECK(fit.shifts[5].gain == Approx(1.0).margin(1e-3));
+}
+
+TEST_CASE("samples are held against coils that were measured, but nothing of those is moved") {
+  const CoilsDescription measured = tests::measured_small_ring_rig().coils;
+  FieldSamples samples = samples_of(tests::small_ring_rig().coils, 60, 0.0);
+  for (Eigen::Vector3d& field_T : samples.field_T) field_T += Eigen::Vector3d(20e-6, 0.0, 45e-6);  // 40 uT of x
+  CHECK(field_error(measured, samples).relative_rms < 0.02);
+  CHECK_THROWS_WITH(fit_coils(measured, samples), Catch::Contains("no winding to place"));
+  samples.position_m[3] = {0.03, 0.0, 0.0};
+  CHECK_THROWS_WITH(field_error(measured, samples), Catch::Contains("(30.0, 0.0, 0.0) mm is not known"));
 }
 
 TEST_CASE("samples that coils cannot explain are refused, with what it may be") {

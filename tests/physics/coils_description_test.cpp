@@ -68,6 +68,13 @@ TEST_CASE("what a person gets wrong in a list of coils is said, with its place")
           "must hold 3 numbers, one for each coil that coils.each lists");
   refused(R"({"name": "b", "position_m": [0, 0.1, 0], "max_current_A": 16})",
           "be at most max_current_A = 15");
+  refused(R"({"name": "b", "position_m": [0, 0.1, 0], "harmonics_T_per_A": [1, 2]})",
+          "each[1].harmonics_T_per_A = 2 must be 3, 8, 15");
+  refused(R"({"name": "b", "position_m": [0, 0.1, 0], "harmonics_T_per_A": [1, 2, 3]})",
+          "measured.centre_m = [] must be given");
+  CHECK_THROWS_WITH(
+      read(R"({"measured": {"centre_m": [0, 0, 0], "low_m": [-1, -1, -1], "high_m": [1, 1, 1]}})"),
+      Catch::Contains("no coil has harmonics_T_per_A"));
   CHECK_THROWS_WITH(read(R"({"each": {"name": "a"}})"), Catch::Contains("a list of objects"));
   CHECK_THROWS_WITH(read(R"({"each": [3]})"), Catch::Contains("each[0] = 3 must be a JSON object"));
 }

@@ -70,6 +70,32 @@ TEST_CASE("the field of eight coils with cores is explained to half a per cent w
   CHECK(fit.held_out_by_degree[0] > 0.1);
 }
 
+TEST_CASE("a measured field is linear in the currents, over what is there without them") {
+  const physics::MeasuredField field = physics::fit_field(air_cores(600)).field;
+  const Eigen::Vector3d point_m(0.01, -0.004, 0.002);
+  const Eigen::Vector3d none = field.field_T(Eigen::VectorXd::Zero(2), point_m);
+  const Eigen::Vector2d one(2.0, -1.0);
+  CHECK((field.field_T(3.0 * one, point_m) - none).isApprox(3.0 * (field.field_T(one, point_m) - none)));
+  CHECK_THROWS_WITH(field.field_T(one, {0.0, 0.0, 0.02}), Catch::Contains("is not known"));
+  CHECK_THROWS_AS(field.field_T(Eigen::VectorXd::Zero(3), point_m), common::LogicFault);
+}
+
+TEST_CASE("coils take a measured field, each its own, and keep all else") {
+  physics::CoilsDescription paper;
+  paper.resistance_20C_ohm = {1.0, 2.0, 3.0, 4.0};
+  physics::MeasuredField field = physics::fit_field(air_cores(600)).field;
+  CHECK_THROWS_WITH(field.applied_to(paper), "the samples are of 2 coils, the rig has 4");
+  field.coils_T_per_A.push_back(field.coils_T_per_A[0]);
+  field.coils_T_per_A.push_back(field.coils_T_per_A[1]);
+  const physics::CoilsDescription coils = field.applied_to(paper);
+  REQUIRE(coils.each.size() == 4);
+  CHECK(coils.each[1].name == "-x");
+  CHECK(coils.each[3].harmonics_T_per_A == field.coils_T_per_A[1]);
+  CHECK(coils.measured == field.region);
+  CHECK(coils.resistance_20C_ohm == paper.resistance_20C_ohm);
+  CHECK_NOTHROW(coils.validate());
+}
+
 TEST_CASE("windings without cores are found again from their field") {
   const physics::FieldFit fit = physics::fit_field(air_cores(600));
   CHECK(fit.held_out.relative_rms < 1e-3);

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "lodestone/physics/standing_coil.h"
-#include "other_rigs.h"
+#include "measured_rig.h"
 
 namespace lodestone::physics {
 namespace {
@@ -37,6 +37,16 @@ TEST_CASE("coils that are listed are modelled by their exact field, and its slop
     CHECK((found.gradient_T_per_m.col(axis) - slope).norm() < 0.02 * found.gradient_T_per_m.norm());
   }
   CHECK_NOTHROW(field.at({1.0}, {0.3, 0.3}));
+}
+
+TEST_CASE("coils that were measured are modelled as they were, with what is there without current") {
+  const ModelledField windings(tests::small_ring_rig()), measured(tests::measured_small_ring_rig());
+  const Vector2 point_m(0.006, -0.011);
+  const FieldGradient want = windings.at({0.0, 5.0, 0.0, -4.0}, point_m);
+  const FieldGradient found = measured.at({0.0, 5.0, 0.0, -4.0}, point_m);
+  CHECK((found.field_T - Vector2(40e-6, 0.0) - want.field_T).norm() < 0.02 * want.field_T.norm());
+  CHECK((found.gradient_T_per_m - want.gradient_T_per_m).norm() < 0.05 * want.gradient_T_per_m.norm());
+  CHECK((measured.at({}, point_m).field_T - Vector2(40e-6, 0.0)).norm() < 4e-6);
 }
 
 TEST_CASE("fields are shared while somebody holds them") {

@@ -4,7 +4,7 @@
 
 #include "lodestone/common/config.h"
 #include "lodestone/common/error.h"
-#include "other_rigs.h"
+#include "measured_rig.h"
 
 namespace lodestone::physics {
 namespace {
@@ -20,6 +20,7 @@ TEST_CASE("a rig that cannot be is refused, with the key that says so") {
                     Catch::StartsWith("rig.json: needle.length_m = 0.0235 must"));
   CHECK_THROWS_WITH(read(R"({"dish": {"radius_m": 0.051}})"), Catch::Contains("dish.radius_m = 0.051"));
   CHECK_THROWS_AS(read(R"({"needle": {"chain_m": 0.05}})"), common::ConfigError);
+  CHECK_THROWS_WITH(read(R"({"fluid": {"depth_m": 0.02}})"), Catch::Contains("dish.wall_height_m = 0.01"));
   CHECK_THROWS_AS(read(R"({"friction": {"kinetic_coefficient": 0.9}})"), common::ConfigError);
   CHECK_THROWS_AS(read(R"({"coils": {"inner_radius_m": 0.2}})"), common::ConfigError);
   CHECK_THROWS_WITH(read(R"({"coils": {"polarity": [1, 0, 1, 1]}})"),
@@ -47,6 +48,15 @@ TEST_CASE("a drive that does not fit the coils, and a winding in the dish, are r
       common::config_from_json<RigDescription>(six, "rig.json"),
       Catch::Contains(
           "must be field: opposed_pairs drives +x, -x, +y and -y, and coils.each lists 6 others"));
+}
+
+TEST_CASE("a dish that reaches beyond what was measured of the coils is refused") {
+  common::Json small = common::config_to_json(tests::measured_small_ring_rig());
+  CHECK_NOTHROW(common::config_from_json<RigDescription>(small, "rig.json"));
+  small["dish"]["radius_m"] = 0.026;
+  CHECK_THROWS_WITH(common::config_from_json<RigDescription>(small, "rig.json"),
+                    Catch::Contains("rig.json: dish.radius_m = 0.026 must be at most 0.02") &&
+                        Catch::Contains("coils.measured"));
 }
 
 TEST_CASE("what an earlier version recorded of a rig is completed by what is usual") {

@@ -18,10 +18,10 @@ TEST_CASE("field of each coil at points") {
   const char* const names[] = {"+x", "-x", "+y", "-y"};
   for (std::size_t coil = 0; coil < 4; ++coil) {
     CHECK(coil_index(coils, names[coil]) == coil);
-    const auto field = field_per_ampere(coils.coil(coil), {{0.0, 0.0}});
+    const auto field = field_per_ampere(coils, coil, {{0.0, 0.0}});
     CHECK((field[0].head<2>() - centre * towards[coil]).norm() < 1e-9 * centre);
     CHECK(std::abs(field[0].z()) < 1e-9 * centre);
-    CHECK_THROWS_AS(field_per_ampere(coils.coil(coil), {geometry::Vector2(0.06 * towards[coil] +
+    CHECK_THROWS_AS(field_per_ampere(coils, coil, {geometry::Vector2(0.06 * towards[coil] +
                                                                           0.04 * towards[(coil + 2) % 4])}),
                     common::DataError);
   }
@@ -33,10 +33,10 @@ TEST_CASE("field of each coil at points") {
 TEST_CASE("the plot is a PNG") {
   const tests::TemporaryFolder folder;
   const std::string file = folder / "field.png";
-  const physics::CoilDescription coil = physics::CoilsDescription{}.coil(3);
-  write_field_plot(file, coil, 0.0425, {{0.01, 0.01}});
+  const physics::CoilsDescription coils;
+  write_field_plot(file, coils, 3, 0.0425, {{0.01, 0.01}});
   CHECK(common::read_file(file).substr(1, 3) == "PNG");
-  CHECK_THROWS_AS(write_field_plot(folder / "none/field.png", coil, 0.0425, {}), common::IoError);
+  CHECK_THROWS_AS(write_field_plot(folder / "none/field.png", coils, 3, 0.0425, {}), common::IoError);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/rig/virtual_rig.h"
+#include "measured_rig.h"
 
 namespace lodestone::rig {
 namespace {
@@ -66,6 +67,21 @@ TEST_CASE("a far rig differs by more than its gain; the others do not") {
   CHECK((farthest_m > 5e-3 && farthest_m < 6.5e-3));
   const HiddenDeviation wide = HiddenDeviation::draw(DeviationWidth::kWide, 5);
   CHECK((wide.weight == 1.0 && wide.map_sigma == 1.0 && wide.map_correlation == 1.0));
+}
+
+TEST_CASE("coils that were measured stand where they were; dish and currents deviate") {
+  const physics::RigDescription rig = tests::measured_small_ring_rig();
+  const HiddenDeviation wide = HiddenDeviation::draw(DeviationWidth::kWide, 5, rig.coils);
+  REQUIRE(wide.coils.size() == 6);
+  for (const physics::CoilPlacement& coil : wide.coils) {
+    CHECK(coil.tilt_rad == 0.0);
+    CHECK(coil.offset_m == wide.coils[0].offset_m);
+    CHECK((coil.gain != 1.0 && std::abs(coil.gain - 1.0) <= 0.08));
+  }
+  CHECK(wide.coils[0].offset_m.norm() > 0.0);
+  CHECK(deviation_margin_m(DeviationWidth::kWide, rig) == 1.5e-3);
+  CHECK(deviation_margin_m(DeviationWidth::kWide, tests::small_ring_rig()) > 3.5e-3);
+  CHECK(wide.friction == HiddenDeviation::draw(DeviationWidth::kWide, 5).friction);
 }
 
 TEST_CASE("coils that stand elsewhere make the field that they would make there") {

@@ -12,6 +12,8 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/physics/coil_drive.h"
+#include "lodestone/physics/core_saturation.h"
+#include "lodestone/physics/plain_simulator.h"
 #include "other_rigs.h"
 #include "rig/described_rig.h"
 
@@ -276,6 +278,49 @@ TEST_CASE("a rig of other coils drives its needle, and each coil within its own 
   other.restore(saved);
   CHECK(other.save() == saved);
   CHECK_THROWS_WITH(VirtualRig(smooth(), 1).restore(saved), Catch::Contains("6 coils, this rig has 4"));
+}
+
+TEST_CASE("cores that saturate pull less than in proportion, and only where they are asked for") {
+  const auto moved_mm = [](double current_A, double core_share) {
+    VirtualRigConfig config = smooth();
+    config.simulation.core_share = core_share;
+    config.simulation.core_saturation_A = 6.0;
+    VirtualRig rig(config, 1, shared_fields());
+    rig.coils().apply({{current_A, 0.0, 0.0, 0.0}, 0.1});
+    rig.clock().sleep_until(0.3);
+    return 1e3 * rig.true_pose().x_m;
+  };
+  CHECK(moved_mm(6.0, 0.0) == pull(0.0, 6.0).moved_mm);
+  const double plain_mm = moved_mm(6.0, 0.0), saturated_mm = moved_mm(6.0, 0.9);
+  CHECK((saturated_mm > 0.3 && saturated_mm < 0.7 * plain_mm));
+  // As a coil without one does at the current that its field is then that of.
+  const double equal_A = physics::unsaturated_A(6.0, 0.9, 6.0);
+  CHECK(saturated_mm == Approx(moved_mm(equal_A, 0.0)).epsilon(0.15));  // while the current rises, it has more
+}
+
+TEST_CASE("a simulator that is linear in the currents fails where cores saturate") {
+  const auto missed = [](double core_share) {
+    VirtualRigConfig config = smooth();
+    config.simulation.core_share = core_share;
+    config.simulation.core_saturation_A = 3.0;
+    VirtualRig rig(config, 1, shared_fields());
+    const physics::PlainSimulator described(config, {});
+    common::RandomStream random(4, "pulses");
+    double missed_m2 = 0.0, moved_m2 = 0.0;
+    for (int i = 0; i < 40; ++i) {
+      const Pose2 from{random.uniform(-0.01, 0.01), random.uniform(-0.01, 0.01), random.uniform(-3.0, 3.0)};
+      const physics::PerCoil current_A =
+          physics::opposed_pairs_A({random.uniform(-8.0, 8.0), random.uniform(-8.0, 8.0)});
+      rig.place(from);
+      rig.coils().apply({current_A, 0.1});
+      rig.clock().sleep_until(rig.clock().now_s() + 0.3);
+      const geometry::Vector2 to_m = rig.true_pose().position_m();
+      missed_m2 += (described.step(from, current_A, 0.1, 0.2).position_m() - to_m).squaredNorm();
+      moved_m2 += (from.position_m() - to_m).squaredNorm();
+    }
+    return std::sqrt(missed_m2 / moved_m2);
+  };
+  CHECK(missed(0.9) > 2.0 * missed(0.0));
 }
 
 TEST_CASE("a field that presses the needle down adds friction, one that lifts it takes some") {

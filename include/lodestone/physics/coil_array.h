@@ -27,7 +27,8 @@ class CoilArray {
   /// Four equal coils.
   explicit CoilArray(std::shared_ptr<const FieldTable> table, std::vector<CoilPlacement> placements = {});
 
-  /// Field (T) in the plane at a point of the dish frame (m). Throws LogicFault outside the tables.
+  /// Field (T) in the plane at a point of the dish frame (m), with what is there without current. Throws
+  /// LogicFault outside the tables.
   geometry::Vector2 field_T(const PerCoil& current_A, const geometry::Vector2& point_m) const;
   /// With what points out of the plane.
   Eigen::Vector3d spatial_field_T(const PerCoil& current_A, const geometry::Vector2& point_m) const;

@@ -13,11 +13,12 @@
 namespace lodestone::physics {
 
 /// Fields of a rig's coils over the needle's plane, as the description has them: four equal coils in the
-/// plane by rotation of one table, others by a table each. Immutable: rigs share one.
+/// plane by rotation of one table, others by a table each, of their windings or of what was measured.
+/// Immutable: rigs share one.
 class CoilFields {
  public:
   /// Covers the dish and `margin_m` around it, for coils that stand elsewhere than they should. Throws
-  /// ConfigError where a winding lies in the dish.
+  /// ConfigError where a winding lies in the dish, or coils were not measured as far.
   CoilFields(const CoilsDescription& coils, double dish_radius_m, double margin_m = 0.0,
              double spacing_m = 1e-3);
   /// Four equal coils.
@@ -43,11 +44,16 @@ class CoilFields {
   geometry::Vector2 in_plane(std::size_t coil, const geometry::Vector2& point_m) const;
   /// T/A. Throws LogicFault outside the reach.
   Eigen::Vector3d per_ampere(std::size_t coil, const geometry::Vector2& point_m) const;
+  /// T, without any current: of measured coils what the magnetometer saw (the earth's, and what cores keep),
+  /// else nothing. Throws likewise.
+  Eigen::Vector3d background_T(const geometry::Vector2& point_m) const;
 
  private:
   std::shared_ptr<const FieldTable> ring_;
   std::vector<PlaneTable> tables_;
+  std::vector<PlaneTable> background_;  // one, or none
   std::vector<CoilDescription> described_;
+  MeasuredRegion measured_;
   std::vector<Eigen::Vector3d> middles_m_;
   double reach_m_ = 0.0;
 };

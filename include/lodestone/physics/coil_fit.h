@@ -31,13 +31,13 @@ struct CoilFit {
 /// Moves, tilts and scales each coil of a description until their exact fields are nearest to the samples:
 /// least squares, with standard deviations of 5 mm, 6 degrees and 10 % for what a description leaves open, so
 /// that what the samples do not tell stays as it was described. Throws DataError where the samples are of
-/// another number of coils, too few, or more than a tenth of the field is left: cores, swapped columns or
-/// units.
+/// another number of coils, too few, or of coils without a winding (harmonics_T_per_A), or more than a tenth
+/// of the field is left: cores, swapped columns or units.
 CoilFit fit_coils(const CoilsDescription& described, const FieldSamples& samples);
 
-/// How far the field of described coils is from samples, in which what is there without current counts as an
-/// error. Throws DataError as above, and where a sample lies in
-/// a winding.
+/// How far the field of described coils is from samples. What is there without current counts as an error,
+/// unless the coils were measured with it. Throws DataError as above, and where a sample lies in a winding or
+/// where nobody measured.
 FieldError field_error(const CoilsDescription& coils, const FieldSamples& samples);
 
 }  // namespace lodestone::physics

@@ -7,6 +7,7 @@
 
 #include "lodestone/physics/coil_description.h"
 #include "lodestone/physics/coil_geometry.h"
+#include "lodestone/physics/measured_region.h"
 
 namespace lodestone::physics {
 
@@ -15,6 +16,7 @@ namespace lodestone::physics {
 struct CoilsDescription {
   CoilGeometry geometry;
   std::vector<CoilDescription> each;  ///< 1 to 16; empty: +x, -x, +y, -y of the geometry above
+  MeasuredRegion measured;            ///< where those hold whose field is what a magnetometer saw
   std::vector<double> resistance_20C_ohm = {1.90, 1.90, 1.90, 1.90};        // D: 560 turns of AWG16
   std::vector<double> inductance_H = {17.6e-3, 17.6e-3, 17.6e-3, 17.6e-3};  // D: L/R = 9.3 ms
   std::vector<std::int64_t> polarity = {1, 1, 1, 1};
@@ -29,8 +31,9 @@ struct CoilsDescription {
     v.list(
         "each", each, plain_coil(),
         "the coils one by one: name, position_m, axis, inner_radius_m, outer_radius_m, length_m, turns, "
-        "gain, max_current_A, bipolar, not_with; what one does not say of its winding is as above; []: four "
+        "gain, harmonics_T_per_A, max_current_A, bipolar, not_with; what one does not say of its winding is as above; []: four "
         "of these, +x, -x, +y and -y, at centre_distance_m");
+    v.group("measured", measured, "where coils were measured that have harmonics_T_per_A");
     v.field("resistance_20C_ohm", resistance_20C_ohm, "ohm",
             "at 20 C, of each coil in the order in which they are listed (+x, -x, +y, -y)", {1e-3, 1e4});
     v.field("inductance_H", inductance_H, "H", "of each coil, likewise", {1e-9, 10.0});
@@ -46,7 +49,7 @@ struct CoilsDescription {
     v.field("cooling_W_per_K", cooling_W_per_K, "W/K", "heat lost per degree above ambient", {0.0, 1e4});
   }
   /// Throws ConfigError when a list does not hold a number for each coil, a polarity is 0, or a coil is
-  /// listed twice.
+  /// listed twice, or was measured nobody says where.
   void validate() const;
 
   std::size_t count() const;
@@ -57,6 +60,8 @@ struct CoilsDescription {
   double smallest_A(std::size_t coil) const;
   /// What messages call a coil; its number beyond the last.
   std::string name(std::size_t coil) const;
+  /// Whether the field of any coil is what a magnetometer saw.
+  bool any_measured() const;
   /// Coils of which only one may be on.
   bool apart(std::size_t one, std::size_t other) const;
 

@@ -23,6 +23,8 @@ class ModelledField {
   FieldGradient at(const PerCoil& current_A, const geometry::Vector2& point_m) const;
 
  private:
+  void add_background(const geometry::Vector2& here_m, FieldGradient& sum) const;
+
   std::vector<DipoleCoil> dipoles_;
   std::shared_ptr<const CoilFields> exact_;  ///< null: the dipoles
   double reach_m_ = 0.0;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -27,8 +26,10 @@ struct HiddenDeviation {
   /// there.
   std::vector<physics::CoilPlacement> coils;
 
-  /// Draws the deviations of rig `seed`; the same seed always gives the same ones.
-  static HiddenDeviation draw(DeviationWidth width, std::uint64_t seed, std::size_t coils = 4);
+  /// Draws the deviations of rig `seed`; the same seed always gives the same ones. Coils that were measured
+  /// stand where they were measured: their currents and the dish deviate.
+  static HiddenDeviation draw(DeviationWidth width, std::uint64_t seed,
+                              const physics::CoilsDescription& coils = {});
   /// The rig as it really is, but for the places of its coils.
   physics::RigDescription applied_to(physics::RigDescription rig) const;
 };

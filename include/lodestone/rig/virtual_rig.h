@@ -23,6 +23,8 @@ struct SimulationConfig {
   double max_pulse_s = 10.0;         // D: the driver refuses to hold longer
   double max_temperature_C = 120.0;  // D: reported as a fault above
   double step_s = 0.5e-3;            // D: longest integration step; see the convergence test
+  double core_share = 0.0;           // D: the coils have no cores, or none that saturate
+  double core_saturation_A = 5.0;    // D
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -34,6 +36,13 @@ struct SimulationConfig {
     v.field("max_temperature_C", max_temperature_C, "C",
             "coil temperature above which status() reports a fault", {0.0, 300.0});
     v.field("step_s", step_s, "s", "longest integration step", {1e-6, 5e-3});
+    v.field("core_share", core_share, "",
+            "share of the coils' field, at small currents, that cores make which saturate; no description "
+            "tells of it; 0: none do",
+            {0.0, 1.0});
+    v.field("core_saturation_A", core_saturation_A, "A",
+            "current at which such a core gives 76 % (tanh 1) of what it would, had it not begun to saturate",
+            {1e-3, 1000.0});
   }
 };
 
