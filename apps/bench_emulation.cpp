@@ -40,6 +40,9 @@ void print_square(const EmulationResult& result) {
   std::printf(
       "  square, cross-track RMS: %.3f mm with simulated coils, %.3f mm through the firmware (n = %lld)\n",
       result.square->simulated_mm, result.square->emulated_mm, static_cast<long long>(result.square->trials));
+  if (result.square->ideal_mm)
+    std::printf("  the same with simulated coils whose drivers follow at once: %.3f mm\n",
+                *result.square->ideal_mm);
 }
 
 void print_faults(const EmulationResult& result) {

@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/named.h"
+#include "lodestone/physics/amplifier.h"
 
 namespace lodestone::emulation {
 
@@ -35,6 +37,10 @@ EmulatedBench::EmulatedBench(rig::VirtualRig& rig)
   if (rig.config().coils.count() != 2 * controllers_.size())
     throw common::ConfigError("rig.coils.each lists " + std::to_string(rig.config().coils.count()) +
                               " coils; the emulated coil controller has outputs for four");
+  const physics::AmplifierControl controls = rig.config().amplifier.controls;
+  if (controls != physics::AmplifierControl::kDuty)
+    throw common::ConfigError("rig.amplifier.controls = " + common::name_of(controls) +
+                              "; the emulated motor controllers give duties: it must be duty");
   stuck_.assign(4, std::numeric_limits<double>::quiet_NaN());
   short_.assign(4, 1.0);
   set_supply_V(rig.config().supply_V);
@@ -89,11 +95,12 @@ void EmulatedBench::set_plugged(bool plugged) {
 void EmulatedBench::set_supply_V(double volt) { supply_V_ = volt; }
 
 /// The contactor is slow; the motor controllers' electronics have a supply of their own.
-void EmulatedBench::switch_supply() {
+void EmulatedBench::switch_supply(const physics::PerCoil& current_A) {
   if (arduino_->contactor() == contactor_closed_) contactor_s_ = now_s_;
   if (now_s_ - contactor_s_ >= contactor_takes_s_) contactor_closed_ = !contactor_closed_;
+  const double left_V = physics::sagged_V(supply_V_, rig_.config().supply_resistance_ohm, current_A);
   for (RoboClawModel& controller : controllers_)
-    controller.supply_V = contactor_closed_ || welded_ ? supply_V_ : 0.0;
+    controller.supply_V = contactor_closed_ || welded_ ? left_V : 0.0;
 }
 
 void EmulatedBench::stick_driver(int coil, double duty) { stuck_[static_cast<std::size_t>(coil)] = duty; }
@@ -159,7 +166,7 @@ void EmulatedBench::step_to(double time_s) {
     to_controllers_.pop_front();
   }
   for (RoboClawModel& controller : controllers_) controller.advance(now_s_);
-  switch_supply();
+  switch_supply(coils.current_A);
   drive_rig();
   while (!to_host_.empty() && to_host_.front().time_s <= now_s_) {
     byte = to_host_.front().byte;

@@ -62,7 +62,8 @@ void warn_of_another_rig(const DeploymentConfig& config, const common::Json& tra
         what + ": its drives are those of rig.drive.kind = " + then["drive"]["kind"].dump() +
         ", this rig has " + here["drive"]["kind"].dump() + "; it was trained for another rig");
   std::string differs;
-  for (const char* part : {"coils", "drive", "needle", "dish", "fluid", "friction", "supply_V"})
+  for (const char* part : {"coils", "drive", "amplifier", "needle", "dish", "fluid", "friction", "supply_V",
+                           "supply_resistance_ohm"})
     if (trained_for.contains(part) && then[part] != here[part])
       differs += (differs.empty() ? "" : ", ") + std::string(part);
   if (!differs.empty())

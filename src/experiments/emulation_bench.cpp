@@ -182,7 +182,15 @@ void EmulationBench::compare_squares() {
     common::log_warning("square stopped: " + trial.stop_reason);
   }
   const double emulated_mm = mean_error_mm(by_bench);
-  result_.square = {simulated_mm, emulated_mm, static_cast<std::int64_t>(plans.size())};
+  result_.square = {simulated_mm, emulated_mm, static_cast<std::int64_t>(plans.size()), std::nullopt};
+  if (!config_.deployment.rig.amplifier.ideal()) {
+    DeploymentConfig at_once = config_.deployment;
+    at_once.rig.amplifier = physics::AmplifierConfig{};
+    common::log_info("bench emulation: the same with simulated coils whose drivers follow at once");
+    const Deployment ideal(at_once);
+    result_.square->ideal_mm =
+        mean_error_mm(ideal.run(plans, RigKind::kExplored, source_, pool, false, folders("ideal")));
+  }
   add("square: relative difference of the mean error", std::abs(emulated_mm / simulated_mm - 1.0), "",
       config_.error_bound);
   add("square: trials stopped on the emulated bench", stopped, "", 0.0);

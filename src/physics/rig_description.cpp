@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "lodestone/common/config.h"
 #include "lodestone/common/named.h"
@@ -33,6 +34,29 @@ bool winds_in(const CoilDescription& coil, double dish_radius_m) {
   return false;
 }
 
+/// Keys of one kind of driver beside the other kind, and a supply that one coil alone would use up.
+void check_drivers(const RigDescription& rig) {
+  const AmplifierConfig& amplifier = rig.amplifier;
+  const bool of_current = amplifier.controls == AmplifierControl::kCurrent;
+  const auto must_be_0 = [&](const char* key, auto value) {
+    if (value != 0)
+      throw common::InvalidConfig(std::string("amplifier.") + key, value,
+                                  "be 0 where amplifier.controls is " + common::name_of(amplifier.controls));
+  };
+  if (of_current) {
+    must_be_0("ramp_s", amplifier.ramp_s);
+    must_be_0("duty_steps", amplifier.duty_steps);
+    must_be_0("resistance_after_s", amplifier.resistance_after_s);
+  } else {
+    must_be_0("time_constant_s", amplifier.time_constant_s);
+  }
+  if (rig.supply_resistance_ohm > 0.0 && rig.supply_resistance_ohm * rig.coils.max_current_A >= rig.supply_V)
+    throw common::InvalidConfig(
+        "supply_resistance_ohm", rig.supply_resistance_ohm,
+        fmt::format("be below {} ohm, with which coils.max_current_A would leave nothing of supply_V",
+                    rig.supply_V / rig.coils.max_current_A));
+}
+
 }  // namespace
 
 common::Json completed_rig(const common::Json& recorded) {
@@ -45,6 +69,7 @@ void RigDescription::validate() const {
   if (needle.length_m >= 2.0 * dish.radius_m)
     throw common::InvalidConfig("needle.length_m", needle.length_m,
                                 fmt::format("be below the dish diameter, {}", 2.0 * dish.radius_m));
+  check_drivers(*this);
   if (fluid.depth_m > dish.wall_height_m)
     throw common::InvalidConfig(
         "fluid.depth_m", fluid.depth_m,

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "lodestone/common/error.h"
+#include "lodestone/physics/amplifier.h"
 #include "lodestone/physics/coil_array.h"
 #include "lodestone/physics/core_saturation.h"
 #include "lodestone/rig/hidden_deviation.h"
@@ -38,7 +39,8 @@ struct VirtualRig::State {
         field(fields, hidden.coils),
         map(truth.friction, truth.dish.radius_m, seed),
         motion(truth.needle, truth.fluid, truth.friction, truth.dish),
-        scatter(seed, "pulse_friction") {
+        scatter(seed, "pulse_friction"),
+        amplifier(truth) {
     for (std::size_t coil = 0; coil < config.coils.count(); ++coil)
       circuits.emplace_back(truth.circuit(coil));
   }
@@ -49,9 +51,7 @@ struct VirtualRig::State {
     friction_scale = std::exp(sigma * scatter.normal() - 0.5 * sigma * sigma);
   }
 
-  /// Before the coils are driven otherwise, in the middle of a stretch.
-  void catch_up() {
-    ++changes;
+  void advance_circuits() {
     if (now_s > circuits_s)
       for (physics::CoilCircuit& circuit : circuits) circuit.advance(now_s - circuits_s);
     circuits_s = now_s;
@@ -63,10 +63,32 @@ struct VirtualRig::State {
       current_A[i] = physics::unsaturated_A(current_A[i], cores.core_share, cores.core_saturation_A);
     return current_A;
   }
+  /// Before the coils are driven otherwise, in the middle of a stretch.
+  void catch_up() {
+    ++changes;
+    advance_circuits();
+  }
   void switch_off() {
     catch_up();
     pulsing = false;
-    for (physics::CoilCircuit& circuit : circuits) circuit.off();
+    amplifier.off(now_s, circuits);
+  }
+  /// Up to when the voltages of the coils stay as they are; no further than `time_s`.
+  double constant_until_s(double time_s) const {
+    const double until_s = std::min(time_s, amplifier.change_s());
+    return pulsing ? std::min(until_s, pulse_end_s) : until_s;
+  }
+  /// At the end of a stretch. Where voltages change by themselves, the circuits are left as they were at the
+  /// last change until the next, so that it does not matter how a wait is cut.
+  void end_stretch() {
+    if (pulsing && now_s >= pulse_end_s) {
+      switch_off();
+    } else if (now_s >= amplifier.change_s()) {
+      advance_circuits();
+      amplifier.change(now_s, circuits);
+    } else if (!amplifier.stepwise()) {
+      advance_circuits();
+    }
   }
 
   const VirtualRigConfig config;  // as described
@@ -81,10 +103,11 @@ struct VirtualRig::State {
   std::mutex mutex;  // of all that follows
   common::RandomStream scatter;
   std::vector<physics::CoilCircuit> circuits;
+  physics::Amplifier amplifier;
   physics::NeedleState needle;
   double friction_scale = 1.0;
   double now_s = 0.0;
-  double circuits_s = 0.0;    // up to when the currents are known; below now_s within a stretch
+  double circuits_s = 0.0;    // when the circuits were so; below now_s within a stretch
   std::uint64_t changes = 0;  // of what drives the coils, and of the rest by restore()
   double pulse_end_s = 0.0;
   bool pulsing = false;
@@ -121,12 +144,10 @@ class VirtualRig::VirtualCoils final : public Coils {
     state_.draw_friction();
     state_.pulsing = pulse.duration_s > 0.0;
     state_.pulse_end_s = state_.now_s + pulse.duration_s;
-    for (std::size_t i = 0; i < state_.circuits.size(); ++i) {
-      if (state_.pulsing) {
-        state_.circuits[i].demand(pulse.current_A[i]);
-      } else {
-        state_.circuits[i].off();
-      }
+    if (state_.pulsing) {
+      state_.amplifier.demand(pulse.current_A, state_.now_s, state_.pulse_end_s, state_.circuits);
+    } else {
+      state_.amplifier.off(state_.now_s, state_.circuits);
     }
   }
 
@@ -211,8 +232,8 @@ void VirtualRig::drive(const physics::PerCoil& duty, double supply_V) {
     LODESTONE_CHECK(std::isfinite(duty[i]), "a duty that is a number, not " + std::to_string(duty[i]));
     was_off = was_off && state.circuits[i].state().duty == 0.0;
     is_off = is_off && duty[i] == 0.0;
-    state.circuits[i].drive(duty[i], supply_V);
   }
+  state.amplifier.drive(duty, supply_V, state.now_s, state.circuits);
   if (was_off && !is_off) state.draw_friction();
 }
 
@@ -242,13 +263,17 @@ bool VirtualRig::advance_to(double time_s, common::Interruption* interruption) {
   if (interruption != nullptr && interruption->raised()) return false;
   State& state = *state_;
   std::unique_lock<std::mutex> lock(state.mutex);
+  double paced_s = state.now_s;
   while (state.now_s < time_s) {
-    const double end_s = state.pulsing ? std::min(time_s, state.pulse_end_s) : time_s;
+    const double end_s = state.constant_until_s(time_s);
     if (run(end_s - state.now_s, lock, interruption)) {
       state.now_s = std::max(state.now_s, end_s);
-      state.circuits_s = state.now_s;
-      if (state.pulsing && state.now_s >= state.pulse_end_s) state.switch_off();
-      if (state.wall != nullptr && !pace(lock, interruption)) return false;
+      state.end_stretch();
+      if (state.wall == nullptr) continue;
+      // Voltages that change by themselves change far more often than anybody looks.
+      if (state.amplifier.stepwise() && state.now_s < std::min(time_s, paced_s + kPace_s)) continue;
+      paced_s = state.now_s;
+      if (!pace(lock, interruption)) return false;
     } else if (interruption != nullptr && interruption->raised()) {
       return false;
     }
@@ -268,18 +293,19 @@ bool VirtualRig::pace(std::unique_lock<std::mutex>& lock, common::Interruption* 
   return go_on;
 }
 
-/// One stretch of constant duty. False when it was cut short: the wait was interrupted, or the coils are
-/// driven otherwise.
+/// Moves the needle through one stretch of constant voltages; the circuits stay as they were before it. False
+/// when it was cut short: the wait was interrupted, or the coils are driven otherwise.
 bool VirtualRig::run(double duration_s, std::unique_lock<std::mutex>& lock,
                      common::Interruption* interruption) {
   if (duration_s <= 0.0) return true;
   State& state = *state_;
   const double start_s = state.now_s;
+  const double since_s = start_s - state.circuits_s;
   const std::uint64_t changes = state.changes;
   const int steps =
       std::max(1, static_cast<int>(std::ceil(duration_s / state.config.simulation.step_s - 1e-6)));
   const double step_s = duration_s / steps;
-  const int steps_at_once = std::max(1, static_cast<int>(kPace_s / step_s));
+  const int steps_at_once = std::max(1, static_cast<int>(std::min(1e6, kPace_s / step_s)));
   const std::size_t coils = state.circuits.size();
   physics::PerCoil settled(coils);
   physics::PerCoil decay(coils);
@@ -288,7 +314,8 @@ bool VirtualRig::run(double duration_s, std::unique_lock<std::mutex>& lock,
     settled[i] = state.circuits[i].settled_current_A();
     const double tau = state.circuits[i].time_constant_s();
     decay[i] = std::exp(-step_s / tau);
-    excess[i] = (state.circuits[i].state().current_A - settled[i]) * std::exp(-0.5 * step_s / tau);
+    excess[i] =
+        (state.circuits[i].state().current_A - settled[i]) * std::exp(-(since_s + 0.5 * step_s) / tau);
   }
   for (int step = 0; step < steps; ++step) {
     physics::PerCoil current(coils);
@@ -311,7 +338,6 @@ bool VirtualRig::run(double duration_s, std::unique_lock<std::mutex>& lock,
       return false;
     }
   }
-  for (physics::CoilCircuit& circuit : state.circuits) circuit.advance(duration_s);
   return true;
 }
 
@@ -331,6 +357,10 @@ common::Json VirtualRig::save() const {
   for (const physics::CoilCircuit& circuit : state.circuits)
     json["coils"].push_back({circuit.state().current_A, circuit.state().temperature_C, circuit.state().duty});
   json["scatter"] = state.scatter.save();
+  if (state.amplifier.shapes()) {
+    json["coils_s"] = state.circuits_s;
+    json["amplifier"] = state.amplifier.save();
+  }
   return json;
 }
 
@@ -360,10 +390,18 @@ void VirtualRig::restore(const common::Json& json) {
     const double now_s = json.at("time_s").get<double>();
     const double pulse_end_s = json.at("pulse_end_s").get<double>();
     const bool pulsing = json.at("pulsing").get<bool>();
+    // Rigs whose voltages do not change by themselves, and earlier versions, say neither.
+    const double circuits_s = json.contains("coils_s") ? json.at("coils_s").get<double>() : now_s;
+    if (!(circuits_s <= now_s))
+      throw common::DataError(
+          fmt::format("virtual rig state: coils_s = {} is after time_s = {}", circuits_s, now_s));
+    const bool resumes = !(state.amplifier.shapes() && json.contains("amplifier"));
+    physics::Amplifier amplifier = state.amplifier;
+    if (!resumes) amplifier.restore(json.at("amplifier"));
     common::RandomStream scatter = state.scatter;
     scatter.restore(json.at("scatter").get<std::string>());
     ++state.changes;
-    state.circuits_s = now_s;
+    state.circuits_s = circuits_s;
     if (state.wall != nullptr) state.wall_offset_s = state.wall->now_s() - now_s;
     state.needle = needle;
     state.friction_scale = friction_scale;
@@ -373,6 +411,9 @@ void VirtualRig::restore(const common::Json& json) {
     state.scatter = scatter;
     for (std::size_t i = 0; i < coils.size(); ++i)
       state.circuits[i].set_state({coils[i][0], coils[i][1], coils[i][2]});
+    state.amplifier = amplifier;
+    if (resumes)
+      state.amplifier.resume(now_s, pulsing ? pulse_end_s : physics::Amplifier::kNever_s, state.circuits);
   } catch (const common::Json::exception& error) {
     throw common::DataError(std::string("virtual rig state: malformed: ") + error.what());
   }

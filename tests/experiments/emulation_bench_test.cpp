@@ -12,6 +12,7 @@ TEST_CASE("the firmware answers in time, and squares through it are as with simu
   experiments::EmulationBenchConfig config;
   config.deployment.sensor.kind = "simulated";
   config.deployment.trials.count = 1;
+  config.deployment.rig.amplifier.ramp_s = 0.05;
   config.round_trips = 10;
   config.round_trip_bound_ms = 1000.0;  // a busy machine
   config.error_bound = 10.0;
@@ -29,6 +30,9 @@ TEST_CASE("the firmware answers in time, and squares through it are as with simu
   // would be driven away from the square.
   CHECK(result.square->emulated_mm > 0.0);
   CHECK(result.square->emulated_mm < 3.0 * result.square->simulated_mm);
+  REQUIRE(result.square->ideal_mm);  // the same without the ramp
+  CHECK(*result.square->ideal_mm > 0.0);
+  CHECK(*result.square->ideal_mm != result.square->simulated_mm);
   CHECK_FALSE(result.long_run);
   REQUIRE(result.figures.size() == 3);
   for (const experiments::BoundedFigure& one : result.figures) {

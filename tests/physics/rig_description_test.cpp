@@ -63,11 +63,32 @@ TEST_CASE("what an earlier version recorded of a rig is completed by what is usu
   common::Json recorded = common::config_to_json(RigDescription{});
   recorded["coils"].erase("each");
   recorded.erase("drive");
+  recorded.erase("amplifier");
   recorded["dish"]["radius_m"] = 0.04;
   const common::Json whole = completed_rig(recorded);
   CHECK(whole["drive"]["kind"] == "opposed_pairs");
+  CHECK(whole["amplifier"]["controls"] == "duty");
   CHECK(whole["coils"] == common::config_to_json(RigDescription{})["coils"]);
   CHECK(whole["dish"]["radius_m"] == 0.04);
+}
+
+TEST_CASE("drivers that cannot be are refused, with the key that says so") {
+  CHECK(RigDescription{}.amplifier.ideal());
+  CHECK_FALSE(read(R"({"amplifier": {"ramp_s": 0.05}})").amplifier.ideal());
+  CHECK_NOTHROW(read(R"({"amplifier": {"controls": "current", "time_constant_s": 0.002}})"));
+  CHECK_THROWS_WITH(read(R"({"amplifier": {"ramp_s": -0.05}})"), Catch::Contains("amplifier.ramp_s = -0.05"));
+  CHECK_THROWS_WITH(read(R"({"amplifier": {"duty_steps": 0.5}})"), Catch::Contains("amplifier.duty_steps"));
+  CHECK_THROWS_WITH(read(R"({"amplifier": {"controls": "volt"}})"), Catch::Contains("amplifier.controls"));
+  CHECK_THROWS_WITH(read(R"({"amplifier": {"controls": "current", "ramp_s": 0.05}})"),
+                    Catch::Contains("amplifier.ramp_s = 0.05 must be 0 where amplifier.controls is current"));
+  CHECK_THROWS_WITH(read(R"({"amplifier": {"controls": "current", "duty_steps": 100}})"),
+                    Catch::Contains("amplifier.duty_steps = 100 must be 0"));
+  CHECK_THROWS_WITH(
+      read(R"({"amplifier": {"time_constant_s": 0.002}})"),
+      Catch::Contains("amplifier.time_constant_s = 0.002 must be 0 where amplifier.controls is duty"));
+  CHECK_NOTHROW(read(R"({"supply_resistance_ohm": 2.2})"));
+  CHECK_THROWS_WITH(read(R"({"supply_resistance_ohm": 2.3})"),
+                    Catch::Contains("supply_resistance_ohm = 2.3 must be below"));
 }
 
 TEST_CASE("every coil has its own circuit") {

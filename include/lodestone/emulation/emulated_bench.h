@@ -22,8 +22,9 @@ namespace lodestone::emulation {
 /// the faults are put in by one thread at a time.
 class EmulatedBench {
  public:
-  /// `rig` must outlive the bench, and from here on only the bench may move its clock. Throws HardwareError
-  /// when this build has no emulator.
+  /// `rig` must outlive the bench, and from here on only the bench may move its clock. Of its description's
+  /// drivers (amplifier) nothing is taken: the motor controllers have ramps and steps of their own. Throws
+  /// ConfigError where the rig is none for them, HardwareError when this build has no emulator.
   explicit EmulatedBench(rig::VirtualRig& rig);
   ~EmulatedBench();
 
@@ -54,7 +55,8 @@ class EmulatedBench {
   /// The same for the bus between the Arduino and the motor controllers.
   ByteFilter to_controllers_filter;
   ByteFilter from_controllers_filter;
-  /// Supply of both controllers' outputs, V; what they measure while the contactor is closed.
+  /// Supply of both controllers' outputs, V; what they measure while the contactor is closed and no current
+  /// makes it sag (supply_resistance_ohm of the rig).
   void set_supply_V(double volt);
   /// The contactor's contacts have welded together: it no longer opens.
   void weld_contactor(bool welded) { welded_ = welded; }
@@ -83,7 +85,7 @@ class EmulatedBench {
     double time_s;
   };
   void step_to(double time_s);
-  void switch_supply();
+  void switch_supply(const physics::PerCoil& current_A);
   void drive_rig();
 
   mutable std::recursive_mutex mutex_;

@@ -98,12 +98,15 @@ struct RealTimeSquares : PeriodDeviation {
 struct SquareComparison {
   double simulated_mm = 0.0, emulated_mm = 0.0;
   std::int64_t trials = 0;
+  /// Simulated coils whose drivers follow at once, where the rig's do not (rig.amplifier).
+  std::optional<double> ideal_mm;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("simulated_mm", simulated_mm);
     v.field("emulated_mm", emulated_mm);
     v.field("trials", trials);
+    v.field("ideal_mm", ideal_mm);
   }
 };
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "lodestone/common/json.h"
+#include "lodestone/physics/amplifier_config.h"
 #include "lodestone/physics/coil_circuit.h"
 #include "lodestone/physics/coils_description.h"
 #include "lodestone/physics/drive_config.h"
@@ -16,8 +17,10 @@ namespace lodestone::physics {
 struct RigDescription {
   CoilsDescription coils;
   DriveConfig drive;
-  double supply_V = 34.0;   // D
-  double ambient_C = 22.0;  // D
+  AmplifierConfig amplifier;
+  double supply_V = 34.0;              // D
+  double supply_resistance_ohm = 0.0;  // D
+  double ambient_C = 22.0;             // D
   double full_drive_A = 0.0;
   NeedleConfig needle;
   DishConfig dish;
@@ -31,7 +34,11 @@ struct RigDescription {
     v.retired("max_current_A", "coils.max_current_A");
     v.group("coils", coils, "the coils");
     v.group("drive", drive, "what an action means for the coils");
+    v.group("amplifier", amplifier, "how the drivers of the coils answer a demand");
     v.field("supply_V", supply_V, "V", "supply that the drivers switch", {0.1, 1000.0});
+    v.field("supply_resistance_ohm", supply_resistance_ohm, "ohm",
+            "of the supply and its wires: the voltage sags by this times the sum of the currents' magnitudes",
+            {0.0, 100.0});
     v.field("ambient_C", ambient_C, "C", "room temperature; coils start there", {-20.0, 60.0});
     v.field("full_drive_A", full_drive_A, "A",
             "current at 100 per cent of drive, for recordings and policies that count in per cent; 0: not "

@@ -79,7 +79,8 @@ class VirtualRig {
   void keep_pace_with(common::Clock& wall);
 
   /// What a power stage of its own puts on the coils from now on, instead of pulses: signed fractions of
-  /// `supply_V`.
+  /// `supply_V`. Of the description's drivers only the sag of the supply is added: ramps, steps and skew are
+  /// the power stage's own.
   void drive(const physics::PerCoil& duty, double supply_V);
 
   /// The operator places the needle, at rest. Throws DataError when an end would lie outside the wall.
@@ -97,9 +98,9 @@ class VirtualRig {
   /// To be shared with further rigs.
   std::shared_ptr<const physics::CoilFields> fields() const;
 
-  /// Everything that changes (needle, currents, temperatures, time, random stream), and back, bitwise; the
-  /// friction map comes from the seed. restore() throws DataError when the state is malformed or of another
-  /// seed.
+  /// Everything that changes (needle, currents, drivers, temperatures, time, random stream), and back,
+  /// bitwise; the friction map comes from the seed. A state that says nothing of the drivers goes on with
+  /// what drives the coils. restore() throws DataError when the state is malformed or of another seed.
   common::Json save() const;
   void restore(const common::Json& state);
 
