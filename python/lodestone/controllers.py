@@ -43,16 +43,17 @@ class _Controller:
         """Forgets the episode before. Call it when the needle has been placed."""
         self._core.reset()
 
-    def drives(self, action: ArrayLike) -> NDArray[np.float64]:
-        """Drives of the coils +x, -x, +y, -y, in ampere unless `action_unit` says per cent.
+    def drives(self, action: ArrayLike, position: ArrayLike | None = None) -> NDArray[np.float64]:
+        """Drives of the coils, in ampere unless `action_unit` says per cent: +x, -x, +y, -y, or those that its rig lists.
 
         Args:
             action: [2] or [N, 2] in [-1, 1]
+            position: [2] of the needle, x and y in m, which matters where rig.drive.kind is field; None: the dish centre
 
         Returns:
-            [4] or [N, 4]
+            [coils] or [N, coils]
         """
-        return self._core.drives(action)
+        return self._core.drives(action, position)
 
 
 class Policy(_Controller):

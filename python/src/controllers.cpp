@@ -9,6 +9,7 @@
 #include "lodestone/control/policy_controller.h"
 #include "lodestone/inference/policy.h"
 #include "lodestone/physics/coil_drive.h"
+#include "lodestone/physics/rig_description.h"
 #include "remembering_controller.h"
 
 namespace lodestone::python {
@@ -30,17 +31,36 @@ py::array decide(RememberingController& controller, const py::handle& pose, cons
   return array_of(std::vector<double>{action.x(), action.y()}, {2});
 }
 
-/// Currents [4] or [N, 4] of the coils +x, -x, +y, -y for actions.
-py::array drives_of(const task::ActionConfig& config, const py::handle& action) {
-  const Rows<double> actions = read_rows<double>(action, "action", 2);
-  std::vector<double> drives;
-  for (std::size_t i = 0; i < actions.numbers.size(); i += 2)
-    for (const double drive :
-         physics::opposed_pairs_A(task::axis_drive({actions.numbers[i], actions.numbers[i + 1]}, config)))
-      drives.push_back(drive);
-  return array_of(std::move(drives),
-                  actions.single ? std::vector<py::ssize_t>{4} : std::vector<py::ssize_t>{actions.count, 4});
-}
+/// How the coils of the rig are driven that a policy or simulator was made for; found out when it is asked.
+class RigDrive {
+ public:
+  /// Currents [coils] or [N, coils] for actions, of a needle at a position, or (None) at the dish centre.
+  py::array drives(const task::ActionConfig& config, const common::Json& rig, const py::handle& action,
+                   const py::handle& position) {
+    const Rows<double> actions = read_rows<double>(action, "action", 2);
+    const std::vector<double> at_m =
+        position.is_none() ? std::vector<double>{0.0, 0.0} : read_row(position, "position", 2);
+    if (!drive_) drive_ = drive_of(rig);
+    std::vector<double> drives;
+    for (std::size_t i = 0; i < actions.numbers.size(); i += 2) {
+      const physics::PerCoil current_A = drive_->current_A(
+          task::axis_drive({actions.numbers[i], actions.numbers[i + 1]}, config), {at_m[0], at_m[1]});
+      for (std::size_t coil = 0; coil < drive_->coils(); ++coil) drives.push_back(current_A[coil]);
+    }
+    const auto coils = static_cast<py::ssize_t>(drive_->coils());
+    return array_of(std::move(drives), actions.single ? std::vector<py::ssize_t>{coils}
+                                                      : std::vector<py::ssize_t>{actions.count, coils});
+  }
+
+ private:
+  static physics::CoilDrive drive_of(const common::Json& rig) {
+    if (!rig.is_object() || rig.empty()) return {};
+    return physics::CoilDrive(common::config_from_json<physics::RigDescription>(
+        physics::completed_rig(rig), "the rig that it was made for"));
+  }
+
+  std::optional<physics::CoilDrive> drive_;
+};
 
 class Policy {
  public:
@@ -57,7 +77,9 @@ class Policy {
   py::array decide(const py::handle& pose, const py::handle& target, std::optional<double> target_heading) {
     return python::decide(controller_, pose, target, target_heading);
   }
-  py::array drives(const py::handle& action) const { return drives_of(policy_.action, action); }
+  py::array drives(const py::handle& action, const py::handle& position) {
+    return drive_.drives(policy_.action, policy_.rig, action, position);
+  }
 
   py::array act(const py::handle& observation) const {
     const Rows<float> rows = read_rows<float>(observation, "observation", actor_.observation_size());
@@ -87,6 +109,7 @@ class Policy {
   inference::Policy policy_;
   inference::Actor actor_;
   RememberingController controller_;
+  RigDrive drive_;
 };
 
 class Planner {
@@ -96,16 +119,21 @@ class Planner {
         controller_(std::make_unique<control::Planner>(simulator_,
                                                        common::config_from_json<control::PlannerConfig>(
                                                            common::parse_json(config, "planner"), "planner"),
-                                                       seed)) {}
+                                                       seed)),
+        rig_(dynamics.model->info.rig) {}
   void reset() { controller_.reset(); }
   py::array decide(const py::handle& pose, const py::handle& target, std::optional<double> target_heading) {
     return python::decide(controller_, pose, target, target_heading);
   }
-  py::array drives(const py::handle& action) const { return drives_of(simulator_->action, action); }
+  py::array drives(const py::handle& action, const py::handle& position) {
+    return drive_.drives(simulator_->action, rig_, action, position);
+  }
 
  private:
   std::shared_ptr<const control::LearnedSimulator> simulator_;
   RememberingController controller_;
+  common::Json rig_;
+  RigDrive drive_;
 };
 
 /// Throws ConfigError where `contract`, of an environment, cannot be used.
@@ -151,13 +179,13 @@ void bind_controllers(py::module_& module) {
       .def("reset", &Policy::reset)
       .def("decide", &Policy::decide, py::arg("pose"), py::arg("target"), py::arg("target_heading"))
       .def("act", &Policy::act, py::arg("observation"))
-      .def("drives", &Policy::drives, py::arg("action"));
+      .def("drives", &Policy::drives, py::arg("action"), py::arg("position"));
   py::class_<Planner>(module, "Planner")
       .def(py::init<const Dynamics&, const std::string&, std::uint64_t>(), py::arg("dynamics"),
            py::arg("config"), py::arg("seed"))
       .def("reset", &Planner::reset)
       .def("decide", &Planner::decide, py::arg("pose"), py::arg("target"), py::arg("target_heading"))
-      .def("drives", &Planner::drives, py::arg("action"));
+      .def("drives", &Planner::drives, py::arg("action"), py::arg("position"));
   module.def("save_policy", &save_policy, py::arg("folder"), py::arg("layers"), py::arg("contract"));
 }
 

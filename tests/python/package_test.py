@@ -1,5 +1,6 @@
 """The package as it is installed: without Gymnasium, without LibTorch, with stubs and words on everything."""
 import inspect
+import json
 import os
 import pathlib
 import re
@@ -72,6 +73,22 @@ class Package(unittest.TestCase):
         seen = random.normal(size=(5, 8)).astype(np.float32)
         (w1, b1), (w2, b2) = layers
         np.testing.assert_allclose(policy.act(seen), np.tanh(np.maximum(seen @ w1.T + b1, 0.0) @ w2.T + b2), atol=1e-5)
+
+    def test_a_policy_drives_the_coils_that_its_rig_lists(self):
+        shipped = lodestone.Policy.load(support.models / "centre")
+        np.testing.assert_allclose(shipped.drives([0.5, -0.2]), [0.5 * shipped.action["scale"], 0, 0, 0.2 * shipped.action["scale"]])
+        six = json.loads((support.source / "configs/rigs/six_planar.json").read_text())
+        layers = [(np.zeros((2, 8)), [0.1, -0.2])]
+        contract = {"encoder": shipped.encoder, "action": shipped.action, "goal": "centre",
+                    "rig": {key: six[key] for key in ("coils", "drive")}}
+        with tempfile.TemporaryDirectory() as place:
+            lodestone.save_policy(f"{place}/policy", layers, contract=contract)
+            policy = lodestone.Policy.load(f"{place}/policy")
+        centre, aside = policy.drives([1.0, 0.0]), policy.drives([[1.0, 0.0], [0.0, 0.0]], position=[0.02, 0.01])
+        self.assertEqual((centre.shape, aside.shape), ((6,), (2, 6)))
+        self.assertEqual(np.argmax(centre), 0)  # the coil that stands along +x
+        self.assertTrue(np.all(centre >= 0.0) and np.all(aside[1] == 0.0))
+        self.assertGreater(np.abs(centre - aside[0]).max(), 0.1)
 
     def test_transitions_are_those_of_the_file(self):
         table = lodestone.Transitions.load(support.source / "tests/data/version_2.h5")
