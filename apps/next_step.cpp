@@ -31,6 +31,7 @@ constexpr Follower kFollowers[] = {
     {"calibrate", "look at {--out}/overlay.png: its lines must lie on the edges"},
     {"calibrate coils", "lodestone collect --config {--config} --out runs/bench/collect"},
     {"rig check", "lodestone calibrate coils --config {--config} --out runs/coils.json"},
+    {"qualify", "open {--out}/report.html in a browser; it needs no network"},
     {"rig field", "hold {--out} against what a gaussmeter shows"},
     {"bench speed", "scripts/update-readme {--out}/speed.json"},
     {"bench paper", "open {--out}/report.html in a browser; it needs no network"},

@@ -19,6 +19,7 @@ void add_console(Verb& program);
 void add_evaluate(Verb& program);
 void add_export(Verb& program);
 void add_calibrate(Verb& program);
+void add_qualify(Verb& program);
 void add_rig(Verb& program);
 void add_bench(Verb& program);
 void add_report(Verb& program);

@@ -100,6 +100,8 @@ for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
 check(["collect", "--by", "keyboard", "--sensor", "simulated", "--out", "run"], 1, "no display", "--by explorer")
 check(["collect", "--set", "rig.backend=serial", "--set", "rig.serial.port=/dev/ttyNOTHING", "--set",
        "explorer.self_reset=false", "--out", "run"], 1, "nobody can be asked", "lodestone import")
+check(["qualify", "--virtual"], 2, "--out")
+check(["qualify", "--virtual", "--minutes", "0", "--out", "run"], 2, "minutes = 0")
 check(["adapt", "--sensor", "simulated", "--out", "run"], 2, "--models", "--from-scratch")
 check(["adapt", "--models", str(source / "models/dynamics_paper"), "--sensor", "simulated", "--out", "run"], 2, "predicts distributions")
 check(["adapt", "--models", str(source / "models/dynamics_best"), "--pulses", "30", "--sensor", "simulated", "--out", "run"], 2,

@@ -39,6 +39,7 @@ SOAK_ONLY = {
 ON_THE_VIRTUAL_RIG = {
     ("docs/drive-a-bench.md", BASE + "collect --rig my-rig.json --out"): "--set rig.backend=virtual",
     ("docs/drive-a-bench.md", BASE + "deploy --rig my-rig.json"): "--set rig.backend=virtual",
+    ("docs/drive-a-bench.md", BASE + "qualify --rig my-rig.json"): "--virtual",
 }
 
 # Blocks that the reader saves as a file.

@@ -23,6 +23,7 @@ SETTINGS = {
     ("docs/drive-a-bench.md", "deploy"): ("trials.point_seconds=2", "safety.max_late_s=1", "safety.max_late_steps=10", "safety.max_pose_age_s=2"),
     ("docs/logs.md", "deploy"): TRIALS,
     ("docs/see-the-needle.md", "deploy"): TRIALS,
+    ("", "qualify"): ("minutes=0.5", "sensor.kind=simulated"),
     ("", "train-dynamics"): ("training.epochs=2",),
     ("", "train-policy"): TRAINING,
 }

@@ -1,0 +1,93 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "common_options.h"
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/interrupt.h"
+#include "lodestone/common/log.h"
+#include "lodestone/common/progress.h"
+#include "lodestone/experiments/qualification.h"
+#include "lodestone/nets/blas.h"
+#include "lodestone/report/qualification_report.h"
+#include "lodestone/runs/run_folder.h"
+#include "models.h"
+#include "terminal.h"
+#include "verbs.h"
+
+namespace lodestone::apps {
+namespace {
+
+using experiments::QualificationConfig;
+
+struct QualifyOptions : CommonOptions {
+  bool yes = false;
+  bool virtual_rig = false;
+};
+
+std::unique_ptr<session::RigSession> open_bench(const QualificationConfig& config,
+                                                const QualifyOptions& options, const std::string& folder) {
+  if (!config.rig.real()) return experiments::make_qualification_session(config);
+  char question[160];
+  std::snprintf(question, sizeof question,
+                "qualify this bench? For up to %g minutes its coils get pulses of up to %g A, and the "
+                "needle, which lies in the dish, is driven about.",
+                config.minutes, std::min(config.safety.max_current_A, config.rig.coils.max_current_A));
+  if (!confirm(question, options.yes))
+    throw common::Interrupted("qualify: stopped; nothing was measured");
+  return session::make_bench_session(config.rig, config.sensor, config.safety, terminal_operator(), folder);
+}
+
+void qualify(const QualifyOptions& given) {
+  QualifyOptions options = given;
+  if (options.virtual_rig) options.overrides.push_back({"rig.backend=virtual", "--virtual"});
+  auto config = resolve_config<QualificationConfig>(options);
+  nets::use_one_blas_thread();
+  choose_segmenter(config.sensor);
+  runs::RunFolder run({options.out, "qualify", common::config_to_json(config), config.seed});
+  const std::unique_ptr<session::RigSession> bench = open_bench(config, options, run.path());
+  run.begin();
+  runs::QualificationResult result;
+  {
+    common::Progress progress("qualify", std::llround(60.0 * config.minutes));
+    experiments::Qualification work(config, *bench, [&progress](double passed_s, const std::string& item) {
+      progress.update(std::llround(passed_s), item);
+    });
+    result = work.run();
+    progress.finish(result.stopped ? "stopped" : "");
+  }
+  const std::string file = run.file(runs::QualificationResult::kFile);
+  const std::string page = run.file("report.html");
+  common::write_artefact(file, result);
+  const std::string text = report::write_qualification_report(run.path(), page);
+  std::printf("%sreport   %s\n", text.c_str(), page.c_str());
+  if (result.stopped && common::interrupted())
+    throw common::Interrupted("qualify: stopped; what was measured until then is in " + file);
+  if (result.stopped)
+    throw common::HardwareError("qualify: stopped: " + *result.stopped +
+                                "; what was measured until then is in " + file);
+  run.finish();
+}
+
+}  // namespace
+
+void add_qualify(Verb& program) {
+  Verb& verb = program.add_verb(
+      "qualify",
+      "what a bench can do, in at most 15 minutes of it: a verdict per item, what to mend first, the error to "
+      "expect");
+  auto& options = configure<QualificationConfig>(verb, qualify);
+  add_common_options(verb, options);
+  add_virtual_rig_options(verb, options);
+  add_shorthand(verb, options, "--port", "rig.serial.port", Shorthand::kText,
+                "serial port of the coil controller, such as /dev/ttyACM0");
+  add_shorthand(verb, options, "--minutes", "minutes", Shorthand::kValue,
+                "of the bench, at most; with fewer there is less of every item");
+  add_shorthand(verb, options, "--sensor", "sensor.kind", Shorthand::kText, "camera or simulated");
+  verb.add_option("--virtual", &options.virtual_rig, "on a simulated rig, whatever rig.json says");
+  verb.add_option("--yes", &options.yes, "answer every question with yes: coils will be energised");
+}
+
+}  // namespace lodestone::apps

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lodestone/geometry/pose2.h"
+#include "lodestone/runs/qualification_result.h"
+
+namespace lodestone::experiments {
+
+/// A statistic of values, with its interval by bootstrap from three values on. `what` names the random
+/// stream.
+runs::Measured measured(const std::vector<double>& values,
+                        const std::function<double(const std::vector<double>&)>& statistic,
+                        const std::string& what);
+
+/// A look at a needle that lies still, with the spread that the sensor reports of it (0: none).
+struct StillLook {
+  geometry::Pose2 pose;
+  Eigen::Matrix2d position_covariance_m2 = Eigen::Matrix2d::Zero();
+  double heading_sigma_rad = 0.0;
+  double time_s = 0.0;
+};
+/// Nothing of fewer than ten looks.
+std::optional<runs::StillFigures> still_figures(const std::vector<StillLook>& looks, std::int64_t refused);
+
+/// Spread of a sensed position, m, per axis, of a needle that may lie anywhere: what is reported, which holds
+/// from place to place, or what was seen where that is more.
+double sensing_m(const runs::StillFigures& still);
+
+/// What counts as motion between two looks: beyond what a sensor that errs so makes of a needle that lies
+/// still.
+struct MotionThreshold {
+  double distance_m = 0.1e-3;
+  double turn_rad = 0.5 * geometry::kRadPerDeg;
+
+  bool moved(const geometry::Pose2& before, const geometry::Pose2& after) const;
+};
+MotionThreshold motion_threshold(const runs::StillFigures& still);
+
+/// What one pulse did.
+struct PulseMotion {
+  geometry::Pose2 before, after;
+
+  geometry::Vector2 step_m() const { return after.position_m() - before.position_m(); }
+};
+
+/// Displacements [n, 2] by least squares from what is known before [n, k].
+struct Explanation {
+  Eigen::MatrixXd fitted, left;
+  std::int64_t freedom = 0;  ///< rows less the rank of what is known
+
+  /// Per axis.
+  double scatter() const;
+};
+Explanation explain_steps(const Eigen::MatrixXd& known, const Eigen::MatrixXd& steps);
+
+/// Of at least three pulses; the starts' part (linear in place and heading) is told apart from seven on.
+std::optional<runs::SamePulseFigures> same_pulse_figures(const std::vector<PulseMotion>& pulses);
+/// How much further the pulses of the second list go, by the mean of all. At least three of each.
+std::optional<runs::Measured> step_change(const std::vector<PulseMotion>& first,
+                                          const std::vector<PulseMotion>& second);
+
+/// A current that a coil reported so long after its pulse was asked for.
+struct CurrentSample {
+  double after_s = 0.0;
+  double current_A = 0.0;
+};
+struct CurrentRise {
+  double gain = 0.0;    ///< end value by what was asked for
+  double rise_s = 0.0;  ///< from 10 to 90 % of the end value
+  double half_s = 0.0;  ///< until half of it
+};
+/// Nothing where fewer than six samples were taken, or no current rose. Samples are in order of time, of the
+/// pulse alone; the end value is the median of their last third.
+std::optional<CurrentRise> current_rise(const std::vector<CurrentSample>& samples, double asked_A);
+/// Coils by their pulses; skews are against the mean of the coils that were measured.
+std::vector<runs::CoilFigures> coil_figures(const std::vector<std::string>& names,
+                                            const std::vector<std::vector<CurrentRise>>& rises);
+
+/// `moved_s`: how long after a pulse was asked for the first look with motion came. Looks come every
+/// `look_s`, and at another phase after every pulse, so that motion began half of that before, on average.
+/// Nothing of fewer than three.
+std::optional<runs::LatencyFigures> latency_figures(const std::vector<double>& moved_s, double look_s,
+                                                    std::int64_t unseen);
+
+}  // namespace lodestone::experiments

@@ -1,0 +1,61 @@
+"""`lodestone qualify` as its user runs it: on a virtual rig, with a wrong option, and interrupted.
+usage: qualify_test.py LODESTONE SOURCE"""
+import json
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+program = sys.argv[1]
+QUICK = ("qualify", "--virtual", "--sensor", "simulated", "--deviation", "wide", "--rig-seed", "7")
+
+
+def run(*arguments, code=0):
+    made = subprocess.run([program, *map(str, arguments), "--no-reexec"], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                          timeout=300)
+    assert made.returncode == code, f"{arguments}: exit {made.returncode}\n{made.stdout}\n{made.stderr}"
+    return made
+
+
+with tempfile.TemporaryDirectory() as name:
+    folder = pathlib.Path(name)
+    out = folder / "rig"
+    made = run(*QUICK, "--minutes", 1.5, "--out", out)
+    result = json.loads((out / "qualify.json").read_text())
+    assert result["minutes"] <= 2.0 and "stopped" not in result, result
+    assert result["still"]["x_mm"]["n"] > 50 and len(result["still"]["x_mm"]["interval"]) == 2, result["still"]
+    assert [coil["name"] for coil in result["coils"]] == ["+x", "-x", "+y", "-y"], result["coils"]
+    verdicts = {item["item"]: item for item in result["items"]}
+    assert all(item["verdict"] in ("good", "acceptable", "mend", "not measured") and item["why"] for item in verdicts.values())
+    for item in verdicts:
+        assert item in made.stdout, f"{item} is not in\n{made.stdout}"
+    assert f"mend first: {result['mend_first']}" in made.stdout, made.stdout
+    assert "next: open" in made.stderr, made.stderr
+    page = (out / "report.html").read_text()
+    assert "Looks without a pose over the dish" in page and "<svg" in page
+    assert json.loads((out / "run.json").read_text())["finished"]
+
+    # The same rig, the same figures; and nothing is written over.
+    run(*QUICK, "--minutes", 1.5, "--out", folder / "again")
+    assert json.loads((folder / "again/qualify.json").read_text()) == result
+    assert "not empty" in run(*QUICK, "--out", out, code=2).stderr
+
+    for words, text in ((("--minutes", "0"), "minutes = 0"), (("--minutes", "many"), "minutes"), (("--set", "test_curent_A=1"), "test_current_A")):
+        told = run(*QUICK, *words, "--out", folder / "none", code=2).stderr
+        assert text in told and len(told.strip().splitlines()) == 1, told
+    assert not (folder / "none").exists()
+
+    # Ctrl-C: the coils are off, and what was measured is kept.
+    stopped = folder / "stopped"
+    started = subprocess.Popen([program, *QUICK, "--minutes", "600", "--out", str(stopped), "--no-reexec"], stdin=subprocess.DEVNULL,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while not (stopped / "run.json").exists() and started.poll() is None:
+        time.sleep(0.01)
+    started.send_signal(signal.SIGINT)
+    _, errors = started.communicate(timeout=120)
+    assert started.returncode == 130, f"exit {started.returncode}: {errors}"
+    assert "qualify.json" in errors, errors
+    assert "stopped by the user" in json.loads((stopped / "qualify.json").read_text())["stopped"]
+    assert not json.loads((stopped / "run.json").read_text())["finished"]

@@ -1,0 +1,77 @@
+#include "lodestone/report/qualification_report.h"
+
+#include <catch2/catch.hpp>
+
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+#include "lodestone/runs/qualification_result.h"
+#include "report/small_run.h"
+#include "temporary_folder.h"
+
+using namespace lodestone;
+
+namespace {
+
+runs::QualificationResult small_qualification() {
+  runs::QualificationResult result;
+  result.dish_radius_mm = 42.5;
+  result.minutes = 12.34;
+  result.refusals.emplace().share = {0.125, 8, std::array<double, 2>{0.02, 0.47}};
+  result.refusals->cell_mm = 8.5;
+  result.refusals->heading_bin_deg = 30.0;
+  result.refusals->cells = {{4.25, 4.25, 0.0, 4, 1}, {12.75, 4.25, 0.0, 4, 0}};
+  result.refusals->headings = {{0.0, 0.0, -180.0, 8, 1}};
+  result.refusals->reasons = {{"no <needle>", 1}};
+  runs::CoilFigures& coil = result.coils.emplace_back();
+  coil.name = "+x";
+  coil.gain = runs::Measured{0.5, 5, std::array<double, 2>{0.49, 0.51}};
+  coil.why = "gain by motion: not measured";
+  runs::StickSlipFigures& stick_slip = result.stick_slip.emplace();
+  stick_slip.places = {{1.0, 2.0, 0.75, 2.0, 60}, {3.0, 4.0, {}, 15.0, 60}};
+  stick_slip.levels = {{0.5, 60, 40, 0.2, 0.15}, {0.7, 60, 60, 0.4, 0.2}};
+  runs::ExpectedErrorFigures& expected = result.expected.emplace();
+  expected.rms_mm = {0.31, 120, std::array<double, 2>{0.25, 0.40}};
+  expected.p95_mm = {0.52, 120, std::array<double, 2>{0.44, 0.70}};
+  expected.rest_mm = 0.25;
+  result.items = {{"gain of a coil, off 1 by", 50.0, "%", 5.0, 10.0, "mend", "a reason", "rig check"},
+                  {"latency from command to motion", {}, "ms", 50.0, 200.0, "not measured", "a rest", "rest"}};
+  result.mend_first = "gain of a coil, off 1 by: rig check";
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("a qualification comes with verdicts, what to mend first, the error to expect and a map") {
+  const tests::TemporaryFolder folder;
+  CHECK_THROWS_AS(report::write_qualification_report(folder.path(), folder / "report.html"), common::Error);
+  common::write_artefact(folder / runs::QualificationResult::kFile, small_qualification());
+  const std::string text = report::write_qualification_report(folder.path(), folder / "report.html");
+  CHECK(tests::holds(text, "gain of a coil, off 1 by"));
+  CHECK(tests::holds(text, "not measured"));
+  CHECK(tests::holds(text, "RMS 0.31 (0.25 to 0.40) mm, 95th percentile 0.52 (0.44 to 0.70) mm"));
+  CHECK(tests::holds(text, "mend first: gain of a coil, off 1 by: rig check\n"));
+
+  const std::string page = common::read_file(folder / "report.html");
+  CHECK(tests::holds(page, "What this bench can do"));
+  CHECK(tests::holds(page, "12.3 minutes of it"));
+  CHECK(tests::holds(page, "Share of looks without a pose over the dish"));
+  CHECK(tests::holds(page, "data-value=\"25\""));
+  CHECK(tests::holds(page, "no &lt;needle&gt;"));
+  CHECK(tests::holds(page, "0.500 (0.490 to 0.510)"));
+  CHECK(tests::holds(page, "more than 15.00"));
+  CHECK(tests::holds(page, "id=\"steps\""));
+  CHECK_FALSE(tests::holds(page, "It ended early"));
+}
+
+TEST_CASE("a qualification that was stopped at once has a page, too") {
+  const tests::TemporaryFolder folder;
+  runs::QualificationResult result;
+  result.stopped = "a key was pressed";
+  result.mend_first = "nothing";
+  common::write_artefact(folder / runs::QualificationResult::kFile, result);
+  report::write_qualification_report(folder.path(), folder / "report.html");
+  const std::string page = common::read_file(folder / "report.html");
+  CHECK(tests::holds(page, "It ended early: a key was pressed"));
+  CHECK_FALSE(tests::holds(page, "id=\"refusals\""));
+}
