@@ -44,8 +44,7 @@ ON_THE_VIRTUAL_RIG = {
 
 # Blocks that the reader saves as a file.
 FILES = {
-    ("docs/bring-your-own-rig.md", '{\n  "coils"'): "my-rig.json",
-    ("docs/bring-your-own-rig.md", '{\n  "drive"'): "six-coils.json",
+    ("docs/bring-your-own-rig.md", '{\n  "drive"'): "my-rig.json",
     ("docs/driver-protocol.md", '{\n  "backend"'): "my-bench.json",
     ("docs/sweep.md", '{\n  "verb"'): "rate.json",
 }
