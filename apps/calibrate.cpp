@@ -19,7 +19,7 @@
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/rig_config.h"
 #include "lodestone/runs/run_folder.h"
-#include "lodestone/segmentation/samples.h"
+#include "lodestone/segmentation/needle_pose.h"
 #include "verbs.h"
 
 namespace lodestone::apps {

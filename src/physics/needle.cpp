@@ -15,6 +15,11 @@ void NeedleConfig::validate() const {
     throw common::InvalidConfig(
         "chain_m", chain_m,
         fmt::format("not exceed length_m = {}, for the magnets lie inside the needle", length_m));
+  if (diameter_m > length_m)
+    throw common::InvalidConfig("diameter_m", diameter_m,
+                                fmt::format("not exceed length_m = {}: what lies in the dish is a rod, or a "
+                                            "capsule, with a heading along its length",
+                                            length_m));
 }
 
 Wrench magnetic_wrench(const NeedleConfig& needle, const geometry::Pose2& pose, const CoilArray& coils,

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lodestone/common/error.h"
 #include "lodestone/geometry/angle.h"
 
 namespace lodestone::physics {
@@ -16,8 +15,9 @@ PlainSimulator::PlainSimulator(const RigDescription& rig, const PlainSimulatorCo
       step_s_(config.step_s),
       field_(rig) {
   const double viscosity_Pa_s = rig.fluid.viscosity_Pa_s;
-  const double log_p = std::log(needle_.length_m / needle_.diameter_m);
-  LODESTONE_CHECK(log_p > 1.0, "the needle must be slender");
+  // A capsule that is less than e times as long as thick is taken to be so: nearer to a sphere the drag of a
+  // slender rod has no end.
+  const double log_p = std::max(1.0, std::log(needle_.length_m / needle_.diameter_m));
   // Stokes drag of a slender rod far from walls; the mean of along (2 pi) and across (4 pi) serves every
   // direction.
   drag_N_s_m_ = 3.0 * geometry::kPi * viscosity_Pa_s * needle_.length_m / log_p;

@@ -13,7 +13,7 @@
 #include "lodestone/geometry/angle.h"
 #include "lodestone/imaging/scene_renderer.h"
 #include "lodestone/inference/checkpoint.h"
-#include "lodestone/segmentation/samples.h"
+#include "lodestone/segmentation/needle_pose.h"
 #include "lodestone/segmentation/training.h"
 
 namespace lodestone::segmentation {

@@ -18,6 +18,13 @@ std::vector<std::size_t> doubtful(const FrameLabels& labels, std::size_t most) {
   return order;
 }
 
+std::vector<std::size_t> usable(const FrameLabels& labels, std::size_t first, std::size_t last) {
+  std::vector<std::size_t> which;
+  for (std::size_t i = first; i < last; ++i)
+    if (labels.labels[i].pose || labels.labels[i].by_person) which.push_back(i);
+  return which;
+}
+
 FrameLabels read_labels(const std::string& file, const std::vector<std::string>& frames) {
   auto labels = common::read_artefact<FrameLabels>(file);
   if (labels.labels.size() != frames.size())

@@ -8,6 +8,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/random.h"
+#include "lodestone/segmentation/needle_pose.h"
 #include "sample_rows.h"
 
 namespace lodestone::segmentation {
@@ -35,13 +36,6 @@ cv::Mat rod_mask(const imaging::DishView& view, const geometry::Pose2& pose, dou
 }
 
 }  // namespace
-
-std::vector<std::size_t> usable(const FrameLabels& labels, std::size_t first, std::size_t last) {
-  std::vector<std::size_t> which;
-  for (std::size_t i = first; i < last; ++i)
-    if (labels.labels[i].pose || labels.labels[i].by_person) which.push_back(i);
-  return which;
-}
 
 SegmenterSamples frame_samples(const FrameViews& frames, const FrameLabels& labels,
                                const std::vector<std::size_t>& which, const imaging::BenchGeometry& bench,

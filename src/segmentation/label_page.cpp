@@ -37,7 +37,7 @@ clicks into the image draw it anew, the head first; <b>No needle</b> takes it aw
 constexpr const char* kScript = R"html(<script>
 "use strict";
 const data = JSON.parse(document.getElementById("data").textContent);
-const middle = 0.5 * (data.size_px - 1);
+const middle = 0.5 * data.size_px;  // of the canvas, where a pixel reaches from its number to the next
 const toPixel = (x, y) => [middle + x / data.pixel_m, middle - y / data.pixel_m];
 
 function show(place) {

@@ -10,6 +10,7 @@
 #include "lodestone/common/interrupt.h"
 #include "lodestone/geometry/angle.h"
 #include "lodestone/imaging/scene_renderer.h"
+#include "lodestone/segmentation/needle_pose.h"
 #include "sample_rows.h"
 
 namespace lodestone::segmentation {
@@ -65,20 +66,6 @@ class SampleMaker {
 };
 
 }  // namespace
-
-geometry::Pose2 draw_needle_pose(const imaging::BenchGeometry& bench, common::RandomStream& random) {
-  const double half_m = 0.5 * bench.needle_length_m;
-  for (;;) {
-    const double r = bench.dish_radius_m * std::sqrt(random.uniform());
-    const double angle = random.uniform(-geometry::kPi, geometry::kPi);
-    const geometry::Pose2 pose{r * std::cos(angle), r * std::sin(angle),
-                               random.uniform(-geometry::kPi, geometry::kPi)};
-    const geometry::Vector2 half(half_m * std::cos(pose.heading_rad), half_m * std::sin(pose.heading_rad));
-    const double reach_m = bench.dish_radius_m - 0.5 * bench.needle_diameter_m;
-    if ((pose.position_m() + half).norm() < reach_m && (pose.position_m() - half).norm() < reach_m)
-      return pose;
-  }
-}
 
 SegmenterSamples render_samples(const imaging::SceneConfig& scenes, const SampleConfig& config,
                                 const vision::SegmenterConfig& segmenter, std::int64_t count,

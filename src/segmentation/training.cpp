@@ -26,6 +26,7 @@
 #include "lodestone/nets/unet.h"
 #include "lodestone/runs/curves.h"
 #include "lodestone/runs/resumable_run.h"
+#include "lodestone/segmentation/frame_samples.h"
 #include "lodestone/segmentation/samples.h"
 #include "prediction_image.h"
 
@@ -82,12 +83,12 @@ class Training : public runs::ResumableWork {
         seed_(static_cast<std::uint64_t>(config.seed)),
         pool_(static_cast<std::size_t>(config.threads)) {
     start_s_ = clock_.now_s();
-    train_ = render(config.training.samples, "train");
-    validation_ = render(config.training.validation_samples, "validation");
-    if (frames != nullptr) {
-      add(frames->train, train_);
-      add(frames->validation, validation_);
+    if (frames != nullptr) {  // first, as they may be refused
+      train_ = cut(*frames, frames->train);
+      validation_ = cut(*frames, frames->validation);
     }
+    add(render(config.training.samples, "train"), train_);
+    add(render(config.training.validation_samples, "validation"), validation_);
     common::log_info("there are " + std::to_string(train_.size() + validation_.size()) + " images");
     for (std::size_t shard = 0; shard < kShards; ++shard) {
       networks_.push_back(std::make_shared<nets::UNet>(config.segmenter.network));
@@ -174,8 +175,16 @@ class Training : public runs::ResumableWork {
                           common::derive_seed(seed_, part), pool_);
   }
 
+  SegmenterSamples cut(const FrameTraining& frames, const std::vector<std::size_t>& which) const {
+    return frame_samples(frames.frames, frames.labels, which, config_.scenes.bench, config_.images,
+                         config_.segmenter, config_.frames.crops, seed_);
+  }
+
   static void add(const SegmenterSamples& more, SegmenterSamples& samples) {
-    if (more.size() == 0) return;
+    if (!samples.images.defined()) {
+      samples = more;
+      return;
+    }
     samples.images = at::cat({samples.images, more.images});
     samples.masks = at::cat({samples.masks, more.masks});
   }

@@ -56,6 +56,9 @@ check(["evaluate", "dynamics", "--checkpoint", "missing", "--data", "missing.h5"
 check(["evaluate", "segmenter", "--checkpoint", "missing"], 1, "missing")
 check(["train-segmenter", "--set", "images.crop_px=100", "--out", "run"], 2, "images.crop_px = 100", "multiple of 32")
 check(["train-segmenter", "--set", "scenes.glare=[0.5,0.1]", "--out", "run"], 2, "scenes.glare", "low <= high")
+check(["train-segmenter", "--set", "frames.count=4", "--out", "run"], 2, "frames.count = 4", "8 .. 2000")
+check(["train-segmenter", "--frames", "missing.avi", "--out", "run"], 1, "missing.avi")
+check(["calibrate", "--film", "needle.avi", "--out", "run"], 2, "--film", "--rendered")
 check(["collect", "--set", "sensor.segmenter=missing", "--out", "run"], 1, "missing")
 check(["deploy", "--controller", "baseline", "--sensor", "simulated", "--record", "--out", "run"], 2, "record.enabled", "camera")
 check(["calibrate", "--out", "run"], 2, "which camera", "--rendered")
@@ -264,7 +267,7 @@ for preset in sorted((source / "configs").glob("*/*.json")):
             failures.append(f"--rig {preset}: {printed.stderr!r}")
         continue
     verb = {"collect": "collect", "dynamics": "train-dynamics", "policy": "train-policy", "deploy": "deploy",
-            "segmenter": "train-segmenter", "emulation": "bench emulation"}[
+            "segmenter": "train-segmenter", "fine": "train-segmenter", "emulation": "bench emulation"}[
         preset.stem.split("_")[0]]
     of_verb = {"deploy": "--policy", "train-dynamics": "data=FILE", "train-policy": "dynamics=DIR"}
     first_missing = {("best", "collect.json"): "--policy", ("best", "deploy_planner.json"): "dynamics=DIR",

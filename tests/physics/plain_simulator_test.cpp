@@ -40,6 +40,17 @@ TEST_CASE(
   CHECK(std::hypot(far.x_m, far.y_m) <= RigDescription{}.dish.radius_m + 1e-12);
 }
 
+TEST_CASE("plain simulator: a capsule is pulled and held as a needle is") {
+  RigDescription rig;
+  rig.needle.length_m = 5e-3;
+  rig.needle.diameter_m = 2.2e-3;
+  rig.needle.chain_m = 4e-3;
+  rig.needle.tape_length_m = 1e-3;
+  const PlainSimulator simulator(rig, {});
+  CHECK(simulator.step({0, 0, 0}, {5.0, 0, 0, 0}, 0.1, 0.2).x_m > 1e-3);
+  CHECK(simulator.step({0, 0, 0}, {0.5, 0, 0, 0}, 0.1, 0.2).x_m == 0.0);
+}
+
 TEST_CASE("plain simulator: symmetric under a quarter turn") {
   const PlainSimulator simulator({}, {});
   const Pose2 a = simulator.step({0.01, -0.004, 0.4}, {4.0, 0, 0, 6.0}, 0.1, 0.2);

@@ -5,7 +5,7 @@
 
 namespace lodestone::physics {
 
-/// A suture needle (steel tube) with a chain of magnets inside.
+/// A suture needle (steel tube) with a chain of magnets inside; or a capsule, down to one as long as thick.
 struct NeedleConfig {
   double length_m = 23.5e-3;       // Q
   double diameter_m = 0.7176e-3;   // Q: 22 gauge
@@ -28,7 +28,7 @@ struct NeedleConfig {
             "moment of inertia about the vertical through the middle", {1e-14, 1.0});
     v.field("tape_length_m", tape_length_m, "m", "length of the bright tape on its head", {1e-4, 0.1});
   }
-  /// Throws ConfigError when the chain is longer than the needle.
+  /// Throws ConfigError when the chain is longer than the needle, or that thicker than long.
   void validate() const;
 };
 

@@ -52,6 +52,10 @@ struct FrameLabels {
 /// Which images a person should look at: those of which there is most doubt first, so many at most.
 std::vector<std::size_t> doubtful(const FrameLabels& labels, std::size_t most);
 
+/// Labelled images that may be learned from: with a needle, or looked through by a person. From `first` on,
+/// before `last`.
+std::vector<std::size_t> usable(const FrameLabels& labels, std::size_t first, std::size_t last);
+
 /// Reads labels.json. Throws IoError, and DataError that names file and image where the labels are not those
 /// of these images.
 FrameLabels read_labels(const std::string& file, const std::vector<std::string>& frames);

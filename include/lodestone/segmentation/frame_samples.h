@@ -11,10 +11,6 @@
 
 namespace lodestone::segmentation {
 
-/// Labelled images that may be learned from: with a needle, or looked through by a person. From `first` on,
-/// before `last`.
-std::vector<std::size_t> usable(const FrameLabels& labels, std::size_t first, std::size_t last);
-
 /// Crops of labelled images, `crops` of each, around the needle or (SampleConfig::elsewhere) anywhere, with
 /// the masks that a needle of the bench's size has where the label says. The same seed always gives the same.
 SegmenterSamples frame_samples(const FrameViews& frames, const FrameLabels& labels,

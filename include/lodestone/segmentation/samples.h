@@ -19,9 +19,6 @@ struct SegmenterSamples {
   std::int64_t size() const { return images.size(0); }
 };
 
-/// A pose with the whole needle inside the dish, uniform over the disc and over headings.
-geometry::Pose2 draw_needle_pose(const imaging::BenchGeometry& bench, common::RandomStream& random);
-
 /// `count` samples; each scene has random streams of its own, so that the result does not depend on threads.
 SegmenterSamples render_samples(const imaging::SceneConfig& scenes, const SampleConfig& config,
                                 const vision::SegmenterConfig& segmenter, std::int64_t count,

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "lodestone/common/config.h"
 #include "lodestone/imaging/scene.h"
@@ -9,8 +11,8 @@
 #include "lodestone/runs/run_folder.h"
 #include "lodestone/runs/training_results.h"
 #include "lodestone/segmentation/frames_config.h"
+#include "lodestone/segmentation/label_proposals.h"
 #include "lodestone/segmentation/sample_config.h"
-#include "lodestone/segmentation/samples.h"
 #include "lodestone/vision/segmenter.h"
 
 namespace lodestone::segmentation {
@@ -85,8 +87,10 @@ struct SegmenterTrainingResult {
 
 /// Where a training begins, and what it learns from besides rendered images.
 struct FrameTraining {
-  inference::Arrays weights;
-  SegmenterSamples train, validation;
+  inference::Arrays weights;  ///< of the U-Net by name
+  FrameViews frames;
+  FrameLabels labels;                          ///< of these frames
+  std::vector<std::size_t> train, validation;  ///< frames to learn from, and to choose weights by
 };
 
 /// The run of a configuration, and which of its keys may change when it is gone on with.
