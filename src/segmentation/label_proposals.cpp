@@ -18,6 +18,7 @@ using geometry::Vector2;
 constexpr std::size_t kMostOfMedian = 41;  // images
 constexpr double kAboveNoise = 6.0;        // standard deviations
 constexpr double kMostLogOdds = 5.0;
+constexpr double kPerFactor = 1.2;        // log-odds of a pixel e times as far from the background
 constexpr double kLeastTape_grey = 12.0;  // levels of 255 by which the ends differ, of needles with a tape
 
 /// What is there without the needle, which lies elsewhere in most images.
@@ -46,6 +47,8 @@ cv::Mat disc_of(const imaging::DishView& view, double radius_m) {
 }
 
 /// Log-odds that a pixel is none of the background: how far it is from that, beyond the noise of most pixels.
+/// Where it is far beyond they grow slowly, so that they still fall towards the needle's blurred ends, whose
+/// place they tell.
 cv::Mat moved_log_odds(const cv::Mat& image, const cv::Mat& background, const cv::Mat& disc) {
   const cv::Scalar seen = cv::mean(image, disc), usual = cv::mean(background, disc);
   cv::Scalar gain;
@@ -66,11 +69,18 @@ cv::Mat moved_log_odds(const cv::Mat& image, const cv::Mat& background, const cv
   const double usual_level = common::median(levels);
   for (double& level : levels) level = std::abs(level - usual_level);
   const double noise = std::max(1.4826 * common::median(levels), 0.5);
-  cv::Mat log_odds;
-  smooth.convertTo(log_odds, CV_32F, 1.0 / noise, -usual_level / noise - kAboveNoise);
-  cv::min(log_odds, kMostLogOdds, log_odds);
-  cv::max(log_odds, -kMostLogOdds, log_odds);
-  log_odds.setTo(-kMostLogOdds, disc == 0);
+  cv::Mat log_odds(smooth.size(), CV_32F);
+  for (int row = 0; row < smooth.rows; ++row) {
+    const auto* level = smooth.ptr<float>(row);
+    const auto* inside = disc.ptr<unsigned char>(row);
+    auto* out = log_odds.ptr<float>(row);
+    for (int column = 0; column < smooth.cols; ++column) {
+      const double above = (level[column] - usual_level) / noise - kAboveNoise;
+      const double odds = above > 0.0 ? kPerFactor * std::log1p(above / kAboveNoise) : above;
+      out[column] =
+          static_cast<float>(inside[column] == 0 ? -kMostLogOdds : std::clamp(odds, -kMostLogOdds, kMostLogOdds));
+    }
+  }
   return log_odds;
 }
 

@@ -44,14 +44,10 @@ TEST_CASE("where nothing moves, nothing is labelled, and it is said why") {
 }
 
 TEST_CASE("of a needle without a tape the ends look alike") {
-  tests::OwnFrames own = tests::own_frames(16);
-  own.bench.tape_length_m = 3e-3;
-  // Painted over: what differs from grey is grey.
-  for (cv::Mat& image : own.frames.images)
-    for (int row = 0; row < image.rows; ++row)
-      for (int column = 0; column < image.cols; ++column) {
-        cv::Vec3b& pixel = image.at<cv::Vec3b>(row, column);
-        if (pixel[2] > pixel[0] + 40) pixel = {70, 70, 70};
-      }
-  CHECK_FALSE(segmentation::propose_labels(own.frames, own.bench).taped);
+  const tests::OwnFrames own = tests::own_frames(16, /*taped=*/false);
+  const segmentation::FrameLabels labels = segmentation::propose_labels(own.frames, own.bench);
+  int told = 0;
+  for (const segmentation::FrameLabel& label : labels.labels) told += label.pose ? 1 : 0;
+  CHECK(told > 8);
+  CHECK_FALSE(labels.taped);
 }

@@ -8,6 +8,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "lodestone/inference/checkpoint.h"
+#include "segmentation/own_frames.h"
 #include "segmentation/small_segmenter.h"
 #include "temporary_folder.h"
 
@@ -46,19 +47,20 @@ TEST_CASE("sizes that do not fit the network are named") {
 TEST_CASE("a training with images of one's own goes on from the weights it is given", "[slow]") {
   const tests::TemporaryFolder folder;
   segmentation::TrainSegmenterConfig config = small_config();
-  const auto train = [&](const std::string& name, const segmentation::FrameTraining* frames) {
-    runs::RunFolder run(segmentation::run_request(config, folder / name, false));
-    return segmentation::train_segmenter(config, run, frames).weights;
+  config.frames.crops = 2;
+  const auto train = [&](const std::string& name, const segmentation::FrameTraining* with, bool resume) {
+    runs::RunFolder run(segmentation::run_request(config, folder / name, resume));
+    return segmentation::train_segmenter(config, run, with).weights;
   };
-  segmentation::FrameTraining frames;
-  frames.weights = train("first", nullptr);
-  common::ThreadPool pool(1);
-  frames.train = segmentation::render_samples(config.scenes, config.images, config.segmenter, 8, 77, pool);
-  frames.validation = segmentation::render_samples(config.scenes, config.images, config.segmenter, 8, 78, pool);
+  const tests::OwnFrames own = tests::own_frames(8);
+  segmentation::FrameTraining frames{train("first", nullptr, false), own.frames, {}, {0, 1, 2, 3, 4, 5}, {6, 7}};
+  for (std::size_t i = 0; i < own.truth.size(); ++i)
+    frames.labels.labels.push_back(
+        {own.frames.names[i], segmentation::LabelledPose{own.truth[i]}, std::nullopt, 0.0, true});
   config.training.learning_rate = 1e-7;
-  const inference::Arrays same = train("same", &frames);
+  const inference::Arrays same = train("same", &frames, false);
   config.training.learning_rate = 3e-3;
-  const inference::Arrays other = train("other", &frames);
+  const inference::Arrays other = train("other", &frames, false);
   const auto change = [&](const inference::Arrays& weights) {
     const std::vector<double> before = frames.weights.at("stem.weight").to_double();
     const std::vector<double> after = weights.at("stem.weight").to_double();
@@ -69,4 +71,11 @@ TEST_CASE("a training with images of one's own goes on from the weights it is gi
   CHECK(change(same) < 1e-5);
   CHECK(change(other) > 1e-4);
   CHECK(same.at("colour_mean").to_double() == frames.weights.at("colour_mean").to_double());
+  const auto seal = [](const inference::Arrays& weights) {
+    return common::sha256(inference::encode_safetensors(weights));
+  };
+  config.training.max_seconds = 1e-9;  // stops after the first epoch
+  CHECK(seal(train("resumed", &frames, false)) != seal(other));
+  config.training.max_seconds = 0.0;
+  CHECK(seal(train("resumed", &frames, true)) == seal(other));
 }
