@@ -91,7 +91,8 @@ void write_film(const imaging::SceneRenderer& renderer, const std::string& file,
   const std::string folder = std::filesystem::path(file).parent_path().string();
   if (!folder.empty()) common::make_folders(folder);
   imaging::VideoWriter film(
-      file, {static_cast<int>(scene.camera.width_px), static_cast<int>(scene.camera.height_px)}, kFrameRate_hz);
+      file, {static_cast<int>(scene.camera.width_px), static_cast<int>(scene.camera.height_px)},
+      kFrameRate_hz);
   common::RandomStream random(scene.seed, "film of a needle");
   for (std::int64_t i = 0; i < places; ++i)
     film.write(renderer.render({{segmentation::draw_needle_pose(scene.bench, random)}}, random).image);

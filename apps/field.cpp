@@ -60,8 +60,8 @@ void write_rig(const CalibrateFieldOptions& options, const rig::RigConfig& rig) 
     rig.coils.validate();
     rig.validate();
   } catch (const common::ConfigError& error) {
-    throw common::DataError(options.samples + ": with the coils that fit best, the rig is none: " +
-                            error.what());
+    throw common::DataError(options.samples +
+                            ": with the coils that fit best, the rig is none: " + error.what());
   }
   common::write_file_atomically(options.out, common::config_to_json(rig).dump(1) + "\n");
 }
@@ -152,9 +152,11 @@ void add_calibrate_field(Verb& calibrate) {
 }
 
 void add_evaluate_field(Verb& evaluate) {
-  Verb& verb = evaluate.add_verb("field", "how far the field of a rig's coils is from a magnetometer's samples");
+  Verb& verb =
+      evaluate.add_verb("field", "how far the field of a rig's coils is from a magnetometer's samples");
   const auto options = std::make_shared<EvaluateFieldOptions>();
-  verb.add_option("--rig", &options->rig_file, "rig.json: the coils as it describes them; the paper's without it")
+  verb.add_option("--rig", &options->rig_file,
+                  "rig.json: the coils as it describes them; the paper's without it")
       .named("FILE");
   verb.add_option("--data", &options->data, "samples, as for calibrate field").named("FILE.csv").required();
   verb.run = [options] { evaluate_field(*options); };

@@ -10,8 +10,9 @@ using Given = std::map<std::string, std::string>;
 
 struct Follower {
   const char* verb;
-  const char* step;        ///< {--x} is the value of an option or key, {beside --x} the folder around it
-  const char* where = "";  ///< a key that must be true
+  const char* step;         ///< {--x} is the value of an option or key, {beside --x} the folder around it
+  const char* where = "";   ///< a key that must be true
+  const char* before = "";  ///< a key that must not be given yet
 };
 
 /// The first of a verb's lines whose options were all given is the one that is said.
@@ -25,6 +26,8 @@ constexpr Follower kFollowers[] = {
      "--out}/deploy",
      "encoder.drive_gain"},
     {"train-policy", "lodestone deploy --policy {--out}/checkpoint --task all --out {beside --out}/deploy"},
+    {"train-segmenter", "look through {--out}/labels.html: what was told of {frames.source}", "",
+     "frames.labels"},
     {"train-segmenter", "lodestone evaluate segmenter --checkpoint {--out}/checkpoint"},
     {"deploy", "lodestone report --run {run of --out}"},
     {"calibrate", "lodestone calibrate --check {--out}/calibration.json --camera {--camera}"},
@@ -72,6 +75,8 @@ std::string next_step(const std::string& verb, const std::map<std::string, std::
     if (verb != follower.verb) continue;
     const auto where = given.find(follower.where);
     if (*follower.where != '\0' && (where == given.end() || where->second != "true")) continue;
+    const auto before = given.find(follower.before);
+    if (*follower.before != '\0' && before != given.end() && !before->second.empty()) continue;
     std::string step = filled(follower.step, given);
     if (!step.empty()) return step;
   }

@@ -35,8 +35,7 @@ std::unique_ptr<session::RigSession> open_bench(const QualificationConfig& confi
                 "qualify this bench? For up to %g minutes its coils get pulses of up to %g A, and the "
                 "needle, which lies in the dish, is driven about.",
                 config.minutes, std::min(config.safety.max_current_A, config.rig.coils.max_current_A));
-  if (!confirm(question, options.yes))
-    throw common::Interrupted("qualify: stopped; nothing was measured");
+  if (!confirm(question, options.yes)) throw common::Interrupted("qualify: stopped; nothing was measured");
   return session::make_bench_session(config.rig, config.sensor, config.safety, terminal_operator(), folder);
 }
 
@@ -74,10 +73,10 @@ void qualify(const QualifyOptions& given) {
 }  // namespace
 
 void add_qualify(Verb& program) {
-  Verb& verb = program.add_verb(
-      "qualify",
-      "what a bench can do, in at most 15 minutes of it: a verdict per item, what to mend first, the error to "
-      "expect");
+  Verb& verb = program.add_verb("qualify",
+                                "what a bench can do, in at most 15 minutes of it: a verdict per item, what "
+                                "to mend first, the error to "
+                                "expect");
   auto& options = configure<QualificationConfig>(verb, qualify);
   add_common_options(verb, options);
   add_virtual_rig_options(verb, options);

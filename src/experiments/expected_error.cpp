@@ -20,8 +20,7 @@ constexpr int kRedrawn = 200;  // times, for the interval
 
 double squared_scatter_mm2(const ErrorSources& sources, const ErrorModel& model, double step_mm) {
   const StepLaw& law = sources.steps;
-  return model.aim * model.aim *
-         (law.floor_mm * law.floor_mm + law.growth * law.growth * step_mm * step_mm);
+  return model.aim * model.aim * (law.floor_mm * law.floor_mm + law.growth * law.growth * step_mm * step_mm);
 }
 
 geometry::Vector2 normal_mm(double sigma_mm, common::RandomStream& random) {

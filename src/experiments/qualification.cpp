@@ -22,11 +22,11 @@ constexpr double kStillUntil = 0.04, kCoilsUntil = 0.14, kEarlyUntil = 0.26, kLa
 constexpr std::size_t kStillLooks = 300;
 constexpr int kRounds = 5;  // of pulses through every coil
 constexpr double kCurrentPulse_s = 0.2;
-constexpr double kPoll_s = 2e-3;       // between reports of a current
+constexpr double kPoll_s = 2e-3;         // between reports of a current
 constexpr std::size_t kSamePulses = 10;  // at the beginning, and at the end
 constexpr int kLatencyPulses = 20;
-constexpr double kMotionWithin_s = 0.6;  // of a pulse
-constexpr int kVisits = 80;              // while it roams
+constexpr double kMotionWithin_s = 0.6;   // of a pulse
+constexpr int kVisits = 80;               // while it roams
 constexpr double kGoldenPart = 0.618034;  // multiples of it are spread evenly between whole numbers
 
 // Places, in dish radii.
@@ -35,8 +35,8 @@ constexpr double kStartAt = -0.25;  // of the same pulse, along x
 constexpr double kRoam = 0.8;
 constexpr double kTooFar = 0.85;
 
-constexpr double kAlike_m = 2e-3;  // starts of the same pulse
-constexpr double kAbout_m = 4e-3;  // any other place
+constexpr double kAlike_m = 2e-3;     // starts of the same pulse
+constexpr double kAbout_m = 4e-3;     // any other place
 constexpr double kAlignedBy_A = 1.5;  // as pulses that turn a needle and hardly pull (FreeingConfig)
 
 constexpr double kWeakest = 0.15;  // of the pull that should break the needle loose
@@ -254,8 +254,7 @@ void Qualification::climb(std::size_t place, const geometry::Vector2& at_m, doub
       if (!here || here->position_m().norm() > kTooFar * config_.rig.dish.radius_m)
         needle_.bring_to(at_m, kAbout_m);
       const AxisDrive& axis = kAxisDrives[static_cast<std::size_t>(i) % kAxisDrives.size()];
-      const std::optional<PulseMotion> motion =
-          needle_.push(current_A * geometry::Vector2(axis.x, axis.y));
+      const std::optional<PulseMotion> motion = needle_.push(current_A * geometry::Vector2(axis.x, axis.y));
       if (!motion) continue;
       WeakPulse weak;
       weak.place = place;
@@ -313,9 +312,9 @@ void Qualification::close() {
     const double sensed_m = sensing_m(*result_.still);
     result_.stick_slip = stick_slip_figures(weak_, sensed_m);
     constexpr double kTrial_s = 20.0;  // of deploy's points
-    result_.expected = expected_error(
-        weak_, sensed_m, result_.refusals ? result_.refusals->share.value : 0.0,
-        static_cast<std::int64_t>(std::floor(kTrial_s / config_.needle.loop.period_s())));
+    result_.expected =
+        expected_error(weak_, sensed_m, result_.refusals ? result_.refusals->share.value : 0.0,
+                       static_cast<std::int64_t>(std::floor(kTrial_s / config_.needle.loop.period_s())));
   }
   judge(result_, config_.needle.loop);
 }

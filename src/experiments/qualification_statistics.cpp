@@ -13,12 +13,12 @@ namespace lodestone::experiments {
 namespace {
 
 constexpr std::size_t kFewestLooks = 10;
-constexpr std::size_t kFewestPulses = 3;      // of which anything is said
-constexpr std::size_t kFewestExplained = 7;   // from whose starts something can be told
-constexpr std::size_t kFewestSamples = 6;     // of a current that rises
-constexpr double kNoCurrent = 0.05;           // of what was asked for
-constexpr double kSpreadsSeen = 5.0;          // that a look differs by is motion,
-constexpr double kSpreadsReported = 4.0;      // and of the spread that is reported
+constexpr std::size_t kFewestPulses = 3;     // of which anything is said
+constexpr std::size_t kFewestExplained = 7;  // from whose starts something can be told
+constexpr std::size_t kFewestSamples = 6;    // of a current that rises
+constexpr double kNoCurrent = 0.05;          // of what was asked for
+constexpr double kSpreadsSeen = 5.0;         // that a look differs by is motion,
+constexpr double kSpreadsReported = 4.0;     // and of the spread that is reported
 
 /// Change of values per time, by least squares, and its standard error.
 struct Trend {
@@ -183,10 +183,9 @@ bool MotionThreshold::moved(const geometry::Pose2& before, const geometry::Pose2
 
 MotionThreshold motion_threshold(const runs::StillFigures& still) {
   MotionThreshold threshold;
-  threshold.distance_m =
-      std::max({threshold.distance_m,
-                kSpreadsSeen * std::max(still.x_mm.value, still.y_mm.value) / geometry::kMmPerM,
-                kSpreadsReported * still.reported_mm.value_or(0.0) / geometry::kMmPerM});
+  threshold.distance_m = std::max(
+      {threshold.distance_m, kSpreadsSeen * std::max(still.x_mm.value, still.y_mm.value) / geometry::kMmPerM,
+       kSpreadsReported * still.reported_mm.value_or(0.0) / geometry::kMmPerM});
   threshold.turn_rad =
       std::max({threshold.turn_rad, kSpreadsSeen * still.heading_deg.value * geometry::kRadPerDeg,
                 kSpreadsReported * still.reported_deg.value_or(0.0) * geometry::kRadPerDeg});
@@ -281,9 +280,8 @@ std::vector<runs::CoilFigures> coil_figures(const std::vector<std::string>& name
                             "gain " + names[coil]);
     figures.rise_ms = measured(of(coil, [](const CurrentRise& rise) { return 1e3 * rise.rise_s; }),
                                common::mean, "rise " + names[coil]);
-    figures.skew_ms = measured(
-        of(coil, [&](const CurrentRise& rise) { return half_ms(rise) - middle_ms; }), common::mean,
-        "skew " + names[coil]);
+    figures.skew_ms = measured(of(coil, [&](const CurrentRise& rise) { return half_ms(rise) - middle_ms; }),
+                               common::mean, "skew " + names[coil]);
   }
   return coils;
 }

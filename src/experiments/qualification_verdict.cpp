@@ -139,31 +139,31 @@ void judge_motion(runs::QualificationResult& result, const control::ControlLoopC
                     250.0 * loop.rest_s, 1000.0 * loop.rest_s, "",
                     "a quarter and all of the rest after a pulse: later, poses are of a needle on its way",
                     "a camera with less delay, a quicker link to the coils, or more rest (loop.rest_s)"});
-  add_item(result, {"scatter of the same pulse, by its step",
-                    result.same_pulse ? MaybeValue(100.0 * result.same_pulse->share_of_step.value)
-                                      : std::nullopt,
-                    "%", 25.0, 50.0, "",
-                    "per axis; on the rigs that the released controllers know, friction scatters by 10 % from "
-                    "pulse to pulse, and a step by more, as it is what pull and friction leave",
-                    "clean dish and needle, fresh fluid"});
-  add_item(result, {"step of the same pulse, changed by",
-                    result.step_change ? MaybeValue(100.0 * beyond_chance(*result.step_change)) : std::nullopt,
-                    "%", 15.0, 30.0, "",
-                    "a step grows about as the square of the pull: this is 7 and 14 % of the drive",
-                    "warm up before you drive, and look after fluid and supply"});
+  add_item(result,
+           {"scatter of the same pulse, by its step",
+            result.same_pulse ? MaybeValue(100.0 * result.same_pulse->share_of_step.value) : std::nullopt,
+            "%", 25.0, 50.0, "",
+            "per axis; on the rigs that the released controllers know, friction scatters by 10 % from "
+            "pulse to pulse, and a step by more, as it is what pull and friction leave",
+            "clean dish and needle, fresh fluid"});
+  add_item(result,
+           {"step of the same pulse, changed by",
+            result.step_change ? MaybeValue(100.0 * beyond_chance(*result.step_change)) : std::nullopt, "%",
+            15.0, 30.0, "", "a step grows about as the square of the pull: this is 7 and 14 % of the drive",
+            "warm up before you drive, and look after fluid and supply"});
   add_item(result, {"spread of the break-away over places",
                     result.stick_slip && result.stick_slip->spread
                         ? MaybeValue(100.0 * result.stick_slip->spread->value)
                         : std::nullopt,
                     "%", 40.0, 80.0, "", "friction differs by 30 % over the dish of the virtual rig",
                     "level and clean the dish"});
-  add_item(result, {"error to expect at points (RMS)",
-                    result.expected ? MaybeValue(result.expected->rms_mm.value) : std::nullopt, "mm", 0.5, 1.5,
-                    "",
-                    "a sixth and half of the 3 mm that deploy counts as reached (score.success_radius_m)",
-                    result.expected && result.expected->by_sensing > 0.5
-                        ? "more than half of it, squared, is the sensor's: mend that"
-                        : "most of it, squared, is the scatter of weak pulses: clean dish and needle"});
+  add_item(result,
+           {"error to expect at points (RMS)",
+            result.expected ? MaybeValue(result.expected->rms_mm.value) : std::nullopt, "mm", 0.5, 1.5, "",
+            "a sixth and half of the 3 mm that deploy counts as reached (score.success_radius_m)",
+            result.expected && result.expected->by_sensing > 0.5
+                ? "more than half of it, squared, is the sensor's: mend that"
+                : "most of it, squared, is the scatter of weak pulses: clean dish and needle"});
 }
 
 std::string first_to_mend(const runs::QualificationResult& result) {

@@ -211,8 +211,7 @@ runs::RigsResult RigsRun::rigs_result() const {
   for (std::int64_t rig = 0; rig < empty_.rigs; ++rig) {
     const auto hidden = rig::HiddenDeviation::draw(
         deployment_.rig.simulation.deviation,
-        unseen_rig(deployment_, job_.tasks.front(), rig * empty_.trials_per_rig).seed,
-        deployment_.rig.coils);
+        unseen_rig(deployment_, job_.tasks.front(), rig * empty_.trials_per_rig).seed, deployment_.rig.coils);
     runs::RigFigures figures;
     figures.moment = hidden.moment;
     figures.friction = hidden.friction;

@@ -104,8 +104,8 @@ std::vector<runs::StepLevel> step_levels(const std::vector<WeakPulse>& pulses, d
     const double seen_mm = explanation.scatter();
     // Two looks lie between a start and an end.
     const double sensor_mm2 = 2.0 * std::pow(geometry::kMmPerM * sensing_m, 2);
-    level.scatter_mm = std::max(kLeastScatter * seen_mm,
-                                std::sqrt(std::max(0.0, seen_mm * seen_mm - sensor_mm2)));
+    level.scatter_mm =
+        std::max(kLeastScatter * seen_mm, std::sqrt(std::max(0.0, seen_mm * seen_mm - sensor_mm2)));
     levels.push_back(level);
   }
   return levels;
@@ -179,9 +179,8 @@ std::vector<std::optional<runs::Measured>> gains_by_motion(const std::vector<Wea
   std::vector<std::size_t> counts(coils, 0);
   std::vector<double> found;
   for (std::size_t coil = 0; coil < coils; ++coil) {
-    const std::vector<WeakPulse> its = those(pulses, [place, coil](const WeakPulse& pulse) {
-      return pulse.place == place && pulse.coil == coil;
-    });
+    const std::vector<WeakPulse> its = those(
+        pulses, [place, coil](const WeakPulse& pulse) { return pulse.place == place && pulse.coil == coil; });
     counts[coil] = its.size();
     currents_A[coil] = breakaway_A(its);
     if (currents_A[coil]) found.push_back(1.0 / *currents_A[coil]);

@@ -27,8 +27,7 @@ Eigen::Vector3d surface_point_m(const FluidLayer& fluid, const Eigen::Vector3d& 
   for (int i = 0; i < 8 && distance > 0.0; ++i) {
     const double in_air = std::hypot(along, above), in_fluid = std::hypot(distance - along, below);
     const double miss = along / in_air - n * (distance - along) / in_fluid;
-    const double slope =
-        above * above / std::pow(in_air, 3) + n * below * below / std::pow(in_fluid, 3);
+    const double slope = above * above / std::pow(in_air, 3) + n * below * below / std::pow(in_fluid, 3);
     along = std::clamp(along - miss / slope, 0.0, distance);
   }
   const Eigen::Vector2d at_m = eye_m.head<2>() + (distance > 0.0 ? along / distance : 0.0) * way_m;
@@ -83,7 +82,8 @@ double CameraModel::pixel_size_m() const {
 bool CameraModel::operator==(const CameraModel& other) const {
   return width_px == other.width_px && height_px == other.height_px && focal_px == other.focal_px &&
          centre_u_px == other.centre_u_px && centre_v_px == other.centre_v_px && k1 == other.k1 &&
-         k2 == other.k2 && fluid == other.fluid && rotation == other.rotation && translation_m == other.translation_m;
+         k2 == other.k2 && fluid == other.fluid && rotation == other.rotation &&
+         translation_m == other.translation_m;
 }
 
 CameraModel moved(const CameraModel& camera, const Eigen::Vector3d& rotation_rad,

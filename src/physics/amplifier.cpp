@@ -155,8 +155,8 @@ void Amplifier::follow(std::size_t coil, double now_s, const Circuits& circuits)
     const double volt = sagged_V(supply_V_, supply_resistance_ohm_, currents_A(circuits));
     const double current_A = std::abs(circuits[coil].state().current_A);
     if (current_A > kGone_A)
-      output.known_ohm = std::clamp(std::abs(output.duty) * volt / current_A, 0.5 * output.cold_ohm,
-                                    2.0 * output.cold_ohm);
+      output.known_ohm =
+          std::clamp(std::abs(output.duty) * volt / current_A, 0.5 * output.cold_ohm, 2.0 * output.cold_ohm);
     aim(output, volt, now_s);
   }
 }

@@ -51,9 +51,8 @@ CoilFields::CoilFields(const CoilsDescription& coils, double dish_radius_m, doub
   measured_ = coils.measured;
   for (const CoilDescription& coil : described_) {
     const DescribedCoil field(coil, measured_);
-    tables_.emplace_back(
-        [&](const geometry::Vector2& point_m) { return field.in_plane_per_ampere(point_m); }, reach_m_,
-        spacing_m);
+    tables_.emplace_back([&](const geometry::Vector2& point_m) { return field.in_plane_per_ampere(point_m); },
+                         reach_m_, spacing_m);
     middles_m_.push_back(coil.middle_m());
   }
   if (!measured_.background_T.empty())

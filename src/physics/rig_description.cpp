@@ -18,7 +18,7 @@ constexpr double kOfNeedleEnds_m = 0.5e-3;  // beyond the dish
 /// Whether a coil's winding reaches into the dish, or closer to the needle's plane there than its field is
 /// known.
 bool winds_in(const CoilDescription& coil, double dish_radius_m) {
-  constexpr double kStep_m = 0.5e-3;              // winding sections are wider, with their clearance
+  constexpr double kStep_m = 0.5e-3;  // winding sections are wider, with their clearance
   const double reach_m = dish_radius_m + kOfNeedleEnds_m;
   const auto rings = static_cast<int>(std::ceil(reach_m / kStep_m));
   for (int ring = 0; ring <= rings; ++ring) {

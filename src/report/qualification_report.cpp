@@ -76,8 +76,8 @@ std::string refusal_map(const QualificationResult& result) {
   std::vector<MapCell> cells;
   for (const runs::RefusalBin& bin : result.refusals->cells)
     if (bin.looks > 0)
-      cells.push_back({bin.x_mm, bin.y_mm,
-                       100.0 * static_cast<double>(bin.refused) / static_cast<double>(bin.looks)});
+      cells.push_back(
+          {bin.x_mm, bin.y_mm, 100.0 * static_cast<double>(bin.refused) / static_cast<double>(bin.looks)});
   double most = 1.0;
   for (const MapCell& cell : cells) most = std::max(most, cell.value);
   DishSvg dish(result.dish_radius_mm);
@@ -89,9 +89,9 @@ std::string refusals_section(const QualificationResult& result) {
   const runs::RefusalFigures& refusals = *result.refusals;
   std::vector<std::vector<std::string>> headings, reasons;
   for (const runs::RefusalBin& bin : refusals.headings)
-    headings.push_back({fixed(bin.heading_from_deg, 0) + " to " +
-                            fixed(bin.heading_from_deg + refusals.heading_bin_deg, 0),
-                        share_of(bin.refused, bin.looks), std::to_string(bin.looks)});
+    headings.push_back(
+        {fixed(bin.heading_from_deg, 0) + " to " + fixed(bin.heading_from_deg + refusals.heading_bin_deg, 0),
+         share_of(bin.refused, bin.looks), std::to_string(bin.looks)});
   for (const auto& [reason, count] : refusals.reasons)
     reasons.push_back({escape(reason), std::to_string(count)});
   return "<p>" + shown_figure(refusals.share, 1, 100.0) + " % of " + std::to_string(refusals.share.n) +
@@ -111,8 +111,8 @@ std::string qualified_coils(const QualificationResult& result) {
                     shown_figure(coil.skew_ms, 1), shown_figure(coil.gain_by_motion, 2),
                     fixed(coil.first_C, 1), fixed(coil.last_C, 1),
                     coil.gain ? std::to_string(coil.gain->n) : "–", escape(coil.why)});
-  return figure(table({"coil", "gain", "10 to 90 % (ms)", "later than the mean at 50 % (ms)", "gain by motion",
-                       "at first (C)", "at last (C)", "pulses", "not measured"},
+  return figure(table({"coil", "gain", "10 to 90 % (ms)", "later than the mean at 50 % (ms)",
+                       "gain by motion", "at first (C)", "at last (C)", "pulses", "not measured"},
                       rows, 1),
                 "Gain, rise and skew are of the currents that the coils report. By motion: how weak a pulse "
                 "moves the needle at the dish centre, beside the mean coil; coarse, as friction is uneven.");
@@ -122,8 +122,8 @@ std::string motion_section(const QualificationResult& result) {
   std::vector<std::vector<std::string>> rows;
   const auto add = [&rows](const std::string& what, const std::optional<Measured>& figure, int decimals,
                            double scale, const char* unit) {
-    rows.push_back({what, shown_figure(figure, decimals, scale), unit,
-                    figure ? std::to_string(figure->n) : "0"});
+    rows.push_back(
+        {what, shown_figure(figure, decimals, scale), unit, figure ? std::to_string(figure->n) : "0"});
   };
   if (result.latency)
     add("from a pulse to motion, by looks every " + fixed(result.latency->resolution_ms, 1) +
@@ -145,10 +145,10 @@ std::string motion_section(const QualificationResult& result) {
   if (!result.stick_slip) return html;
   std::vector<std::vector<std::string>> places;
   for (const runs::BreakawayPlace& place : result.stick_slip->places)
-    places.push_back({fixed(place.x_mm, 1), fixed(place.y_mm, 1),
-                      place.current_A ? fixed(place.current_A, 2)
-                                      : "more than " + fixed(place.tried_up_to_A, 2),
-                      std::to_string(place.pulses)});
+    places.push_back(
+        {fixed(place.x_mm, 1), fixed(place.y_mm, 1),
+         place.current_A ? fixed(place.current_A, 2) : "more than " + fixed(place.tried_up_to_A, 2),
+         std::to_string(place.pulses)});
   html += table({"x (mm)", "y (mm)", "moves it from (A)", "pulses"}, places, 0);
   LineChart chart{"steps", "Weak pulses: what they do, and how it scatters", "current (A)", "mm"};
   chart.from_zero = true;
@@ -178,8 +178,7 @@ std::string verdict_text(const QualificationResult& result) {
 }  // namespace
 
 std::string write_qualification_report(const std::string& folder, const std::string& out) {
-  const auto result =
-      common::read_artefact<QualificationResult>(folder + "/" + QualificationResult::kFile);
+  const auto result = common::read_artefact<QualificationResult>(folder + "/" + QualificationResult::kFile);
   HtmlPage page("What this bench can do", fixed(result.minutes, 1) + " minutes of it");
   std::string summary;
   if (result.stopped) summary += "<p class=\"missing\">It ended early: " + escape(*result.stopped) + "</p>";

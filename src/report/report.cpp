@@ -29,7 +29,8 @@ DrawnRig drawn_rig(const RunData& run) {
         const double x_m = coil.at("position_m").at(0).get<double>();
         const double y_m = coil.at("position_m").at(1).get<double>();
         if (std::hypot(x_m, y_m) < kBelow_m) continue;  // above or below the dish
-        drawn.coils.push_back({coil.at("name").get<std::string>(), geometry::kDegPerRad * std::atan2(y_m, x_m)});
+        drawn.coils.push_back(
+            {coil.at("name").get<std::string>(), geometry::kDegPerRad * std::atan2(y_m, x_m)});
       }
       break;
     } catch (const common::Json::exception&) {

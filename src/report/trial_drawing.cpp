@@ -47,7 +47,8 @@ std::string colour_of(const std::string& controller) {
   return controller == "planner" ? kSecondColour : kPolicyColour;
 }
 
-std::string draw_trials(const std::vector<const Trial*>& trials, const DrawnRig& rig, const std::string& label) {
+std::string draw_trials(const std::vector<const Trial*>& trials, const DrawnRig& rig,
+                        const std::string& label) {
   if (trials.empty()) return "";
   const std::vector<const Trial*> drawn(
       trials.begin(), trials.begin() + static_cast<std::ptrdiff_t>(std::min(trials.size(), kDrawnTrials)));

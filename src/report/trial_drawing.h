@@ -17,7 +17,8 @@ std::string colour_of(const std::string& controller);
 
 /// Trajectories of the first trials, seen from above, with starts, ends, and targets or the path; empty
 /// without trials. `label` describes it to those who cannot see it.
-std::string draw_trials(const std::vector<const Trial*>& trials, const DrawnRig& rig, const std::string& label);
+std::string draw_trials(const std::vector<const Trial*>& trials, const DrawnRig& rig,
+                        const std::string& label);
 
 /// A drawing as a file of its own, for READMEs and papers. Throws IoError.
 void write_svg(const std::string& path, const std::string& drawing);

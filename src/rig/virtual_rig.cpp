@@ -328,7 +328,8 @@ bool VirtualRig::run(double duration_s, std::unique_lock<std::mutex>& lock,
     const bool at_rest = quiet && state.needle.stuck;
     if (at_rest && state.wall == nullptr) break;
     if (!at_rest)
-      state.motion.step(state.needle, state.field, state.magnetising_A(current), state.map, state.friction_scale, step_s);
+      state.motion.step(state.needle, state.field, state.magnetising_A(current), state.map,
+                        state.friction_scale, step_s);
     if (state.wall == nullptr || (step + 1) % steps_at_once != 0 || step + 1 == steps) continue;
     state.now_s = start_s + (step + 1) * step_s;
     const bool go_on = pace(lock, interruption);

@@ -28,8 +28,8 @@ std::vector<std::size_t> usable(const FrameLabels& labels, std::size_t first, st
 FrameLabels read_labels(const std::string& file, const std::vector<std::string>& frames) {
   auto labels = common::read_artefact<FrameLabels>(file);
   if (labels.labels.size() != frames.size())
-    throw common::DataError(file + " has " + std::to_string(labels.labels.size()) + " labels, and there are " +
-                            std::to_string(frames.size()) +
+    throw common::DataError(file + " has " + std::to_string(labels.labels.size()) +
+                            " labels, and there are " + std::to_string(frames.size()) +
                             " images: give the frames.source and frames.count that it was made of");
   for (std::size_t i = 0; i < frames.size(); ++i)
     if (labels.labels[i].frame != frames[i])

@@ -59,12 +59,13 @@ SegmenterSamples frame_samples(const FrameViews& frames, const FrameLabels& labe
     cv::Mat needle = cv::Mat::zeros(frames.view.size_px(), frames.view.size_px(), CV_8U);
     cv::Mat tape = needle.clone();
     if (pose) needle = rod_mask(frames.view, *pose, -half_m, half_m, radius_m);
-    if (pose && labels.taped) tape = rod_mask(frames.view, *pose, half_m - bench.tape_length_m, half_m, radius_m);
+    if (pose && labels.taped)
+      tape = rod_mask(frames.view, *pose, half_m - bench.tape_length_m, half_m, radius_m);
     for (std::int64_t crop = 0; crop < crops; ++crop, ++row) {
       geometry::Vector2 centre_m = draw_needle_pose(bench, random).position_m();
       if (pose && random.uniform() >= config.elsewhere) {
-        const double room_m = std::max(0.0, 0.5 * static_cast<double>(side_px) * frames.view.pixel_m() -
-                                                0.25 * bench.needle_length_m);
+        const double room_m = std::max(
+            0.0, 0.5 * static_cast<double>(side_px) * frames.view.pixel_m() - 0.25 * bench.needle_length_m);
         centre_m = pose->position_m() +
                    geometry::Vector2(random.uniform(-room_m, room_m), random.uniform(-room_m, room_m));
       }

@@ -42,7 +42,8 @@ cv::Mat median_of(const std::vector<cv::Mat>& images) {
 cv::Mat disc_of(const imaging::DishView& view, double radius_m) {
   cv::Mat disc = cv::Mat::zeros(view.size_px(), view.size_px(), CV_8U);
   const int middle = view.size_px() / 2;
-  cv::circle(disc, {middle, middle}, static_cast<int>(radius_m / view.pixel_m()), cv::Scalar(255), cv::FILLED);
+  cv::circle(disc, {middle, middle}, static_cast<int>(radius_m / view.pixel_m()), cv::Scalar(255),
+             cv::FILLED);
   return disc;
 }
 
@@ -77,8 +78,8 @@ cv::Mat moved_log_odds(const cv::Mat& image, const cv::Mat& background, const cv
     for (int column = 0; column < smooth.cols; ++column) {
       const double above = (level[column] - usual_level) / noise - kAboveNoise;
       const double odds = above > 0.0 ? kPerFactor * std::log1p(above / kAboveNoise) : above;
-      out[column] =
-          static_cast<float>(inside[column] == 0 ? -kMostLogOdds : std::clamp(odds, -kMostLogOdds, kMostLogOdds));
+      out[column] = static_cast<float>(inside[column] == 0 ? -kMostLogOdds
+                                                           : std::clamp(odds, -kMostLogOdds, kMostLogOdds));
     }
   }
   return log_odds;
@@ -126,7 +127,8 @@ class HeadFinder {
     Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
     for (const Ends& ends : ends_)
       spread += (ends.ahead - ends.behind) * (ends.ahead - ends.behind).transpose();
-    const Eigen::Vector3d direction = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(2);
+    const Eigen::Vector3d direction =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(2);
     Eigen::Vector3d first = Eigen::Vector3d::Zero(), second = Eigen::Vector3d::Zero();
     std::vector<double> strengths;
     for (Ends& ends : ends_) {

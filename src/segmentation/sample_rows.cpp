@@ -9,7 +9,8 @@ namespace lodestone::segmentation {
 
 void store_image(const cv::Mat& image, std::int64_t row, SegmenterSamples& samples) {
   const cv::Mat whole = image.isContinuous() ? image : image.clone();
-  const at::Tensor pixels = at::from_blob(whole.data, {whole.rows, whole.cols, 3}, at::kByte).permute({2, 0, 1});
+  const at::Tensor pixels =
+      at::from_blob(whole.data, {whole.rows, whole.cols, 3}, at::kByte).permute({2, 0, 1});
   samples.images[row].copy_(pixels);
 }
 

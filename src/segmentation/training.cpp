@@ -1,6 +1,7 @@
 #include "lodestone/segmentation/training.h"
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
@@ -104,6 +105,7 @@ class Training : public runs::ResumableWork {
     first_moment_ = at::zeros_like(networks_[0]->tensors().values());
     second_moment_ = at::zeros_like(networks_[0]->tensors().values());
     best_ = state();
+    if (frames != nullptr) validate();  // what it begins with is not given up for worse
   }
 
   void load(const std::string& folder) override {
@@ -312,7 +314,7 @@ class Training : public runs::ResumableWork {
     validation_dice_ = overlap[0].item<double>() / size;
     validation_dice_tape_ = overlap[1].item<double>() / size;
     ++stale_epochs_;
-    if (epoch_ == 0 || validation_loss_ < best_loss_) {
+    if (validation_loss_ < best_loss_) {
       best_loss_ = validation_loss_;
       best_dice_ = validation_dice_;
       best_ = state();
@@ -357,7 +359,7 @@ class Training : public runs::ResumableWork {
   double validation_loss_ = 0.0;
   double validation_dice_ = 0.0;
   double validation_dice_tape_ = 0.0;
-  double best_loss_ = 0.0;
+  double best_loss_ = std::numeric_limits<double>::infinity();
   double best_dice_ = 0.0;
 };
 

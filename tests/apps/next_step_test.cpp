@@ -26,6 +26,16 @@ TEST_CASE("a deployment is reported with its run, or as one of its own") {
   CHECK(next_step("deploy", {{"--out", "runs/square"}}) == "lodestone report --run runs/square");
 }
 
+TEST_CASE("proposed labels are looked through, and what has learned from them is evaluated") {
+  std::map<std::string, std::string> given = {
+      {"--out", "n"}, {"frames.source", "needle.avi"}, {"frames.labels", ""}};
+  CHECK(next_step("train-segmenter", given) == "look through n/labels.html: what was told of needle.avi");
+  given["frames.labels"] = "labels.json";
+  CHECK(next_step("train-segmenter", given) == "lodestone evaluate segmenter --checkpoint n/checkpoint");
+  CHECK(next_step("train-segmenter", {{"--out", "n"}, {"frames.source", ""}, {"frames.labels", ""}}) ==
+        "lodestone evaluate segmenter --checkpoint n/checkpoint");
+}
+
 TEST_CASE("the first line whose options were given is said, and none is invented") {
   CHECK(next_step("report", {{"--run", "runs/a"}, {"--out", "page.html"}}).rfind("open page.html", 0) == 0);
   CHECK(next_step("report", {{"--run", "runs/a"}}).rfind("open runs/a/report.html", 0) == 0);

@@ -25,8 +25,7 @@ constexpr double kAfter_s = 0.5;   // from the pulse's beginning
 /// The preset, exactly as it is described.
 rig::VirtualRigConfig driven_as_by_firmware() {
   const std::string file = LODESTONE_SOURCE_DIR "/configs/rigs/coil_controller.json";
-  rig::VirtualRigConfig config =
-      common::config_from_json<rig::RigConfig>(common::read_json_file(file), file);
+  rig::VirtualRigConfig config = common::config_from_json<rig::RigConfig>(common::read_json_file(file), file);
   config.simulation.deviation = rig::DeviationWidth::kNone;
   return config;
 }

@@ -58,7 +58,8 @@ TEST_CASE("a sensor that reports no spread is not held against one, and few look
   REQUIRE(figures);
   CHECK_FALSE(figures->whitened_position);
   CHECK_FALSE(figures->reported_mm);
-  CHECK(experiments::sensing_m(*figures) == Approx(kMilli * std::sqrt(0.5 * (0.0025 + 0.0004))).epsilon(0.12));
+  CHECK(experiments::sensing_m(*figures) ==
+        Approx(kMilli * std::sqrt(0.5 * (0.0025 + 0.0004))).epsilon(0.12));
   CHECK_FALSE(experiments::still_figures({}, 3));
 }
 

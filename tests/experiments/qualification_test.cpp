@@ -60,8 +60,7 @@ runs::QualificationResult qualified_with_half_a_coil(const experiments::Qualific
   rig::VirtualRig rig(config.rig, 1);
   HalvedCoil halved(rig.coils(), reports);
   const session::Sensing sensing(config.sensor, config.rig);
-  const auto sensor =
-      sensing.make(rig, sensing.calibrated_bench(1), common::RandomStream(1, "sensor noise"));
+  const auto sensor = sensing.make(rig, sensing.calibrated_bench(1), common::RandomStream(1, "sensor noise"));
   safety::Supervisor coils(halved, config.safety, config.rig, rig.clock());
   session::RigSession::Parts parts;
   parts.coils = &coils;
@@ -78,8 +77,7 @@ TEST_CASE("a virtual bench is qualified item by item within its time, each time 
   const experiments::QualificationConfig config = short_qualification(2.0);
   const auto bench = experiments::make_qualification_session(config);
   std::map<std::string, int> told;
-  experiments::Qualification work(config, *bench,
-                                  [&told](double, const std::string& item) { ++told[item]; });
+  experiments::Qualification work(config, *bench, [&told](double, const std::string& item) { ++told[item]; });
   const runs::QualificationResult result = work.run();
   CHECK_FALSE(result.stopped);
   CHECK(result.minutes <= 2.5);

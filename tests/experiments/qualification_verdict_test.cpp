@@ -60,8 +60,8 @@ TEST_CASE("a good bench has nothing to mend, and every item says why its bounds 
 
 TEST_CASE("what is furthest beyond its bound is to be mended first") {
   runs::QualificationResult result = good_bench();
-  result.coils[0].gain->value = 0.5;        // 50 % off, 10 % are acceptable
-  result.refusals->share.value = 0.2;       // 20 %, 10 % are acceptable
+  result.coils[0].gain->value = 0.5;   // 50 % off, 10 % are acceptable
+  result.refusals->share.value = 0.2;  // 20 %, 10 % are acceptable
   result.same_pulse->share_of_step.value = 0.4;
   experiments::judge(result, {});
   CHECK(judged(result, "gain of a coil, off 1 by").verdict == "mend");

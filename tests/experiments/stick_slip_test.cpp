@@ -92,7 +92,8 @@ TEST_CASE("what a heading explains of a step is no scatter, and the sensor's par
   CHECK(levels[0].moved == 400);
   CHECK(levels[0].step_mm == Approx(0.5 * (1.0 + std::sin(1.0))).margin(0.03));
   CHECK(levels[0].scatter_mm == Approx(0.1).margin(0.01));
-  CHECK(experiments::step_levels(pulses, 0.05e-3)[0].scatter_mm == Approx(std::sqrt(0.01 - 0.005)).margin(0.015));
+  CHECK(experiments::step_levels(pulses, 0.05e-3)[0].scatter_mm ==
+        Approx(std::sqrt(0.01 - 0.005)).margin(0.015));
   CHECK(experiments::step_levels(pulses, 1e-3)[0].scatter_mm == Approx(0.03).margin(0.005));  // never nothing
   pulses.resize(5);
   CHECK(experiments::step_levels(pulses, 0.0).empty());

@@ -54,7 +54,8 @@ TEST_CASE("what lies in the fluid is seen along a ray that obeys Snell's law") {
   const double tangent_fluid = (point_m - surface_m).norm() / 0.005;
   CHECK(std::sin(std::atan(tangent_air)) == Approx(1.36 * std::sin(std::atan(tangent_fluid))).epsilon(1e-6));
   // The fluid makes the floor look nearer, so what is off the middle lies further out in the image.
-  CHECK((pixel - air.project_floor({0.0, 0.0})).norm() > (air.project_floor(point_m) - air.project_floor({0.0, 0.0})).norm());
+  CHECK((pixel - air.project_floor({0.0, 0.0})).norm() >
+        (air.project_floor(point_m) - air.project_floor({0.0, 0.0})).norm());
   CHECK(camera.project_floor({0.0, 0.0}) == air.project_floor({0.0, 0.0}));
   // What stands above the surface, or beside the dish, is seen as ever.
   CHECK(camera.project({0.03, -0.02, 0.006}) == air.project({0.03, -0.02, 0.006}));

@@ -99,7 +99,8 @@ TEST_CASE("what samples do not tell stays as it was described") {
 TEST_CASE("samples are held against coils that were measured, but nothing of those is moved") {
   const CoilsDescription measured = tests::measured_small_ring_rig().coils;
   FieldSamples samples = samples_of(tests::small_ring_rig().coils, 60, 0.0);
-  for (Eigen::Vector3d& field_T : samples.field_T) field_T += Eigen::Vector3d(20e-6, 0.0, 45e-6);  // 40 uT of x
+  for (Eigen::Vector3d& field_T : samples.field_T)
+    field_T += Eigen::Vector3d(20e-6, 0.0, 45e-6);  // 40 uT of x
   CHECK(field_error(measured, samples).relative_rms < 0.02);
   CHECK_THROWS_WITH(fit_coils(measured, samples), Catch::Contains("no winding to place"));
   samples.position_m[3] = {0.03, 0.0, 0.0};

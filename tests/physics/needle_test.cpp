@@ -46,7 +46,8 @@ TEST_CASE("magnets that are longer than their needle are refused") {
   CHECK_THROWS_WITH(needle.validate(), Catch::Contains("chain_m"));
   needle = {};
   needle.diameter_m = 1.1 * needle.length_m;
-  CHECK_THROWS_WITH(needle.validate(), Catch::Contains("diameter_m = 0.02585 must not exceed length_m = 0.0235"));
+  CHECK_THROWS_WITH(needle.validate(),
+                    Catch::Contains("diameter_m = 0.02585 must not exceed length_m = 0.0235"));
   needle.diameter_m = needle.length_m;
   CHECK_NOTHROW(needle.validate());
   CHECK(rod_drag(needle, {}).rotation_N_m_s > 0.0);

@@ -34,8 +34,9 @@ runs::QualificationResult small_qualification() {
   expected.rms_mm = {0.31, 120, std::array<double, 2>{0.25, 0.40}};
   expected.p95_mm = {0.52, 120, std::array<double, 2>{0.44, 0.70}};
   expected.rest_mm = 0.25;
-  result.items = {{"gain of a coil, off 1 by", 50.0, "%", 5.0, 10.0, "mend", "a reason", "rig check"},
-                  {"latency from command to motion", {}, "ms", 50.0, 200.0, "not measured", "a rest", "rest"}};
+  result.items = {
+      {"gain of a coil, off 1 by", 50.0, "%", 5.0, 10.0, "mend", "a reason", "rig check"},
+      {"latency from command to motion", {}, "ms", 50.0, 200.0, "not measured", "a rest", "rest"}};
   result.mend_first = "gain of a coil, off 1 by: rig check";
   return result;
 }

@@ -21,9 +21,10 @@ TEST_CASE("field of each coil at points") {
     const auto field = field_per_ampere(coils, coil, {{0.0, 0.0}});
     CHECK((field[0].head<2>() - centre * towards[coil]).norm() < 1e-9 * centre);
     CHECK(std::abs(field[0].z()) < 1e-9 * centre);
-    CHECK_THROWS_AS(field_per_ampere(coils, coil, {geometry::Vector2(0.06 * towards[coil] +
-                                                                          0.04 * towards[(coil + 2) % 4])}),
-                    common::DataError);
+    CHECK_THROWS_AS(
+        field_per_ampere(coils, coil,
+                         {geometry::Vector2(0.06 * towards[coil] + 0.04 * towards[(coil + 2) % 4])}),
+        common::DataError);
   }
   CHECK_THROWS_WITH(coil_index(coils, "x"), Catch::Contains("it is one of +x, -x, +y and -y"));
   CHECK(field_csv({{0.5, -0.25}}, {{1.0, 2.0, 3.0}}) ==

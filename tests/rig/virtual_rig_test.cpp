@@ -295,7 +295,8 @@ TEST_CASE("cores that saturate pull less than in proportion, and only where they
   CHECK((saturated_mm > 0.3 && saturated_mm < 0.7 * plain_mm));
   // As a coil without one does at the current that its field is then that of.
   const double equal_A = physics::unsaturated_A(6.0, 0.9, 6.0);
-  CHECK(saturated_mm == Approx(moved_mm(equal_A, 0.0)).epsilon(0.15));  // while the current rises, it has more
+  CHECK(saturated_mm ==
+        Approx(moved_mm(equal_A, 0.0)).epsilon(0.15));  // while the current rises, it has more
 }
 
 TEST_CASE("a simulator that is linear in the currents fails where cores saturate") {

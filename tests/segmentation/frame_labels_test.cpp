@@ -35,7 +35,8 @@ TEST_CASE("labels come back from their file, and those of other images are refus
   CHECK(back.labels[0].pose->heading_rad == 0.5);
   CHECK_FALSE(back.labels[1].pose);
   CHECK(back.labels[2].by_person);
-  CHECK_THROWS_WITH(segmentation::read_labels(file, {"a", "b"}), Catch::Contains("has 3 labels, and there are 2"));
+  CHECK_THROWS_WITH(segmentation::read_labels(file, {"a", "b"}),
+                    Catch::Contains("has 3 labels, and there are 2"));
   CHECK_THROWS_WITH(segmentation::read_labels(file, {"a", "d", "c"}),
                     Catch::Contains("label 1 is of b, the image is d"));
 }

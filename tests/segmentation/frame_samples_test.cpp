@@ -26,7 +26,8 @@ TEST_CASE("crops of labelled images hold the needle where the label says, as lar
   around.crop_px = 256;
   const std::vector<std::size_t> one = {0};
   REQUIRE(labels.labels[0].pose);
-  const auto samples = segmentation::frame_samples(own.frames, labels, one, own.bench, around, config.segmenter, 6, 3);
+  const auto samples =
+      segmentation::frame_samples(own.frames, labels, one, own.bench, around, config.segmenter, 6, 3);
   CHECK(samples.size() == 6);
   const double pixel_m = 0.4e-3;  // of the mask: two of the view
   for (std::int64_t row = 0; row < 6; ++row) {
@@ -37,10 +38,12 @@ TEST_CASE("crops of labelled images hold the needle where the label says, as lar
     CHECK(needle_m2 > 0.4 * whole_m2);  // some of it may be cut off
     CHECK(tape_m2 < 1.2 * own.bench.tape_length_m * own.bench.needle_diameter_m);
   }
-  const auto again = segmentation::frame_samples(own.frames, labels, one, own.bench, around, config.segmenter, 6, 3);
+  const auto again =
+      segmentation::frame_samples(own.frames, labels, one, own.bench, around, config.segmenter, 6, 3);
   CHECK(at::equal(samples.images, again.images));
   // A person says that there is none.
-  const auto none = segmentation::frame_samples(own.frames, labels, {5}, own.bench, around, config.segmenter, 2, 3);
+  const auto none =
+      segmentation::frame_samples(own.frames, labels, {5}, own.bench, around, config.segmenter, 2, 3);
   CHECK(none.masks.sum().item<double>() == 0.0);
   around.crop_px = 1024;
   CHECK_THROWS_WITH(

@@ -20,6 +20,7 @@ TEST_CASE("the page holds images and labels, and no name breaks out of it") {
   CHECK(page.find("\\u003c/script>\\u003cb>3") != std::string::npos);
   CHECK(page.find("lodestone &lt;go on>") != std::string::npos);
   std::size_t images = 0;
-  for (std::size_t at = page.find("\"jpeg\""); at != std::string::npos; at = page.find("\"jpeg\"", at + 1)) ++images;
+  for (std::size_t at = page.find("\"jpeg\""); at != std::string::npos; at = page.find("\"jpeg\"", at + 1))
+    ++images;
   CHECK(images == 2);
 }

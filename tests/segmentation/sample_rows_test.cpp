@@ -8,7 +8,8 @@
 using namespace lodestone;
 
 TEST_CASE("images and masks lie in their rows, also where they are part of larger ones") {
-  segmentation::SegmenterSamples samples{at::zeros({2, 3, 4, 4}, at::kByte), at::zeros({2, 2, 2, 2}, at::kByte)};
+  segmentation::SegmenterSamples samples{at::zeros({2, 3, 4, 4}, at::kByte),
+                                         at::zeros({2, 2, 2, 2}, at::kByte)};
   cv::Mat whole(8, 8, CV_8UC3, cv::Scalar(1, 2, 3));
   whole.at<cv::Vec3b>(5, 6) = {9, 8, 7};
   segmentation::store_image(whole(cv::Rect(4, 4, 4, 4)), 1, samples);

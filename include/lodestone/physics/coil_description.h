@@ -10,17 +10,17 @@ namespace lodestone::physics {
 
 constexpr double kClearOfWinding_m = 1e-3;  ///< nearer to it the field is none of a coil seen from outside
 
-/// One coil of a rig: its winding, and where in space it stands; or, where it was measured, what a magnetometer
-/// saw of it.
+/// One coil of a rig: its winding, and where in space it stands; or, where it was measured, what a
+/// magnetometer saw of it.
 struct CoilDescription : CoilWinding {
   std::string name;
-  std::vector<double> position_m;     ///< [3]: the middle of the winding in the dish frame; z is up
-  std::vector<double> axis;           ///< [3]: the field on the axis for positive current; empty: outwards
-  double gain = 1.0;                  ///< of its field over that of the winding, as a magnetometer tells
+  std::vector<double> position_m;  ///< [3]: the middle of the winding in the dish frame; z is up
+  std::vector<double> axis;        ///< [3]: the field on the axis for positive current; empty: outwards
+  double gain = 1.0;               ///< of its field over that of the winding, as a magnetometer tells
   std::vector<double> harmonics_T_per_A;  ///< about CoilsDescription::measured; empty: the winding's field
-  double max_current_A = 0.0;         ///< 0: as the rig's
-  bool bipolar = false;               ///< takes currents of either sign
-  std::vector<std::string> not_with;  ///< coils that are never on together with it
+  double max_current_A = 0.0;             ///< 0: as the rig's
+  bool bipolar = false;                   ///< takes currents of either sign
+  std::vector<std::string> not_with;      ///< coils that are never on together with it
 
   template <class Visitor>
   void visit(Visitor& v) {

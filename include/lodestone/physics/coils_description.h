@@ -28,11 +28,11 @@ struct CoilsDescription {
   template <class Visitor>
   void visit(Visitor& v) {
     geometry.visit(v);
-    v.list(
-        "each", each, plain_coil(),
-        "the coils one by one: name, position_m, axis, inner_radius_m, outer_radius_m, length_m, turns, "
-        "gain, harmonics_T_per_A, max_current_A, bipolar, not_with; what one does not say of its winding is as above; []: four "
-        "of these, +x, -x, +y and -y, at centre_distance_m");
+    v.list("each", each, plain_coil(),
+           "the coils one by one: name, position_m, axis, inner_radius_m, outer_radius_m, length_m, turns, "
+           "gain, harmonics_T_per_A, max_current_A, bipolar, not_with; what one does not say of its winding "
+           "is as above; []: four "
+           "of these, +x, -x, +y and -y, at centre_distance_m");
     v.group("measured", measured, "where coils were measured that have harmonics_T_per_A");
     v.field("resistance_20C_ohm", resistance_20C_ohm, "ohm",
             "at 20 C, of each coil in the order in which they are listed (+x, -x, +y, -y)", {1e-3, 1e4});

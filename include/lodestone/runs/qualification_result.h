@@ -98,11 +98,11 @@ struct LatencyFigures {
 
 /// The same pulse from like starts. Scatters are per axis.
 struct SamePulseFigures {
-  Measured step_mm;         ///< mean length of what it does
-  Measured all_mm;          ///< scatter about the mean
-  Measured scatter_mm;      ///< what is left once the difference of the starts is taken off
-  double explained = 0.0;   ///< share of the scatter, squared, that the starts explain
-  Measured share_of_step;   ///< scatter_mm by step_mm
+  Measured step_mm;        ///< mean length of what it does
+  Measured all_mm;         ///< scatter about the mean
+  Measured scatter_mm;     ///< what is left once the difference of the starts is taken off
+  double explained = 0.0;  ///< share of the scatter, squared, that the starts explain
+  Measured share_of_step;  ///< scatter_mm by step_mm
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -117,9 +117,9 @@ struct SamePulseFigures {
 /// One coil; `why` says what of it was not measured, and why not.
 struct CoilFigures {
   std::string name;
-  std::optional<Measured> gain = {};     ///< reported current by the one that was asked for
-  std::optional<Measured> rise_ms = {};  ///< from 10 to 90 %
-  std::optional<Measured> skew_ms = {};  ///< at 50 %, after the mean of all coils
+  std::optional<Measured> gain = {};            ///< reported current by the one that was asked for
+  std::optional<Measured> rise_ms = {};         ///< from 10 to 90 %
+  std::optional<Measured> skew_ms = {};         ///< at 50 %, after the mean of all coils
   std::optional<Measured> gain_by_motion = {};  ///< how strongly the needle answers, beside the mean coil
   std::optional<double> first_C = {}, last_C = {};
   std::string why;

@@ -18,7 +18,8 @@ struct FramesConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("source", source, "", "video, folder or pattern of images of the needle; empty: rendered ones only");
+    v.field("source", source, "",
+            "video, folder or pattern of images of the needle; empty: rendered ones only");
     v.field("calibration", calibration, "",
             "calibration.json of the camera; empty: it is found in the first image");
     v.field("labels", labels, "",
