@@ -62,6 +62,11 @@ void check_drivers(const RigDescription& rig) {
 common::Json completed_rig(const common::Json& recorded) {
   common::Json whole = common::config_to_json(RigDescription{});
   whole.merge_patch(recorded);
+  for (common::Json& coil : whole["coils"]["each"]) {
+    common::Json all = common::config_to_json(CoilDescription{});
+    all.merge_patch(coil);
+    coil = all;
+  }
   return whole;
 }
 

@@ -319,7 +319,7 @@ bool VirtualRig::run(double duration_s, std::unique_lock<std::mutex>& lock,
   }
   for (int step = 0; step < steps; ++step) {
     physics::PerCoil current(coils);
-    bool quiet = true;
+    bool quiet = !state.fields->has_background();
     for (std::size_t i = 0; i < coils; ++i) {
       current[i] = settled[i] + excess[i];
       excess[i] *= decay[i];

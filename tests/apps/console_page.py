@@ -87,12 +87,12 @@ def handshake(port, host=None, **headers):
 
 
 class Watcher:
-    """A program that watches: every state, the clock of the bench, what was answered, and when."""
+    """A program that watches: the state, the clock of the bench, what was answered, and when."""
 
     def __init__(self, port):
         said, self.link = handshake(port)
         assert " 101 " in said, said
-        self.states = collections.deque(maxlen=40000)
+        self.state = None  # the last one: what is kept for hours is looked through by every collection of garbage
         self.messages = collections.deque(maxlen=10000)
         self.on = []          # times at which a coil held a current though nothing was running
         self.ahead_s = float("inf")  # our clock, of the bench's
@@ -100,7 +100,7 @@ class Watcher:
         self.thread = threading.Thread(target=self.listen, daemon=True)
         self.thread.start()
         self.send({"do": "more", "of": "state"})
-        wait_until(lambda: self.states, "a state")
+        wait_until(lambda: self.state, "a state")
 
     def send(self, message):
         text = json.dumps(message).encode()
@@ -148,12 +148,8 @@ class Watcher:
             self.ahead_s = min(self.ahead_s, message["heard_s"] - message["time_s"])
         if any(message["on_A"]) and message["mode"] != "running":
             self.on.append(message["time_s"])
-        self.states.append(message)
+        self.state = message
         self.send({"do": "more", "of": "state"})
-
-    @property
-    def state(self):
-        return self.states[-1]
 
     def stopped(self, console, count, since_s, within_s, reason):
         """Milliseconds from `since_s` on our clock until no current was measured, after a stop for `reason`:

@@ -91,6 +91,12 @@ TEST_CASE("drivers that cannot be are refused, with the key that says so") {
                     Catch::Contains("supply_resistance_ohm = 2.3 must be below"));
 }
 
+TEST_CASE("listed coils of an earlier version are completed, too") {
+  common::Json recorded = common::config_to_json(tests::ring_rig(6));
+  for (common::Json& coil : recorded["coils"]["each"]) coil.erase("harmonics_T_per_A");
+  CHECK(completed_rig(recorded) == common::config_to_json(tests::ring_rig(6)));
+}
+
 TEST_CASE("every coil has its own circuit") {
   const RigDescription rig =
       read(R"({"coils": {"resistance_20C_ohm": [1.8, 1.9, 2.0, 2.1]}, "supply_V": 30, "ambient_C": 25})");

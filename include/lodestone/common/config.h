@@ -229,9 +229,16 @@ Json read_json_file(const std::string& path, std::size_t largest_bytes = kLarges
 /// Throws ConfigError when there is no '=' or a step of the path is not an object.
 void apply_override(Json& config, const std::string& assignment);
 
-/// Reads `json` over the defaults of `Config`; `sources` names where it comes from in messages (a file name).
+/// Reads `json` over `config`; `sources` names where it comes from in messages (a file name).
 template <class Config>
-Config config_from_json(const Json& json, const ConfigSources& sources, Config config = Config{}) {
+Config config_from_json(const Json& json, const ConfigSources& sources, Config config) {
+  ConfigReader(json, sources).read(config);
+  return config;
+}
+/// Over the defaults of `Config`.
+template <class Config>
+Config config_from_json(const Json& json, const ConfigSources& sources) {
+  Config config{};
   ConfigReader(json, sources).read(config);
   return config;
 }

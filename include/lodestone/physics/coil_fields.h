@@ -47,6 +47,7 @@ class CoilFields {
   /// T, without any current: of measured coils what the magnetometer saw (the earth's, and what cores keep),
   /// else nothing. Throws likewise.
   Eigen::Vector3d background_T(const geometry::Vector2& point_m) const;
+  bool has_background() const { return !background_.empty(); }
 
  private:
   std::shared_ptr<const FieldTable> ring_;
