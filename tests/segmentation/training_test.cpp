@@ -48,6 +48,7 @@ TEST_CASE("a training with images of one's own goes on from the weights it is gi
   const tests::TemporaryFolder folder;
   segmentation::TrainSegmenterConfig config = small_config();
   config.frames.crops = 2;
+  config.training.learning_rate = 1e-7;  // weights that have learned next to nothing can only become better
   const auto train = [&](const std::string& name, const segmentation::FrameTraining* with, bool resume) {
     runs::RunFolder run(segmentation::run_request(config, folder / name, resume));
     return segmentation::train_segmenter(config, run, with).weights;
@@ -58,9 +59,9 @@ TEST_CASE("a training with images of one's own goes on from the weights it is gi
   for (std::size_t i = 0; i < own.truth.size(); ++i)
     frames.labels.labels.push_back(
         {own.frames.names[i], segmentation::LabelledPose{own.truth[i]}, std::nullopt, 0.0, true});
-  config.training.learning_rate = 1e-7;
   const inference::Arrays same = train("same", &frames, false);
-  config.training.learning_rate = 3e-3;
+  config.training.learning_rate = 3e-2;
+  config.training.epochs = 6;
   const inference::Arrays other = train("other", &frames, false);
   const auto change = [&](const inference::Arrays& weights) {
     const std::vector<double> before = frames.weights.at("stem.weight").to_double();
