@@ -1,6 +1,7 @@
 #include "dish_edges.h"
 
 #include <array>
+#include <algorithm>
 #include <cmath>
 
 #include "lodestone/geometry/angle.h"
@@ -136,6 +137,11 @@ float sample(const cv::Mat_<float>& image, double u_px, double v_px) {
   const float above = top[0] + right * (top[1] - top[0]);
   const float below = bottom[0] + right * (bottom[1] - bottom[0]);
   return above + down * (below - above);
+}
+
+double reach_beside_wall_px(const CameraModel& camera, const BenchGeometry& bench, double most_px) {
+  constexpr double kClear_px = 4.0, kLeast_px = 3.0;
+  return std::max(kLeast_px, std::min(most_px, bench.wall_thickness_m / camera.pixel_size_m() - kClear_px));
 }
 
 EdgeHit find_edge(const cv::Mat_<float>& image, const SeenEdge& seen, double reach_px, double sign,

@@ -66,6 +66,9 @@ struct EdgeHit {
   double offset_px = 0.0;  ///< along the normal
   double contrast = 0.0;   ///< grey levels per pixel there, positive where it brightens outwards
 };
+/// How far an edge may be looked for, `most_px` at most, and not as far as the wall's other edge.
+double reach_beside_wall_px(const CameraModel& camera, const BenchGeometry& bench, double most_px);
+
 /// Looks within +-reach_px. `sign` is the wanted sign of the contrast.
 EdgeHit find_edge(const cv::Mat_<float>& image, const SeenEdge& seen, double reach_px, double sign,
                   double least_contrast);

@@ -42,7 +42,9 @@ struct RimWatch::State {
   };
 
   State(const Calibration& calibration, const BenchGeometry& bench)
-      : pixel_m(calibration.camera.pixel_size_m()), radius_m(bench.dish_radius_m) {
+      : pixel_m(calibration.camera.pixel_size_m()),
+        radius_m(bench.dish_radius_m),
+        reach_px(reach_beside_wall_px(calibration.camera, bench, kWatchReach_px)) {
     const CameraModel& camera = calibration.camera;
     const Eigen::Vector2d centre = camera.project(Eigen::Vector3d::Zero());
     const Visibility visible(camera, bench);
@@ -62,7 +64,7 @@ struct RimWatch::State {
     std::vector<Hit> found;
     for (const Watched& edge : watched) {
       const EdgeHit hit =
-          find_edge(grey, edge.seen, kWatchReach_px, signs[edge.group] < 0.0 ? -1.0 : 1.0, kWatchContrast);
+          find_edge(grey, edge.seen, reach_px, signs[edge.group] < 0.0 ? -1.0 : 1.0, kWatchContrast);
       if (hit.found) found.push_back({&edge, hit.offset_px});
     }
     return found;
@@ -72,7 +74,7 @@ struct RimWatch::State {
     signs.fill(0.0);
     for (const Watched& edge : watched)
       for (const double sign : {-1.0, 1.0}) {
-        const EdgeHit hit = find_edge(grey, edge.seen, kWatchReach_px, sign, kWatchContrast);
+        const EdgeHit hit = find_edge(grey, edge.seen, reach_px, sign, kWatchContrast);
         if (hit.found) signs[edge.group] += hit.contrast;
       }
   }
@@ -117,6 +119,7 @@ struct RimWatch::State {
 
   double pixel_m;
   double radius_m;
+  double reach_px;
   std::vector<Watched> watched;
   std::array<double, kEdgeKinds * kParts> signs{};
   bool known = false;
