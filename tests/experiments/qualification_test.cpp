@@ -104,10 +104,7 @@ TEST_CASE("a virtual bench is qualified item by item within its time, each time 
   REQUIRE(result.stick_slip);
   CHECK(result.stick_slip->current_A);
   CHECK(result.stick_slip->levels.size() >= 3);
-  REQUIRE(result.expected);
-  CHECK(result.expected->rms_mm.value > 0.03);
-  CHECK(result.expected->rms_mm.value < 8.0);
-  CHECK(result.items.size() == 15);
+  CHECK(result.items.size() == 14);
   CHECK_FALSE(result.mend_first.empty());
   CHECK(common::artefact_to_json(qualified(config)) == common::artefact_to_json(result));
 }
@@ -124,7 +121,7 @@ TEST_CASE("friction that scatters more is seen to scatter more") {
   CHECK(rough.same_pulse->share_of_step.value > 1.3 * smooth.same_pulse->share_of_step.value);
 }
 
-TEST_CASE("a worse sensor is seen to be worse, and makes a larger error be expected") {
+TEST_CASE("a worse sensor is seen to be worse") {
   experiments::QualificationConfig config = short_qualification(2.0);
   const runs::QualificationResult good = qualified(config);
   config.sensor.simulated.repeatability_m *= 10.0;
@@ -136,9 +133,6 @@ TEST_CASE("a worse sensor is seen to be worse, and makes a larger error be expec
   CHECK(bad.still->refused > 3);
   CHECK(bad.refusals->share.value > 2.0 * good.refusals->share.value);
   CHECK(good.refusals->share.value < 0.15);
-  REQUIRE(bad.expected);
-  CHECK(bad.expected->sensing_mm > 2.0 * good.expected->sensing_mm);
-  CHECK(bad.expected->rms_mm.value > good.expected->rms_mm.value);
   CHECK(item_of(bad, "repeatability of position").verdict != "good");
   CHECK(item_of(good, "repeatability of position").verdict == "good");
 }
@@ -178,8 +172,6 @@ TEST_CASE("what was measured until a stop is kept, and the coils are off") {
   CHECK(result.still);
   CHECK(result.coils.front().gain);
   CHECK_FALSE(result.latency);
-  CHECK_FALSE(result.expected);
-  CHECK(item_of(result, "error to expect at points (RMS)").verdict == "not measured");
   const rig::CoilStatus status = bench->coils().status();
   for (const double current_A : status.current_A) CHECK(std::abs(current_A) < 0.1);
 }
