@@ -74,9 +74,8 @@ void qualify(const QualifyOptions& given) {
 
 void add_qualify(Verb& program) {
   Verb& verb = program.add_verb("qualify",
-                                "what a bench can do, in at most 15 minutes of it: a verdict per item, what "
-                                "to mend first, the error to "
-                                "expect");
+                                "what a bench can do, in at most 15 minutes of it: a verdict per item, and "
+                                "what to mend first");
   auto& options = configure<QualificationConfig>(verb, qualify);
   add_common_options(verb, options);
   add_virtual_rig_options(verb, options);
