@@ -1,7 +1,7 @@
 #include "dish_edges.h"
 
-#include <array>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "lodestone/geometry/angle.h"
