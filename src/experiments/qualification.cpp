@@ -307,7 +307,6 @@ void Qualification::close() {
                           ? "gain by motion: not measured, as no weak pulse of this coil moved the needle"
                           : "gain by motion: not measured, as drives of this rig share several coils");
   }
-  // The error to expect is not told: its model does not agree with what is measured yet (expected_error.h).
   if (result_.still) result_.stick_slip = stick_slip_figures(weak_, sensing_m(*result_.still));
   judge(result_, config_.needle.loop);
 }

@@ -157,12 +157,6 @@ void judge_motion(runs::QualificationResult& result, const control::ControlLoopC
                         : std::nullopt,
                     "%", 40.0, 80.0, "", "friction differs by 30 % over the dish of the virtual rig",
                     "level and clean the dish"});
-  if (!result.expected) return;
-  add_item(result, {"error to expect at points (RMS)", result.expected->rms_mm.value, "mm", 0.5, 1.5, "",
-                    "a sixth and half of the 3 mm that deploy counts as reached (score.success_radius_m)",
-                    result.expected->by_sensing > 0.5
-                        ? "more than half of it, squared, is the sensor's: mend that"
-                        : "most of it, squared, is the scatter of weak pulses: clean dish and needle"});
 }
 
 std::string first_to_mend(const runs::QualificationResult& result) {

@@ -17,7 +17,6 @@ namespace {
 constexpr std::size_t kFewestOfLevel = 6;
 constexpr double kEveryOther = 0.5;
 constexpr double kLeastScatter = 0.3;  // of what is seen is not the sensor's
-constexpr double kLeastFloor = 0.25;   // of the smallest squared scatter belongs to any step
 
 using PulseTest = std::function<bool(const WeakPulse&)>;
 
@@ -41,10 +40,6 @@ double mean_current_A(const std::vector<WeakPulse>& pulses) {
 
 std::int64_t moved_of(const std::vector<WeakPulse>& pulses) {
   return std::count_if(pulses.begin(), pulses.end(), [](const WeakPulse& pulse) { return pulse.moved; });
-}
-
-bool moves_often(const runs::StepLevel& level) {
-  return static_cast<double>(level.moved) >= kEveryOther * static_cast<double>(level.n);
 }
 
 /// Steps along and across the drive, and what is known before: 1, and where the heading is from the drive.
@@ -109,38 +104,6 @@ std::vector<runs::StepLevel> step_levels(const std::vector<WeakPulse>& pulses, d
     levels.push_back(level);
   }
   return levels;
-}
-
-std::optional<StepLaw> step_law(const std::vector<runs::StepLevel>& levels) {
-  const auto first = std::find_if(levels.begin(), levels.end(), moves_often);
-  if (first == levels.end()) return std::nullopt;
-  double weights = 0.0, d2_sum = 0.0, s2_sum = 0.0, d4_sum = 0.0, cross_sum = 0.0;
-  double least_s2 = std::pow(first->scatter_mm, 2);
-  for (auto level = first; level != levels.end(); ++level) {
-    const auto weight = static_cast<double>(level->n);
-    const double d2 = level->step_mm * level->step_mm;
-    const double s2 = level->scatter_mm * level->scatter_mm;
-    weights += weight;
-    d2_sum += weight * d2;
-    s2_sum += weight * s2;
-    d4_sum += weight * d2 * d2;
-    cross_sum += weight * d2 * s2;
-    least_s2 = std::min(least_s2, s2);
-  }
-  const double determinant = weights * d4_sum - d2_sum * d2_sum;
-  double slope = 0.0;
-  if (determinant > 1e-9 * weights * d4_sum)
-    slope = std::max(0.0, (weights * cross_sum - d2_sum * s2_sum) / determinant);
-  double floor_mm2 = (s2_sum - slope * d2_sum) / weights;
-  if (floor_mm2 < kLeastFloor * least_s2) {  // then the slope is that of a line through this floor
-    floor_mm2 = kLeastFloor * least_s2;
-    slope = std::max(0.0, (cross_sum - floor_mm2 * d2_sum) / d4_sum);
-  }
-  StepLaw law;
-  law.smallest_step_mm = first->step_mm;
-  law.floor_mm = std::sqrt(floor_mm2);
-  law.growth = std::sqrt(slope);
-  return law;
 }
 
 std::optional<runs::StickSlipFigures> stick_slip_figures(const std::vector<WeakPulse>& pulses,

@@ -49,13 +49,6 @@ std::string verdict_table(const QualificationResult& result) {
                rows, 3, classes);
 }
 
-std::string expected_text(const runs::ExpectedErrorFigures& expected) {
-  return fmt::format(
-      "error to expect at points: RMS {} mm, 95th percentile {} mm (95 % intervals); a needle sensed within "
-      "{:.2f} mm is best left there",
-      shown_figure(expected.rms_mm, 2), shown_figure(expected.p95_mm, 2), expected.rest_mm);
-}
-
 std::string still_rows(const QualificationResult& result) {
   std::vector<std::vector<std::string>> rows;
   const auto add = [&rows](const char* when, const std::optional<runs::StillFigures>& still) {
@@ -171,7 +164,6 @@ std::string verdict_text(const QualificationResult& result) {
     text += fmt::format("{:<42} {:>9} {:<8} {:<12} (good up to {}, acceptable up to {})\n", item.item,
                         item.value ? fixed(item.value, 2) : "-", item.unit, item.verdict, fixed(item.good, 2),
                         fixed(item.acceptable, 2));
-  if (result.expected) text += expected_text(*result.expected) + "\n";
   return text + "mend first: " + result.mend_first + "\n";
 }
 
@@ -183,13 +175,6 @@ std::string write_qualification_report(const std::string& folder, const std::str
   std::string summary;
   if (result.stopped) summary += "<p class=\"missing\">It ended early: " + escape(*result.stopped) + "</p>";
   summary += "<p><b>Mend first</b>: " + escape(result.mend_first) + "</p>";
-  if (result.expected) {
-    summary += "<p>" + escape(expected_text(*result.expected)) + ". It is made of a sensor that errs by " +
-               fixed(result.expected->sensing_mm, 3) + " mm per axis (" +
-               fixed(100.0 * result.expected->by_sensing, 0) +
-               " % of the squared error), smallest steps of " + fixed(result.expected->smallest_step_mm, 2) +
-               " mm, and their scatter.</p>";
-  }
   page.add_section("verdicts", "Verdicts", summary + verdict_table(result));
   if (result.refusals) page.add_section("refusals", "Looks without a pose", refusals_section(result));
   page.add_section("still", "A needle that lies still", still_rows(result));

@@ -99,28 +99,6 @@ TEST_CASE("what a heading explains of a step is no scatter, and the sensor's par
   CHECK(experiments::step_levels(pulses, 0.0).empty());
 }
 
-TEST_CASE("the law of scatter is found again, from the first level on that moves the needle") {
-  std::vector<runs::StepLevel> levels;
-  for (const double step_mm : {0.01, 0.1, 0.5, 1.0, 2.0}) {
-    runs::StepLevel level;
-    level.n = 10;
-    level.moved = step_mm < 0.05 ? 4 : 10;
-    level.step_mm = step_mm;
-    level.scatter_mm = step_mm < 0.05 ? 3.0 : std::hypot(0.1, 0.3 * step_mm);
-    levels.push_back(level);
-  }
-  const auto law = experiments::step_law(levels);
-  REQUIRE(law);
-  CHECK(law->smallest_step_mm == Approx(0.1));
-  CHECK(law->floor_mm == Approx(0.1).margin(1e-6));
-  CHECK(law->growth == Approx(0.3).margin(1e-6));
-
-  for (runs::StepLevel& level : levels) level.scatter_mm = 0.2 / (1.0 + level.step_mm);  // finer further on
-  CHECK(experiments::step_law(levels)->growth == 0.0);
-  CHECK(experiments::step_law({levels[1]})->floor_mm == Approx(levels[1].scatter_mm));
-  CHECK_FALSE(experiments::step_law({levels[0]}));
-}
-
 TEST_CASE("a coil of half the gain needs twice the current to move the needle") {
   std::vector<WeakPulse> pulses;
   for (std::size_t coil = 0; coil < 3; ++coil)

@@ -30,10 +30,6 @@ runs::QualificationResult small_qualification() {
   runs::StickSlipFigures& stick_slip = result.stick_slip.emplace();
   stick_slip.places = {{1.0, 2.0, 0.75, 2.0, 60}, {3.0, 4.0, {}, 15.0, 60}};
   stick_slip.levels = {{0.5, 60, 40, 0.2, 0.15}, {0.7, 60, 60, 0.4, 0.2}};
-  runs::ExpectedErrorFigures& expected = result.expected.emplace();
-  expected.rms_mm = {0.31, 120, std::array<double, 2>{0.25, 0.40}};
-  expected.p95_mm = {0.52, 120, std::array<double, 2>{0.44, 0.70}};
-  expected.rest_mm = 0.25;
   result.items = {
       {"gain of a coil, off 1 by", 50.0, "%", 5.0, 10.0, "mend", "a reason", "rig check"},
       {"latency from command to motion", {}, "ms", 50.0, 200.0, "not measured", "a rest", "rest"}};
@@ -43,14 +39,13 @@ runs::QualificationResult small_qualification() {
 
 }  // namespace
 
-TEST_CASE("a qualification comes with verdicts, what to mend first, the error to expect and a map") {
+TEST_CASE("a qualification comes with verdicts, what to mend first and a map") {
   const tests::TemporaryFolder folder;
   CHECK_THROWS_AS(report::write_qualification_report(folder.path(), folder / "report.html"), common::Error);
   common::write_artefact(folder / runs::QualificationResult::kFile, small_qualification());
   const std::string text = report::write_qualification_report(folder.path(), folder / "report.html");
   CHECK(tests::holds(text, "gain of a coil, off 1 by"));
   CHECK(tests::holds(text, "not measured"));
-  CHECK(tests::holds(text, "RMS 0.31 (0.25 to 0.40) mm, 95th percentile 0.52 (0.44 to 0.70) mm"));
   CHECK(tests::holds(text, "mend first: gain of a coil, off 1 by: rig check\n"));
 
   const std::string page = common::read_file(folder / "report.html");

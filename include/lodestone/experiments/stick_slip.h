@@ -30,16 +30,6 @@ std::optional<double> breakaway_A(const std::vector<WeakPulse>& pulses);
 /// scatter. Levels of fewer than six pulses are left out.
 std::vector<runs::StepLevel> step_levels(const std::vector<WeakPulse>& pulses, double sensing_m);
 
-/// How finely a needle can be moved. The scatter of a step d, per axis, is sqrt(floor^2 + (growth d)^2).
-struct StepLaw {
-  double smallest_step_mm = 0.0;  ///< of the weakest level that moves the needle every other time
-  double floor_mm = 0.0;
-  double growth = 0.0;
-};
-/// By least squares of the squared scatter, from that level on. Nothing where no level moves the needle so
-/// often.
-std::optional<StepLaw> step_law(const std::vector<runs::StepLevel>& levels);
-
 /// All of it, place by place. Nothing without pulses.
 std::optional<runs::StickSlipFigures> stick_slip_figures(const std::vector<WeakPulse>& pulses,
                                                          double sensing_m);

@@ -5,7 +5,7 @@
 namespace lodestone::report {
 
 /// Reads what `lodestone qualify` left in `folder` and writes the page `out`: a verdict per item, what to
-/// mend first, the error to expect, where looks give no pose, coils, and what weak pulses do. Returns
+/// mend first, where looks give no pose, coils, and what weak pulses do. Returns
 /// verdicts and error as text for a terminal. Throws DataError and IoError.
 std::string write_qualification_report(const std::string& folder, const std::string& out);
 

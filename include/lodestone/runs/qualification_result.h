@@ -187,26 +187,6 @@ struct StickSlipFigures {
   }
 };
 
-/// The error to expect at points, with the figures that it is made of (experiments/expected_error.h).
-struct ExpectedErrorFigures {
-  Measured rms_mm, p95_mm;
-  double rest_mm = 0.0;  ///< a needle sensed closer than this to its target is left there
-  double sensing_mm = 0.0, smallest_step_mm = 0.0, scatter_floor_mm = 0.0, scatter_growth = 0.0;
-  double by_sensing = 0.0;  ///< share of the squared error that a perfect sensor would take away
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("rms_mm", rms_mm);
-    v.field("p95_mm", p95_mm);
-    v.field("rest_mm", rest_mm);
-    v.field("sensing_mm", sensing_mm);
-    v.field("smallest_step_mm", smallest_step_mm);
-    v.field("scatter_floor_mm", scatter_floor_mm);
-    v.field("scatter_growth", scatter_growth);
-    v.field("by_sensing", by_sensing);
-  }
-};
-
 /// One item, held against its bounds.
 struct QualifiedItem {
   std::string item;
@@ -243,7 +223,6 @@ struct QualificationResult {
   std::optional<Measured> step_change = {};  ///< of the same pulse, to the end, by its step
   std::vector<CoilFigures> coils;
   std::optional<StickSlipFigures> stick_slip = {};
-  std::optional<ExpectedErrorFigures> expected = {};
   std::vector<QualifiedItem> items;
   std::string mend_first;
 
@@ -260,7 +239,6 @@ struct QualificationResult {
     v.field("step_change", step_change);
     v.field("coils", coils);
     v.field("stick_slip", stick_slip);
-    v.field("expected", expected);
     v.field("items", items);
     v.field("mend_first", mend_first);
   }
