@@ -91,6 +91,7 @@ struct FileCamera::Source {
     if (!files.empty()) {
       if (handed_out < static_cast<std::int64_t>(files.size())) image = decode(files[handed_out]);
     } else {
+      const imaging::QuietStderr quiet;  // the decoder complains of the last stripe of some Motion JPEG
       video.read(image);
     }
     if (image.empty())
