@@ -10,10 +10,10 @@
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/files.h"
 #include "lodestone/report/charts.h"
-#include "lodestone/report/dish_svg.h"
 #include "lodestone/report/html.h"
 #include "lodestone/report/html_page.h"
 #include "lodestone/runs/qualification_result.h"
+#include "sections.h"
 
 namespace lodestone::report {
 namespace {
@@ -65,7 +65,7 @@ std::string still_rows(const QualificationResult& result) {
                rows, 1);
 }
 
-std::string refusal_map(const QualificationResult& result) {
+std::string refusal_map(const QualificationResult& result, DrawnRig rig) {
   std::vector<MapCell> cells;
   for (const runs::RefusalBin& bin : result.refusals->cells)
     if (bin.looks > 0)
@@ -73,12 +73,13 @@ std::string refusal_map(const QualificationResult& result) {
           {bin.x_mm, bin.y_mm, 100.0 * static_cast<double>(bin.refused) / static_cast<double>(bin.looks)});
   double most = 1.0;
   for (const MapCell& cell : cells) most = std::max(most, cell.value);
-  DishSvg dish(result.dish_radius_mm);
+  rig.radius_mm = result.dish_radius_mm;
+  DishSvg dish(rig);
   dish.map(cells, result.refusals->cell_mm, 0.0, most, "looks without a pose (%)", 0);
   return dish.svg("Share of looks without a pose over the dish");
 }
 
-std::string refusals_section(const QualificationResult& result) {
+std::string refusals_section(const QualificationResult& result, const DrawnRig& rig) {
   const runs::RefusalFigures& refusals = *result.refusals;
   std::vector<std::vector<std::string>> headings, reasons;
   for (const runs::RefusalBin& bin : refusals.headings)
@@ -89,7 +90,7 @@ std::string refusals_section(const QualificationResult& result) {
     reasons.push_back({escape(reason), std::to_string(count)});
   return "<p>" + shown_figure(refusals.share, 1, 100.0) + " % of " + std::to_string(refusals.share.n) +
          " looks while the needle was driven gave no pose.</p>" +
-         figure(refusal_map(result),
+         figure(refusal_map(result, rig),
                 "<b>Looks without a pose over the dish</b>, in squares of " + fixed(refusals.cell_mm, 1) +
                     " mm. White: the needle was never there. A look without a pose counts where the needle "
                     "was seen next.") +
@@ -176,7 +177,10 @@ std::string write_qualification_report(const std::string& folder, const std::str
   if (result.stopped) summary += "<p class=\"missing\">It ended early: " + escape(*result.stopped) + "</p>";
   summary += "<p><b>Mend first</b>: " + escape(result.mend_first) + "</p>";
   page.add_section("verdicts", "Verdicts", summary + verdict_table(result));
-  if (result.refusals) page.add_section("refusals", "Looks without a pose", refusals_section(result));
+  if (result.refusals)
+    page.add_section(
+        "refusals", "Looks without a pose",
+        refusals_section(result, drawn_rig_of(common::read_json_if_there(folder + "/config.json"))));
   page.add_section("still", "A needle that lies still", still_rows(result));
   page.add_section("coils", "Coils", qualified_coils(result));
   page.add_section("motion", "What pulses do", motion_section(result));

@@ -16,27 +16,29 @@ namespace lodestone::report {
 constexpr double kPaperDishRadius_mm = 42.5;
 constexpr double kBelow_m = 1e-3;
 
-DrawnRig drawn_rig(const RunData& run) {
+DrawnRig drawn_rig_of(const common::Json& config) {
   DrawnRig drawn(kPaperDishRadius_mm);
-  for (const StepData* step : {&run.deploy, &run.collect}) {
-    if (!step->config.is_object() || !step->config.contains("rig")) continue;
-    const common::Json& rig = step->config["rig"];
-    try {
-      drawn.radius_mm = 1e3 * rig.at("dish").at("radius_m").get<double>();
-      const common::Json each = rig.at("coils").value("each", common::Json::array());
-      if (!each.empty()) drawn.coils.clear();
-      for (const common::Json& coil : each) {
-        const double x_m = coil.at("position_m").at(0).get<double>();
-        const double y_m = coil.at("position_m").at(1).get<double>();
-        if (std::hypot(x_m, y_m) < kBelow_m) continue;  // above or below the dish
-        drawn.coils.push_back(
-            {coil.at("name").get<std::string>(), geometry::kDegPerRad * std::atan2(y_m, x_m)});
-      }
-      break;
-    } catch (const common::Json::exception&) {
-      drawn = DrawnRig(kPaperDishRadius_mm);  // a run of an earlier version, which told less
+  try {
+    const common::Json& rig = config.at("rig");
+    drawn.radius_mm = 1e3 * rig.at("dish").at("radius_m").get<double>();
+    const common::Json each = rig.at("coils").value("each", common::Json::array());
+    if (!each.empty()) drawn.coils.clear();
+    for (const common::Json& coil : each) {
+      const double x_m = coil.at("position_m").at(0).get<double>();
+      const double y_m = coil.at("position_m").at(1).get<double>();
+      if (std::hypot(x_m, y_m) < kBelow_m) continue;  // above or below the dish
+      drawn.coils.push_back(
+          {coil.at("name").get<std::string>(), geometry::kDegPerRad * std::atan2(y_m, x_m)});
     }
+    return drawn;
+  } catch (const common::Json::exception&) {
+    return DrawnRig(kPaperDishRadius_mm);  // no run, or one of an earlier version, which told less
   }
+}
+
+DrawnRig drawn_rig(const RunData& run) {
+  const bool deployed = run.deploy.config.is_object() && run.deploy.config.contains("rig");
+  DrawnRig drawn = drawn_rig_of(deployed ? run.deploy.config : run.collect.config);
   if (run.coverage && run.coverage->workspace_radius_m > 0.0)
     drawn.radius_mm = 1e3 * run.coverage->workspace_radius_m;
   return drawn;

@@ -22,6 +22,8 @@ std::string camera_section(const RunData& run);
 /// Dynamics and policy learned from real recordings, beside the virtual rig's.
 std::string recorded_section(const RunData& run, const RunData& recorded);
 
+/// The rig of a configuration as drawings show it; the paper's where it does not tell.
+DrawnRig drawn_rig_of(const common::Json& config);
 /// The rig of a run as drawings show it; the paper's where the run does not tell.
 DrawnRig drawn_rig(const RunData& run);
 

@@ -52,8 +52,8 @@ function show(place) {
     const pen = canvas.getContext("2d");
     pen.setTransform(2, 0, 0, 2, 0, 0);
     pen.drawImage(image, 0, 0);
-    caption.textContent = label.frame + ": " +
-      (first ? "now click the tail" : label.pose ? "" : label.by_person ? "no needle" : label.reason || "no needle");
+    const words = first ? "now click the tail" : label.pose ? "" : label.by_person ? "no needle" : label.reason || "no needle";
+    caption.textContent = label.frame + (words ? ": " + words : "");
     const dot = (u, v) => { pen.beginPath(); pen.arc(u, v, 3, 0, 7); pen.fillStyle = "#f0e442"; pen.fill(); };
     if (first) return dot(...first);
     if (!label.pose) return;

@@ -58,6 +58,16 @@ TEST_CASE("a qualification comes with verdicts, what to mend first and a map") {
   CHECK(tests::holds(page, "more than 15.00"));
   CHECK(tests::holds(page, "id=\"steps\""));
   CHECK_FALSE(tests::holds(page, "It ended early"));
+  CHECK(tests::holds(page, ">+y<"));
+  // The coils that are drawn are those of the run's own rig.
+  common::write_file_atomically(folder / "config.json",
+                                R"({"rig": {"dish": {"radius_m": 0.02}, "coils": {"each": [
+    {"name": "at60", "position_m": [0.039, 0.06755, 0.0]}, {"name": "under", "position_m": [0.0, 0.0, -0.1]}]}}})");
+  report::write_qualification_report(folder.path(), folder / "report.html");
+  const std::string other = common::read_file(folder / "report.html");
+  CHECK(tests::holds(other, ">at60<"));
+  CHECK_FALSE(tests::holds(other, ">under<"));
+  CHECK_FALSE(tests::holds(other, ">+y<"));
 }
 
 TEST_CASE("a qualification that was stopped at once has a page, too") {
