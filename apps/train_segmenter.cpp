@@ -67,7 +67,8 @@ segmentation::FrameViews read_frames(const segmentation::FramesConfig& config,
   segmentation::FrameViews frames{segmenter.view_of(calibration.camera, bench.dish_radius_m), {}, {}};
   const auto most = static_cast<std::size_t>(config.count);
   std::size_t stride = 1;
-  for (std::size_t index = 0;; ++index) {
+  std::size_t index = 0;
+  for (;; ++index) {
     if (index % stride == 0) {
       frames.images.push_back(frames.view.cut(image, frames.view.whole()));
       frames.names.push_back("image " + std::to_string(index));
@@ -87,6 +88,8 @@ segmentation::FrameViews read_frames(const segmentation::FramesConfig& config,
       break;  // that was the last one
     }
   }
+  common::log_info(config.source + ": " + std::to_string(index + 1) +
+                   " images, up to its end or one that cannot be read");
   constexpr std::size_t kFewest = 8;
   if (frames.images.size() < kFewest)
     throw common::DataError(config.source + " has " + std::to_string(frames.images.size()) +
