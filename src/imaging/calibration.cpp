@@ -87,7 +87,7 @@ class DishFitter {
     camera_ = search_dish(grey_, bench_, start_);
     find_signs();
     for (const double reach_px : kReach_px) {
-      find_edges(reach_beside_wall_px(camera_, bench_, reach_px));
+      find_edges(reach_within_px(bench_.wall_thickness_m / camera_.pixel_size_m(), reach_px));
       check_edges();
       for (int i = 0; i < kSteps; ++i) {
         weigh();

@@ -11,8 +11,6 @@ namespace {
 
 constexpr double kStep_px = 0.5;
 constexpr int kKernelReach = 5;  ///< samples; 2.5 px
-/// Edges nearer than this to each other are blurred into one and are left out.
-constexpr double kApart_px = 5.0;
 /// The dark bore makes the base line of a coil sharp; the winding beside it may be as bright as the plate.
 constexpr double kPartOfBore = 0.92;
 /// Profiles are averaged over this way along the edge, against noise.
@@ -127,6 +125,19 @@ bool Visibility::operator()(const EdgePoint& edge, const Eigen::Vector2d& pixel,
   return eye_.dot(edge.outward) < bench_.coil_face_m;  // else the coil hides the foot of its own face
 }
 
+double Visibility::room_px(const EdgePoint& edge) const {
+  if (is_circle(edge.kind)) return bench_.wall_thickness_m / pixel_m_;
+  const double aside_m = edge.point_m.dot(edge.along);
+  const double height_m =
+      std::sqrt(std::max(0.0, bench_.coil_bore_radius_m * bench_.coil_bore_radius_m - aside_m * aside_m));
+  const double before_face_m = bench_.coil_face_m - eye_.dot(edge.outward);
+  // The ray over the bore's upper end meets the plane of the base lines so far behind the face.
+  const double strip_m = before_face_m * height_m / (eye_.z() - height_m);
+  const Eigen::Vector3d at_top = edge.point_m + bench_.wall_height_m / eye_.z() * (eye_ - edge.point_m);
+  const double behind_rim_m = at_top.head<2>().norm() - bench_.dish_radius_m - bench_.wall_thickness_m;
+  return std::min(strip_m, behind_rim_m) / pixel_m_;
+}
+
 float sample(const cv::Mat_<float>& image, double u_px, double v_px) {
   const int u = static_cast<int>(u_px);
   const int v = static_cast<int>(v_px);
@@ -139,9 +150,9 @@ float sample(const cv::Mat_<float>& image, double u_px, double v_px) {
   return above + down * (below - above);
 }
 
-double reach_beside_wall_px(const CameraModel& camera, const BenchGeometry& bench, double most_px) {
+double reach_within_px(double room_px, double most_px) {
   constexpr double kClear_px = 4.0, kLeast_px = 3.0;
-  return std::max(kLeast_px, std::min(most_px, bench.wall_thickness_m / camera.pixel_size_m() - kClear_px));
+  return std::max(kLeast_px, std::min(most_px, room_px - kClear_px));
 }
 
 EdgeHit find_edge(const cv::Mat_<float>& image, const SeenEdge& seen, double reach_px, double sign,

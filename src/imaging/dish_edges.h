@@ -41,11 +41,18 @@ struct SeenEdge {
 };
 SeenEdge see(const CameraModel& camera, const EdgePoint& edge);
 
+/// Edges nearer than this to each other are blurred into one.
+constexpr double kApart_px = 5.0;
+
 /// Whether it is in view, not hidden by the dish wall or a coil, and clear of the neighbouring edge.
 class Visibility {
  public:
   Visibility(const CameraModel& camera, const BenchGeometry& bench);
   bool operator()(const EdgePoint& edge, const Eigen::Vector2d& pixel, double margin_px) const;
+  /// How far from an edge the next one is seen. Beside a circle that is the wall's other edge. Beside a base
+  /// line it is the upper end of the coil's bore, which is a narrow strip where the camera is high up or
+  /// nearly above the coil's face, or the dish's rim; less than 0 where the rim hides the line.
+  double room_px(const EdgePoint& edge) const;
 
  private:
   bool clear_of_neighbour(const EdgePoint& edge) const;
@@ -66,8 +73,8 @@ struct EdgeHit {
   double offset_px = 0.0;  ///< along the normal
   double contrast = 0.0;   ///< grey levels per pixel there, positive where it brightens outwards
 };
-/// How far an edge may be looked for, `most_px` at most, and not as far as the wall's other edge.
-double reach_beside_wall_px(const CameraModel& camera, const BenchGeometry& bench, double most_px);
+/// How far an edge may be looked for, `most_px` at most, and not as far as another one `room_px` beside it.
+double reach_within_px(double room_px, double most_px);
 
 /// Looks within +-reach_px. `sign` is the wanted sign of the contrast.
 EdgeHit find_edge(const cv::Mat_<float>& image, const SeenEdge& seen, double reach_px, double sign,

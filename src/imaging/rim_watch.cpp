@@ -34,6 +34,7 @@ struct RimWatch::State {
   struct Watched {
     SeenEdge seen;
     std::size_t group;          // of edges that look alike
+    double reach_px;            // further away there is another edge
     Eigen::Vector4d by_motion;  // what a motion does across the edge
   };
   struct Hit {
@@ -42,9 +43,7 @@ struct RimWatch::State {
   };
 
   State(const Calibration& calibration, const BenchGeometry& bench)
-      : pixel_m(calibration.camera.pixel_size_m()),
-        radius_m(bench.dish_radius_m),
-        reach_px(reach_beside_wall_px(calibration.camera, bench, kWatchReach_px)) {
+      : pixel_m(calibration.camera.pixel_size_m()), radius_m(bench.dish_radius_m) {
     const CameraModel& camera = calibration.camera;
     const Eigen::Vector2d centre = camera.project(Eigen::Vector3d::Zero());
     const Visibility visible(camera, bench);
@@ -52,10 +51,15 @@ struct RimWatch::State {
       if (edge.kind == kFloor) continue;
       const SeenEdge seen = see(camera, edge);
       if (!visible(edge, seen.pixel, kWatchReach_px + 5.0)) continue;
+      // The other edge of a narrow bore is as strong as the base line, and of the other sign: learned from
+      // it, the line would be seen beside its place ever after.
+      const double room_px = visible.room_px(edge);
+      if (!is_circle(edge.kind) && room_px < kApart_px) continue;
       const Eigen::Vector2d from_centre = seen.pixel - centre;
       const double turned = seen.normal.dot(Eigen::Vector2d(-from_centre.y(), from_centre.x()));
       watched.push_back({seen,
                          static_cast<std::size_t>(edge.kind) * kParts + static_cast<std::size_t>(edge.part),
+                         reach_within_px(room_px, kWatchReach_px),
                          {seen.normal.x(), seen.normal.y(), turned, seen.normal.dot(from_centre)}});
     }
   }
@@ -64,7 +68,7 @@ struct RimWatch::State {
     std::vector<Hit> found;
     for (const Watched& edge : watched) {
       const EdgeHit hit =
-          find_edge(grey, edge.seen, reach_px, signs[edge.group] < 0.0 ? -1.0 : 1.0, kWatchContrast);
+          find_edge(grey, edge.seen, edge.reach_px, signs[edge.group] < 0.0 ? -1.0 : 1.0, kWatchContrast);
       if (hit.found) found.push_back({&edge, hit.offset_px});
     }
     return found;
@@ -74,7 +78,7 @@ struct RimWatch::State {
     signs.fill(0.0);
     for (const Watched& edge : watched)
       for (const double sign : {-1.0, 1.0}) {
-        const EdgeHit hit = find_edge(grey, edge.seen, reach_px, sign, kWatchContrast);
+        const EdgeHit hit = find_edge(grey, edge.seen, edge.reach_px, sign, kWatchContrast);
         if (hit.found) signs[edge.group] += hit.contrast;
       }
   }
@@ -119,7 +123,6 @@ struct RimWatch::State {
 
   double pixel_m;
   double radius_m;
-  double reach_px;
   std::vector<Watched> watched;
   std::array<double, kEdgeKinds * kParts> signs{};
   bool known = false;

@@ -1,6 +1,7 @@
 #include "dish_edges.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "paper_scenes.h"
 
@@ -33,6 +34,39 @@ TEST_CASE("an edge point is seen where the camera projects it, unless it is out 
   const Visibility visible(camera, bench);
   CHECK_FALSE(visible(edge, {-5.0, 300.0}, 3.0));
   CHECK_FALSE(visible(edge, {300.0, 5000.0}, 3.0));
+}
+
+TEST_CASE("beside an edge there is room up to the next: the wall's other edge, a bore's upper end, the rim") {
+  const BenchGeometry bench = tests::paper_bench();
+  const CameraModel camera =
+      moved(nominal_camera(LensConfig{}), Eigen::Vector3d::Zero(), Eigen::Vector3d(0.03, 0.0, 0.0));
+  const Visibility visible(camera, bench);
+  for (const EdgePoint& edge : edges_of(bench, 24, 10)) {
+    CAPTURE(name_of(edge.kind));
+    const double room_px = visible.room_px(edge);
+    if (is_circle(edge.kind)) {
+      CHECK(room_px == Approx(bench.wall_thickness_m / camera.pixel_size_m()));
+      continue;
+    }
+    const double aside_m = edge.point_m.dot(edge.along);
+    const double height_m = std::sqrt(std::pow(bench.coil_bore_radius_m, 2) - std::pow(aside_m, 2));
+    const Eigen::Vector3d end_m = edge.point_m + Eigen::Vector3d(0.0, 0.0, height_m);
+    const SeenEdge seen = see(camera, edge);
+    const double strip_px = (camera.project(end_m) - seen.pixel).dot(seen.normal);
+    CHECK(room_px < strip_px + 1e-6);
+    if (edge.kind == kCoilPlusX) CHECK(room_px == Approx(strip_px));  // which the camera is nearest to
+  }
+  BenchGeometry thick = bench;
+  thick.wall_thickness_m = 0.01;
+  const Visibility over_wall(camera, thick);
+  for (const EdgePoint& edge : edges_of(thick, 24, 1))
+    if (!is_circle(edge.kind)) CHECK(over_wall.room_px(edge) < 0.0);
+}
+
+TEST_CASE("an edge is looked for no further than where the next one is clear of it") {
+  CHECK(reach_within_px(15.0, 10.0) == 10.0);
+  CHECK(reach_within_px(10.0, 10.0) == 6.0);
+  CHECK(reach_within_px(4.0, 10.0) == 3.0);
 }
 
 TEST_CASE("an edge of an image is found to a fraction of a pixel, with its sign") {

@@ -1,19 +1,47 @@
 #include "lodestone/imaging/rim_watch.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <string>
 
+#include "lodestone/common/config.h"
+#include "lodestone/geometry/angle.h"
 #include "lodestone/imaging/calibration.h"
 #include "lodestone/imaging/scene_renderer.h"
+#include "lodestone/rig/rig_config.h"
 #include "paper_scenes.h"
 
 using namespace lodestone;
 
 namespace {
 
-cv::Mat rendered(const imaging::SceneRenderer& renderer, std::uint64_t noise, double x_m = 0.01) {
+cv::Mat rendered(const imaging::SceneRenderer& renderer, std::uint64_t noise,
+                 const geometry::Pose2& pose = {0.01, -0.02, 0.5}) {
   common::RandomStream random(noise, "image");
-  return renderer.render({{{x_m, -0.02, 0.5}}}, random).image;
+  return renderer.render({{pose}}, random).image;
+}
+
+/// A dish of 34 mm in a holder whose sides have bores of few pixels, in an image that shows little else.
+imaging::SceneConfig small_dish() {
+  const std::string file = LODESTONE_SOURCE_DIR "/configs/rigs/octomag.json";
+  imaging::SceneConfig config;
+  config.bench = rig::bench_of(common::config_from_json<rig::RigConfig>(common::read_json_file(file), file));
+  config.lens.width_px = config.lens.height_px = 640;
+  return config;
+}
+
+/// The needle with both ends at the wall.
+geometry::Pose2 at_wall(const imaging::BenchGeometry& bench, double angle_rad) {
+  const double away_m = std::sqrt(std::pow(bench.dish_radius_m, 2) -
+                                  std::pow(0.5 * bench.needle_length_m + bench.needle_diameter_m, 2));
+  return {away_m * std::cos(angle_rad), away_m * std::sin(angle_rad), angle_rad + 0.5 * geometry::kPi};
+}
+
+imaging::Calibration calibrated_as(const imaging::Scene& scene) {
+  imaging::Calibration calibration;
+  calibration.camera = scene.camera;
+  return calibration;
 }
 
 /// A bench as it is drawn and calibrated, and what its camera sees once it has slipped.
@@ -48,11 +76,51 @@ TEST_CASE("a camera that stands still is not said to have moved, wherever the ne
     const imaging::SceneRenderer renderer(bench.scene);
     imaging::RimWatch watch(bench.calibration, bench.config.bench);
     for (int i = 0; i < 4; ++i) {
-      const auto moved_m =
-          watch.moved_m(rendered(renderer, 10 + static_cast<std::uint64_t>(i), -0.03 + 0.02 * i));
+      const auto moved_m = watch.moved_m(
+          rendered(renderer, 10 + static_cast<std::uint64_t>(i), {-0.03 + 0.02 * i, -0.02, 0.5}));
       CAPTURE(seed, i);
       REQUIRE(moved_m);
       CHECK(*moved_m < 0.1e-3);
+    }
+  }
+}
+
+TEST_CASE(
+    "a camera over a small dish that stands still is not said to have moved, whatever lies in the dish") {
+  for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+    imaging::SceneConfig config = small_dish();
+    if (seed % 2 == 0) {  // with a thick and tall wall
+      config.bench.wall_thickness_m = 0.003;
+      config.bench.wall_height_m = 0.006;
+    }
+    const imaging::Scene scene = imaging::draw_scene(config, seed);
+    const imaging::SceneRenderer renderer(scene);
+    imaging::RimWatch watch(calibrated_as(scene), config.bench);
+    for (int i = 0; i < 3; ++i) {
+      const geometry::Pose2 pose = at_wall(config.bench, 2.0 * i + 0.3 * static_cast<double>(seed));
+      const auto moved_m = watch.moved_m(rendered(renderer, 10 + static_cast<std::uint64_t>(i), pose));
+      CAPTURE(seed, i);
+      REQUIRE(moved_m);
+      CHECK(*moved_m < 0.1e-3);
+    }
+  }
+}
+
+TEST_CASE("a slip of 0.4 mm is found out over a small dish as over the paper's") {
+  for (const imaging::SceneConfig& config : {tests::paper_scenes(), small_dish()}) {
+    for (const std::uint64_t seed : {1, 2}) {
+      imaging::Scene scene = imaging::draw_scene(config, seed);
+      const double way_rad = 2.0 * static_cast<double>(seed);
+      const geometry::Pose2 pose = at_wall(config.bench, way_rad);
+      imaging::RimWatch watch(calibrated_as(scene), config.bench);
+      watch.moved_m(rendered(imaging::SceneRenderer(scene), 2, pose));
+      scene.camera = imaging::moved(scene.camera, Eigen::Vector3d::Zero(),
+                                    {0.4e-3 * std::cos(way_rad), 0.4e-3 * std::sin(way_rad), 0.0});
+      const auto moved_m = watch.moved_m(rendered(imaging::SceneRenderer(scene), 3, pose));
+      CAPTURE(config.bench.dish_radius_m, seed);
+      REQUIRE(moved_m);
+      CHECK(*moved_m > imaging::CalibrationConfig{}.moved_bound_m);
+      CHECK(*moved_m == Approx(0.4e-3).margin(0.05e-3));
     }
   }
 }
