@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -8,11 +7,10 @@
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
-#include "lodestone/common/progress.h"
 #include "lodestone/experiments/qualification.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/report/qualification_report.h"
-#include "lodestone/runs/run_folder.h"
+#include "lodestone/runs/resumable_run.h"
 #include "models.h"
 #include "terminal.h"
 #include "verbs.h"
@@ -39,35 +37,41 @@ std::unique_ptr<session::RigSession> open_bench(const QualificationConfig& confi
   return session::make_bench_session(config.rig, config.sensor, config.safety, terminal_operator(), folder);
 }
 
+/// Writes the page from what lies in the run's folder, and says what it says.
+void print_verdicts(const runs::RunFolder& run) {
+  const std::string page = run.file("report.html");
+  const std::string text = report::write_qualification_report(run.path(), page);
+  std::printf("%sreport   %s\n", text.c_str(), page.c_str());
+}
+
+void measure_bench(const QualificationConfig& config, const QualifyOptions& options, runs::RunFolder& run) {
+  const std::unique_ptr<session::RigSession> bench = open_bench(config, options, run.path());
+  experiments::Qualification work(config, *bench);
+  runs::run_resumably(run, work, {"qualify", "s of the bench", 0.0});
+  const runs::QualificationResult result = work.result();
+  const std::string file = run.file(runs::QualificationResult::kFile);
+  common::write_artefact(file, result);
+  print_verdicts(run);
+  if (!result.stopped) return run.finish();
+  const std::string kept =
+      "; what was measured until then is in " + file + ", and the same command with --resume goes on";
+  if (common::interrupted()) throw common::Interrupted("qualify: stopped" + kept);
+  throw common::HardwareError("qualify: stopped: " + *result.stopped + kept);
+}
+
 void qualify(const QualifyOptions& given) {
   QualifyOptions options = given;
   if (options.virtual_rig) options.overrides.push_back({"rig.backend=virtual", "--virtual"});
   auto config = resolve_config<QualificationConfig>(options);
   nets::use_one_blas_thread();
   choose_segmenter(config.sensor);
-  runs::RunFolder run({options.out, "qualify", common::config_to_json(config), config.seed});
-  const std::unique_ptr<session::RigSession> bench = open_bench(config, options, run.path());
-  run.begin();
-  runs::QualificationResult result;
-  {
-    common::Progress progress("qualify", std::llround(60.0 * config.minutes));
-    experiments::Qualification work(config, *bench, [&progress](double passed_s, const std::string& item) {
-      progress.update(std::llround(passed_s), item);
-    });
-    result = work.run();
-    progress.finish(result.stopped ? "stopped" : "");
-  }
-  const std::string file = run.file(runs::QualificationResult::kFile);
-  const std::string page = run.file("report.html");
-  common::write_artefact(file, result);
-  const std::string text = report::write_qualification_report(run.path(), page);
-  std::printf("%sreport   %s\n", text.c_str(), page.c_str());
-  if (result.stopped && common::interrupted())
-    throw common::Interrupted("qualify: stopped; what was measured until then is in " + file);
-  if (result.stopped)
-    throw common::HardwareError("qualify: stopped: " + *result.stopped +
-                                "; what was measured until then is in " + file);
-  run.finish();
+  runs::RunRequest request{options.out, "qualify", common::config_to_json(config), config.seed,
+                           options.resume};
+  request.free_keys = {"threads", "rig.serial.port"};
+  runs::RunFolder run(request);
+  if (!run.finished()) return measure_bench(config, options, run);
+  common::log_info("qualify: " + run.path() + " is finished already");
+  print_verdicts(run);
 }
 
 }  // namespace
@@ -77,7 +81,7 @@ void add_qualify(Verb& program) {
                                 "what a bench can do, in at most 15 minutes of it: a verdict per item, and "
                                 "what to mend first");
   auto& options = configure<QualificationConfig>(verb, qualify);
-  add_common_options(verb, options);
+  add_common_options(verb, options, /*with_resume=*/true);
   add_virtual_rig_options(verb, options);
   add_shorthand(verb, options, "--port", "rig.serial.port", Shorthand::kText,
                 "serial port of the coil controller, such as /dev/ttyACM0");

@@ -16,4 +16,8 @@ bool SteadyClock::wait_until(double time_s, Interruption* interruption) {
   return true;
 }
 
+double unix_time_s() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
 }  // namespace lodestone::common

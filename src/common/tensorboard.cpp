@@ -1,9 +1,9 @@
 #include "lodestone/common/tensorboard.h"
 
 #include <array>
-#include <chrono>
 #include <cstring>
 
+#include "lodestone/common/clock.h"
 #include "lodestone/common/error.h"
 
 namespace lodestone::common {
@@ -76,10 +76,6 @@ constexpr int kSuccess = 1;      // Status of SessionEndInfo
 std::string null_tensor() {
   const std::string one_dimension = bytes_field(2, number_field(1, 1));
   return number_field(1, kFloatType) + bytes_field(2, one_dimension) + bytes_field(5, little_endian(0.0F));
-}
-
-double unix_time_s() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
 }  // namespace

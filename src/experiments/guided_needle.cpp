@@ -59,6 +59,13 @@ GuidedNeedle::GuidedNeedle(const GuidedNeedleConfig& config, const rig::RigConfi
       looked_s_(session.clock().now_s()),
       pulse_ends_s_(looked_s_) {}
 
+void GuidedNeedle::begin() {
+  session_.sensor().forget();
+  here_.reset();
+  looked_s_ = pulse_ends_s_ = session_.clock().now_s();
+  session_.sensor().acquire();
+}
+
 control::PoseEstimate GuidedNeedle::observed() {
   common::Clock& clock = session_.clock();
   clock.sleep_until(looked_s_ + config_.look_s);

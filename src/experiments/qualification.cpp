@@ -5,7 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/clock.h"
 #include "lodestone/common/error.h"
+#include "lodestone/common/interrupt.h"
 #include "lodestone/common/random.h"
 #include "lodestone/common/statistics.h"
 #include "lodestone/experiments/qualification_verdict.h"
@@ -14,18 +17,15 @@
 namespace lodestone::experiments {
 namespace {
 
-// Of all the time, up to where each item may go on; it ends before where it has all that it wants.
-constexpr double kStillUntil = 0.04, kCoilsUntil = 0.14, kEarlyUntil = 0.26, kLatencyUntil = 0.34,
-                 kWeakUntil = 0.66, kRoamUntil = 0.83, kLateUntil = 0.95, kAllUntil = 1.0;
-
 constexpr std::size_t kStillLooks = 300;
-constexpr int kRounds = 5;  // of pulses through every coil
+constexpr std::size_t kRounds = 5;  // of pulses through every coil
 constexpr double kCurrentPulse_s = 0.2;
 constexpr double kPoll_s = 2e-3;         // between reports of a current
-constexpr std::size_t kSamePulses = 10;  // at the beginning, and at the end
-constexpr int kLatencyPulses = 20;
+constexpr std::size_t kSamePulses = 10;  // at the beginning, and at the end,
+constexpr std::int64_t kSameTries = 20;  // of so many tries
+constexpr std::int64_t kLatencyPulses = 20;
 constexpr double kMotionWithin_s = 0.6;   // of a pulse
-constexpr int kVisits = 80;               // while it roams
+constexpr std::int64_t kVisits = 80;      // while it roams
 constexpr double kGoldenPart = 0.618034;  // multiples of it are spread evenly between whole numbers
 
 // Places, in dish radii.
@@ -41,7 +41,8 @@ constexpr double kAlignedBy_A = 1.5;  // as pulses that turn a needle and hardly
 constexpr double kWeakest = 0.15;  // of the pull that should break the needle loose
 constexpr double kStronger = 1.4;  // from level to level
 constexpr int kPulsesOfLevel = 12;
-constexpr double kFarEnough_m = 1e-3;  // that all pulses of two levels move the needle on average
+constexpr std::int64_t kFarLevels = 2;
+constexpr double kFarEnough_m = 1e-3;  // that all pulses of such levels move the needle on average
 
 struct AxisDrive {
   double x, y;
@@ -74,56 +75,148 @@ std::unique_ptr<session::RigSession> make_qualification_session(const Qualificat
   return session::make_virtual_session(config.rig, config.sensor, config.safety, seeds);
 }
 
-Qualification::Qualification(const QualificationConfig& config, session::RigSession& bench, Watch watch)
+Qualification::Qualification(const QualificationConfig& config, session::RigSession& bench)
     : config_(config),
       bench_(bench),
-      watch_(std::move(watch)),
       needle_(config.needle, config.rig, bench),
       pull_(config.rig),
-      start_s_(bench.clock().now_s()),
-      rises_(config.rig.coils.count()) {}
+      start_s_(bench.clock().now_s()) {
+  state_.rises.resize(config.rig.coils.count());
+}
 
-runs::QualificationResult Qualification::run() {
+/// Each ends before its time where it has all that it wants.
+const std::vector<Qualification::Item>& Qualification::items() {
+  static const std::vector<Item> kItems = {{"still needle", 0.04, &Qualification::lie_still_at_first},
+                                           {"coils", 0.14, &Qualification::measure_coils},
+                                           {"same pulse", 0.26, &Qualification::repeat_pulse_at_first},
+                                           {"latency", 0.34, &Qualification::measure_latency},
+                                           {"weak pulses", 0.66, &Qualification::push_weakly},
+                                           {"refusals", 0.83, &Qualification::roam},
+                                           {"same pulse again", 0.95, &Qualification::repeat_pulse_at_end},
+                                           {"still needle again", 1.0, &Qualification::lie_still_at_end}};
+  return kItems;
+}
+
+double Qualification::passed_s() const { return bench_.clock().now_s() - start_s_; }
+
+bool Qualification::ended() const { return static_cast<std::size_t>(state_.item) == items().size(); }
+
+bool Qualification::time_left() const {
+  return passed_s() < items()[static_cast<std::size_t>(state_.item)].until * 60.0 * config_.minutes;
+}
+
+runs::Progress Qualification::progress() const {
+  const std::int64_t total_s = std::llround(60.0 * config_.minutes);
+  if (ended()) return {total_s, total_s, true, ""};
+  const std::int64_t done_s = std::llround(passed_s());
+  return {std::min(done_s, total_s), total_s, stopped_.has_value(),
+          stopped_ ? "stopped" : items()[static_cast<std::size_t>(state_.item)].name};
+}
+
+void Qualification::step(common::MetricsLog& /*metrics*/) {
+  if (progress().finished) return;
   try {
-    measure();
+    measure_piece();
   } catch (const common::Error& error) {
-    result_.stopped = error.what();
+    stopped_ = error.what();
   } catch (...) {
     bench_.coils().stop();
     throw;
   }
-  bench_.coils().stop();
-  result_.minutes = (bench_.clock().now_s() - start_s_) / 60.0;
-  close();
-  return std::move(result_);
+  if (!stopped_ && !ended() && common::interrupted()) stopped_ = "stopped by the user (signal)";
+  if (progress().finished) bench_.coils().stop();
 }
 
-void Qualification::measure() {
+void Qualification::measure_piece() {
+  if (!begun_) begin_item();
+  const Item& item = items()[static_cast<std::size_t>(state_.item)];
+  if (time_left() && (this->*item.measure)())
+    ++state_.pieces;
+  else
+    end_item();
+  // Within an item a virtual bench's sensor knows things that would not be there after a restart.
+  if (bench_.truth() == nullptr || !begun_) keep();
+}
+
+void Qualification::begin_item() {
+  begun_ = true;
+  at_place_ = false;
+  needle_.begin();
   if (!needle_.here()) needle_.bring_to(geometry::Vector2::Zero(), kAbout_m);  // looks for it
-  lie_still("still needle", kStillUntil, result_.still);
-  if (result_.still) threshold_ = motion_threshold(*result_.still);
-  note_temperatures(first_C_);
-  measure_coils(kCoilsUntil);
-  repeat_pulse("same pulse", early_, kEarlyUntil);
-  measure_latency(kLatencyUntil);
-  push_weakly(kWeakUntil);
-  roam(kRoamUntil);
-  repeat_pulse("same pulse again", late_, kLateUntil);
-  lie_still("still needle again", kAllUntil, result_.still_at_end);
-  note_temperatures(last_C_);
 }
 
-bool Qualification::time_for(const std::string& item, double share) {
-  const double passed_s = bench_.clock().now_s() - start_s_;
-  if (watch_) watch_(passed_s, item);
-  return passed_s < share * 60.0 * config_.minutes;
+void Qualification::end_item() {
+  if (state_.item == 0) state_.first_C = temperatures_C();
+  ++state_.item;
+  state_.pieces = 0;
+  begun_ = false;
+  if (ended()) state_.last_C = temperatures_C();
 }
 
-void Qualification::lie_still(const std::string& item, double share,
-                              std::optional<runs::StillFigures>& figures) {
+void Qualification::keep() {
+  state_.passed_s = passed_s();
+  state_.saved_s = common::unix_time_s();
+  state_.refusals = needle_.refusals().counts();
+  if (const session::GroundTruth* truth = bench_.truth()) state_.bench = truth->save();
+  unsaved_ = state_;
+}
+
+void Qualification::save(const std::string& folder) {
+  if (!unsaved_) return;
+  common::write_artefact(folder + QualificationState::kFile, *unsaved_);
+  unsaved_.reset();
+}
+
+void Qualification::load(const std::string& folder) {
+  const std::string path = folder + QualificationState::kFile;
+  std::optional<QualificationState> found = common::find_artefact<QualificationState>(path);
+  if (!found) return;
+  const bool fits = found->item >= 0 && found->item <= static_cast<std::int64_t>(items().size()) &&
+                    found->pieces >= 0 && found->rises.size() == config_.rig.coils.count();
+  if (!fits)
+    throw common::DataError(path + ": piece " + std::to_string(found->pieces) + " of item " +
+                            std::to_string(found->item) + " with " + std::to_string(found->rises.size()) +
+                            " coils is nothing that this bench goes on from; start again in another folder");
+  state_ = std::move(*found);
+  needle_.restore_refusals(state_.refusals);
+  if (state_.still) threshold_ = motion_threshold(*state_.still);
+  if (session::GroundTruth* truth = bench_.truth()) {
+    try {
+      truth->load(state_.bench);
+    } catch (const common::Json::exception& error) {
+      throw common::DataError(path + ": bench is malformed: " + error.what());
+    }
+    return;
+  }
+  start_s_ = bench_.clock().now_s() - state_.passed_s;
+  if (!ended()) note_gap();
+}
+
+void Qualification::note_gap() {
+  runs::QualificationGap gap;
+  gap.after_min = state_.passed_s / 60.0;
+  gap.away_min = std::max(0.0, common::unix_time_s() - state_.saved_s) / 60.0;
+  for (std::size_t item = 0; item < static_cast<std::size_t>(state_.item); ++item)
+    gap.before.emplace_back(items()[item].name);
+  if (state_.pieces > 0) gap.across = items()[static_cast<std::size_t>(state_.item)].name;
+  state_.gaps.push_back(std::move(gap));
+}
+
+bool Qualification::lie_still_at_first() {
+  state_.still = lie_still();
+  if (state_.still) threshold_ = motion_threshold(*state_.still);
+  return false;
+}
+
+bool Qualification::lie_still_at_end() {
+  state_.still_at_end = lie_still();
+  return false;
+}
+
+std::optional<runs::StillFigures> Qualification::lie_still() {
   std::vector<StillLook> looks;
   std::int64_t refused = 0;
-  while (looks.size() < kStillLooks && time_for(item, share)) {
+  while (looks.size() < kStillLooks && time_left()) {
     const control::PoseEstimate seen = needle_.fresh_look();
     if (!seen.valid) {
       ++refused;
@@ -131,11 +224,13 @@ void Qualification::lie_still(const std::string& item, double share,
     }
     looks.push_back({seen.pose, seen.position_covariance_m2, seen.heading_sigma_rad, seen.stamp_s});
   }
-  figures = still_figures(looks, refused);
+  return still_figures(looks, refused);
 }
 
-void Qualification::note_temperatures(std::vector<double>& temperatures_C) {
-  temperatures_C = bench_.coils().status().temperature_C.list();
+std::vector<double> Qualification::temperatures_C() { return bench_.coils().status().temperature_C.list(); }
+
+double Qualification::largest_A() const {
+  return std::min(config_.rig.coils.max_current_A, config_.safety.max_current_A);
 }
 
 double Qualification::test_current_of(std::size_t coil) const {
@@ -148,13 +243,13 @@ void Qualification::keep_inside() {
     needle_.bring_to(geometry::Vector2::Zero(), kAbout_m);
 }
 
-void Qualification::measure_coils(double share) {
-  for (int round = 0; round < kRounds; ++round)
-    for (std::size_t coil = 0; coil < rises_.size(); ++coil) {
-      if (!time_for("coils", share)) return;
-      keep_inside();
-      if (needle_.here()) measure_coil(coil);
-    }
+bool Qualification::measure_coils() {
+  const std::size_t coils = state_.rises.size();
+  const auto pulse = static_cast<std::size_t>(state_.pieces);
+  if (pulse >= kRounds * coils) return false;
+  keep_inside();
+  if (needle_.here()) measure_coil(pulse % coils);
+  return true;
 }
 
 void Qualification::measure_coil(std::size_t coil) {
@@ -175,32 +270,35 @@ void Qualification::measure_coil(std::size_t coil) {
     clock.sleep_until(clock.now_s() + kPoll_s);
   }
   needle_.rest();
-  reports_ += static_cast<std::int64_t>(samples.size());
-  if (const auto rise = current_rise(samples, pulse.current_A[coil])) rises_[coil].push_back(*rise);
+  state_.reports += static_cast<std::int64_t>(samples.size());
+  if (const auto rise = current_rise(samples, pulse.current_A[coil])) state_.rises[coil].push_back(*rise);
 }
 
-void Qualification::repeat_pulse(const std::string& item, std::vector<PulseMotion>& pulses, double share) {
+bool Qualification::repeat_pulse_at_first() { return repeat_pulse(state_.early); }
+
+bool Qualification::repeat_pulse_at_end() { return repeat_pulse(state_.late); }
+
+bool Qualification::repeat_pulse(std::vector<PulseMotion>& pulses) {
+  if (state_.pieces >= kSameTries || pulses.size() >= kSamePulses) return false;
   const geometry::Vector2 start_m(kStartAt * config_.rig.dish.radius_m, 0.0);
-  const double most_A = std::min(config_.rig.coils.max_current_A, config_.safety.max_current_A);
   geometry::Vector2 drive_A = pull_.drive_A({config_.rig.breakaway_N(), 0.0}, start_m);
   if (drive_A.isZero(0.0)) drive_A = geometry::Vector2(config_.test_current_A, 0.0);
-  drive_A *= std::min(1.0, most_A / drive_A.cwiseAbs().maxCoeff());
-  const geometry::Vector2 across_A(0.0, std::min(kAlignedBy_A, most_A));
-  for (std::size_t i = 0; i < 2 * kSamePulses && pulses.size() < kSamePulses && time_for(item, share); ++i) {
-    if (!needle_.bring_to(start_m, kAlike_m)) continue;
-    if (!needle_.push(across_A) || !needle_.push(across_A)) continue;
-    if (const std::optional<PulseMotion> motion = needle_.push(drive_A)) pulses.push_back(*motion);
-  }
+  drive_A *= std::min(1.0, largest_A() / drive_A.cwiseAbs().maxCoeff());
+  const geometry::Vector2 across_A(0.0, std::min(kAlignedBy_A, largest_A()));
+  if (!needle_.bring_to(start_m, kAlike_m)) return true;
+  if (!needle_.push(across_A) || !needle_.push(across_A)) return true;
+  if (const std::optional<PulseMotion> motion = needle_.push(drive_A)) pulses.push_back(*motion);
+  return true;
 }
 
-void Qualification::measure_latency(double share) {
-  for (int i = 0; i < kLatencyPulses && time_for("latency", share); ++i) {
-    keep_inside();
-    if (!needle_.here()) continue;
-    const double phase = kGoldenPart * i;
-    if (!time_motion(phase - std::floor(phase))) ++unseen_;
-    needle_.rest();
-  }
+bool Qualification::measure_latency() {
+  if (state_.pieces >= kLatencyPulses) return false;
+  keep_inside();
+  if (!needle_.here()) return true;
+  const double phase = kGoldenPart * static_cast<double>(state_.pieces);
+  if (!time_motion(phase - std::floor(phase))) ++state_.unseen;
+  needle_.rest();
+  return true;
 }
 
 bool Qualification::time_motion(double part) {
@@ -212,8 +310,7 @@ bool Qualification::time_motion(double part) {
     return a.x * across.x() + a.y * across.y() < b.x * across.x() + b.y * across.y();
   };
   const AxisDrive& drive = *std::max_element(kAxisDrives.begin(), kAxisDrives.end(), better);
-  const double current_A =
-      std::min({config_.test_current_A, config_.rig.coils.max_current_A, config_.safety.max_current_A});
+  const double current_A = std::min(config_.test_current_A, largest_A());
   const rig::CoilPulse pulse =
       needle_.pulse_of(current_A * geometry::Vector2(drive.x, drive.y), before->position_m());
   common::Clock& clock = bench_.clock();
@@ -223,92 +320,120 @@ bool Qualification::time_motion(double part) {
   while (clock.now_s() < start_s + kMotionWithin_s) {
     const control::PoseEstimate seen = needle_.look_during(pulse);
     if (!seen.valid || seen.stamp_s < start_s || !threshold_.moved(*before, seen.pose)) continue;
-    moved_s_.push_back(seen.stamp_s - start_s);
-    gaps_s_.push_back(needle_.look_during(pulse).stamp_s - seen.stamp_s);
+    state_.moved_s.push_back(seen.stamp_s - start_s);
+    state_.looks_s.push_back(needle_.look_during(pulse).stamp_s - seen.stamp_s);
     return true;
   }
   return false;
 }
 
-void Qualification::push_weakly(double share) {
-  const std::vector<geometry::Vector2> places_m = weak_places_m(config_.rig.dish.radius_m);
-  for (std::size_t place = 0; place < places_m.size() && time_for("weak pulses", share); ++place)
-    if (needle_.bring_to(places_m[place], kAbout_m)) climb(place, places_m[place], share);
-}
-
-void Qualification::climb(std::size_t place, const geometry::Vector2& at_m, double share) {
-  const bool pairs = config_.rig.drive.kind == physics::DriveKind::kOpposedPairs;
-  const double most_A = std::min(config_.rig.coils.max_current_A, config_.safety.max_current_A);
+double Qualification::weak_current_A(const geometry::Vector2& at_m) const {
   const geometry::Vector2 inwards =
       at_m.isZero(0.0) ? geometry::Vector2(1.0, 0.0) : geometry::Vector2(-at_m.normalized());
   const geometry::Vector2 described_A = pull_.drive_A(config_.rig.breakaway_N() * inwards, at_m);
-  double current_A = kWeakest * (described_A.isZero(0.0) ? most_A : described_A.cwiseAbs().maxCoeff());
-  int far_levels = 0;
-  for (std::size_t level = 0; current_A <= most_A && far_levels < 2; ++level, current_A *= kStronger) {
-    int pulses = 0, moved = 0;
-    double way_m = 0.0;
-    for (int i = 0; i < kPulsesOfLevel; ++i) {
-      if (!time_for("weak pulses", share)) return;
-      const std::optional<geometry::Pose2> here = needle_.here();
-      if (!here || here->position_m().norm() > kTooFar * config_.rig.dish.radius_m)
-        needle_.bring_to(at_m, kAbout_m);
-      const AxisDrive& axis = kAxisDrives[static_cast<std::size_t>(i) % kAxisDrives.size()];
-      const std::optional<PulseMotion> motion = needle_.push(current_A * geometry::Vector2(axis.x, axis.y));
-      if (!motion) continue;
-      WeakPulse weak;
-      weak.place = place;
-      weak.level = level;
-      weak.current_A = current_A;
-      if (pairs) weak.coil = axis.coil;
-      weak.drive_rad = std::atan2(axis.y, axis.x);
-      weak.motion = *motion;
-      weak.moved = threshold_.moved(motion->before, motion->after);
-      weak_.push_back(weak);
-      ++pulses;
-      moved += weak.moved ? 1 : 0;
-      way_m += motion->step_m().norm();
-    }
-    const bool far = pulses > 0 && moved == pulses && way_m >= kFarEnough_m * pulses;
-    far_levels = far ? far_levels + 1 : 0;
+  double current_A = kWeakest * (described_A.isZero(0.0) ? largest_A() : described_A.cwiseAbs().maxCoeff());
+  for (std::int64_t level = 0; level < state_.weak_progress.level; ++level) current_A *= kStronger;
+  return current_A;
+}
+
+bool Qualification::push_weakly() {
+  WeakPulsesProgress& at = state_.weak_progress;
+  const std::vector<geometry::Vector2> places_m = weak_places_m(config_.rig.dish.radius_m);
+  if (static_cast<std::size_t>(at.place) >= places_m.size()) return false;
+  const geometry::Vector2& at_m = places_m[static_cast<std::size_t>(at.place)];
+  const double current_A = weak_current_A(at_m);
+  const bool all_levels = current_A > largest_A() || at.far_levels >= kFarLevels;
+  if (!all_levels && !at_place_) at_place_ = needle_.bring_to(at_m, kAbout_m);
+  if (all_levels || !at_place_) {
+    at = {at.place + 1, 0, 0};
+    at_place_ = false;
+    return true;
   }
+  at.far_levels = push_level(at_m, current_A) ? at.far_levels + 1 : 0;
+  ++at.level;
+  return true;
 }
 
-void Qualification::roam(double share) {
+bool Qualification::push_level(const geometry::Vector2& at_m, double current_A) {
+  const bool pairs = config_.rig.drive.kind == physics::DriveKind::kOpposedPairs;
+  int pulses = 0, moved = 0;
+  double way_m = 0.0;
+  for (int i = 0; i < kPulsesOfLevel; ++i) {
+    if (!time_left()) return false;
+    const std::optional<geometry::Pose2> here = needle_.here();
+    if (!here || here->position_m().norm() > kTooFar * config_.rig.dish.radius_m)
+      needle_.bring_to(at_m, kAbout_m);
+    const AxisDrive& axis = kAxisDrives[static_cast<std::size_t>(i) % kAxisDrives.size()];
+    const std::optional<PulseMotion> motion = needle_.push(current_A * geometry::Vector2(axis.x, axis.y));
+    if (!motion) continue;
+    WeakPulse weak;
+    weak.place = static_cast<std::size_t>(state_.weak_progress.place);
+    weak.level = static_cast<std::size_t>(state_.weak_progress.level);
+    weak.current_A = current_A;
+    if (pairs) weak.coil = axis.coil;
+    weak.drive_rad = std::atan2(axis.y, axis.x);
+    weak.motion = *motion;
+    weak.moved = threshold_.moved(motion->before, motion->after);
+    state_.weak.push_back(weak);
+    ++pulses;
+    moved += weak.moved ? 1 : 0;
+    way_m += motion->step_m().norm();
+  }
+  return pulses > 0 && moved == pulses && way_m >= kFarEnough_m * pulses;
+}
+
+bool Qualification::roam() {
+  if (state_.pieces >= kVisits) return false;
   common::RandomStream random(static_cast<std::uint64_t>(config_.seed), "qualify/places");
-  for (int visit = 0; visit < kVisits && time_for("refusals", share); ++visit)
-    needle_.bring_to(task::draw_in_disc(kRoam * config_.rig.dish.radius_m, random), kAbout_m);
+  geometry::Vector2 place_m = geometry::Vector2::Zero();
+  for (std::int64_t visit = 0; visit <= state_.pieces; ++visit)
+    place_m = task::draw_in_disc(kRoam * config_.rig.dish.radius_m, random);
+  needle_.bring_to(place_m, kAbout_m);
+  return true;
 }
 
-void Qualification::close() {
+std::vector<runs::CoilFigures> Qualification::measured_coils() const {
   const physics::CoilsDescription& coils = config_.rig.coils;
-  result_.dish_radius_mm = geometry::kMmPerM * config_.rig.dish.radius_m;
-  const runs::RefusalFigures refusals = needle_.refusals().figures();
-  if (refusals.share.n > 0) result_.refusals = refusals;
-  result_.latency = latency_figures(moved_s_, common::median(gaps_s_), unseen_);
-  std::vector<PulseMotion> pulses = early_;
-  pulses.insert(pulses.end(), late_.begin(), late_.end());
-  result_.same_pulse = same_pulse_figures(pulses);
-  result_.step_change = step_change(early_, late_);
   std::vector<std::string> names;
   for (std::size_t coil = 0; coil < coils.count(); ++coil) names.push_back(coils.name(coil));
-  result_.coils = coil_figures(names, rises_);
-  const auto by_motion = gains_by_motion(weak_, 0, coils.count());
+  std::vector<runs::CoilFigures> figures_by_coil = coil_figures(names, state_.rises);
+  const auto by_motion = gains_by_motion(state_.weak, 0, coils.count());
   for (std::size_t coil = 0; coil < coils.count(); ++coil) {
-    runs::CoilFigures& figures = result_.coils[coil];
+    runs::CoilFigures& figures = figures_by_coil[coil];
     figures.gain_by_motion = by_motion[coil];
-    if (coil < first_C_.size()) figures.first_C = first_C_[coil];
-    if (coil < last_C_.size()) figures.last_C = last_C_[coil];
+    if (coil < state_.first_C.size()) figures.first_C = state_.first_C[coil];
+    if (coil < state_.last_C.size()) figures.last_C = state_.last_C[coil];
     if (!figures.gain)
-      figures.why = reports_ == 0 ? "currents: not measured, as the coils report none while they are on"
-                                  : "currents: not measured, as none was seen to rise in this coil";
+      figures.why = state_.reports == 0 ? "currents: not measured, as the coils report none while they are on"
+                                        : "currents: not measured, as none was seen to rise in this coil";
     if (!figures.gain_by_motion)
       figures.why += std::string(figures.why.empty() ? "" : "; ") +
                      (config_.rig.drive.kind == physics::DriveKind::kOpposedPairs
                           ? "gain by motion: not measured, as no weak pulse of this coil moved the needle"
                           : "gain by motion: not measured, as drives of this rig share several coils");
   }
-  if (result_.still) result_.stick_slip = stick_slip_figures(weak_, sensing_m(*result_.still));
-  judge(result_, config_.needle.loop);
+  return figures_by_coil;
+}
+
+runs::QualificationResult Qualification::result() const {
+  runs::QualificationResult result;
+  result.dish_radius_mm = geometry::kMmPerM * config_.rig.dish.radius_m;
+  result.minutes = passed_s() / 60.0;
+  result.stopped = stopped_;
+  result.gaps = state_.gaps;
+  result.still = state_.still;
+  result.still_at_end = state_.still_at_end;
+  const runs::RefusalFigures refusals = needle_.refusals().figures();
+  if (refusals.share.n > 0) result.refusals = refusals;
+  result.latency = latency_figures(state_.moved_s, common::median(state_.looks_s), state_.unseen);
+  std::vector<PulseMotion> pulses = state_.early;
+  pulses.insert(pulses.end(), state_.late.begin(), state_.late.end());
+  result.same_pulse = same_pulse_figures(pulses);
+  result.step_change = step_change(state_.early, state_.late);
+  result.coils = measured_coils();
+  if (state_.still) result.stick_slip = stick_slip_figures(state_.weak, sensing_m(*state_.still));
+  judge(result, config_.needle.loop);
+  return result;
 }
 
 }  // namespace lodestone::experiments

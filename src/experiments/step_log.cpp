@@ -1,7 +1,6 @@
 #include "lodestone/experiments/step_log.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -13,10 +12,6 @@ namespace lodestone::experiments {
 namespace {
 
 using exports::LogLevel;
-
-double unix_time_s() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
 
 std::map<std::string, std::string> with_program(std::map<std::string, std::string> facts) {
   facts["program"] = "lodestone " + common::build_and_host_facts().value("version", std::string());
@@ -65,7 +60,7 @@ StepLog::StepLog(const std::string& path, const McapConfig& config,
                  const std::map<std::string, std::string>& facts, const Sources& sources)
     : sources_(sources),
       config_(config),
-      offset_s_(sources.clock.passes_by_itself() ? unix_time_s() - sources.clock.now_s() : 0.0),
+      offset_s_(sources.clock.passes_by_itself() ? common::unix_time_s() - sources.clock.now_s() : 0.0),
       queue_(path, with_program(facts), writes(sources.clock)) {}
 
 std::uint64_t StepLog::time_ns(double rig_s) const {

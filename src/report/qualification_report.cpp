@@ -159,12 +159,30 @@ std::string motion_section(const QualificationResult& result) {
                        "part.");
 }
 
+std::string shown_gap(const runs::QualificationGap& gap) {
+  return "broken off after " + fixed(gap.after_min, 1) + " minutes of it, gone on with " +
+         fixed(gap.away_min, 1) + " minutes later";
+}
+
+/// What is from before a gap and what from after it, as a bench may have changed meanwhile.
+std::string gap_paragraph(const runs::QualificationGap& gap) {
+  std::string before;
+  for (const std::string& item : gap.before) before += (before.empty() ? "" : ", ") + escape(item);
+  std::string html =
+      "<p>It was " + shown_gap(gap) + ". From before: " + (before.empty() ? "nothing" : before);
+  if (gap.across) html += "; partly from before and partly from after: " + escape(*gap.across);
+  return html +
+         "; from after: all else. Changes from the beginning to the end (the step of the same pulse, the "
+         "warmth of the coils, the still needle) span that gap.</p>";
+}
+
 std::string verdict_text(const QualificationResult& result) {
   std::string text;
   for (const runs::QualifiedItem& item : result.items)
     text += fmt::format("{:<42} {:>9} {:<8} {:<12} (good up to {}, acceptable up to {})\n", item.item,
                         item.value ? fixed(item.value, 2) : "-", item.unit, item.verdict, fixed(item.good, 2),
                         fixed(item.acceptable, 2));
+  for (const runs::QualificationGap& gap : result.gaps) text += shown_gap(gap) + "\n";
   return text + "mend first: " + result.mend_first + "\n";
 }
 
@@ -175,6 +193,7 @@ std::string write_qualification_report(const std::string& folder, const std::str
   HtmlPage page("What this bench can do", fixed(result.minutes, 1) + " minutes of it");
   std::string summary;
   if (result.stopped) summary += "<p class=\"missing\">It ended early: " + escape(*result.stopped) + "</p>";
+  for (const runs::QualificationGap& gap : result.gaps) summary += gap_paragraph(gap);
   summary += "<p><b>Mend first</b>: " + escape(result.mend_first) + "</p>";
   page.add_section("verdicts", "Verdicts", summary + verdict_table(result));
   if (result.refusals)

@@ -149,6 +149,7 @@ dynamics = ("train-dynamics", "--set", "model.hidden=[16]", "--set", "training.e
 segmenter = ("train-segmenter", "--set", "training.samples=8", "--set", "training.validation_samples=8", "--set",
              "training.epochs=2", "--set", "training.batch_size=4", "--set", "segmenter.network.width=2", "--set",
              "segmenter.network.depth=1", "--set", "images.crop_px=32", "--set", "training.evaluation_samples=4")
+qualify = ("qualify", "--virtual", "--sensor", "simulated", "--minutes", "0.5")
 with tempfile.TemporaryDirectory() as recorded:
     data = pathlib.Path(recorded) / "collect"
     assert start(collect, data).returncode == 0
@@ -160,6 +161,7 @@ adapt = ("adapt", "--models", source / "models/dynamics_best", "--sensor", "simu
 sweep("adapt", adapt, ["driving/transitions.h5", "learning/checkpoint/manifest.json", "model/manifest.json"])
 sweep("train-policy", policy, ["checkpoint/manifest.json"])
 sweep("train-segmenter", segmenter, ["checkpoint/manifest.json"], exit_code=1)  # it sees no needle yet, and says so
+sweep("qualify", qualify, ["qualify.json"])
 logged = (*deploy, "--mcap")
 logs = [f"logs/unseen-policy-point-{trial}.mcap" for trial in range(3)]
 sweep("deploy", logged, ["summary.json", "trials.json", "trajectories.csv", *logs])

@@ -1,4 +1,4 @@
-"""`lodestone qualify` as its user runs it: on a virtual rig, with a wrong option, and interrupted.
+"""`lodestone qualify` as its user runs it: on a virtual rig, with a wrong option, interrupted, killed, and gone on with.
 usage: qualify_test.py LODESTONE SOURCE"""
 import json
 import pathlib
@@ -10,6 +10,17 @@ import time
 
 program = sys.argv[1]
 QUICK = ("qualify", "--virtual", "--sensor", "simulated", "--deviation", "wide", "--rig-seed", "7")
+
+
+def start(*arguments, out):
+    return subprocess.Popen([program, *map(str, arguments), "--out", str(out), "--no-reexec"], stdin=subprocess.DEVNULL,
+                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def wait_for(file, started):
+    """run.json is there when a run begins, state.json once it can be gone on with."""
+    while not file.exists() and started.poll() is None:
+        time.sleep(0.01)
 
 
 def run(*arguments, code=0):
@@ -49,13 +60,27 @@ with tempfile.TemporaryDirectory() as name:
 
     # Ctrl-C: the coils are off, and what was measured is kept.
     stopped = folder / "stopped"
-    started = subprocess.Popen([program, *QUICK, "--minutes", "600", "--out", str(stopped), "--no-reexec"], stdin=subprocess.DEVNULL,
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    while not (stopped / "run.json").exists() and started.poll() is None:
-        time.sleep(0.01)
+    started = start(*QUICK, "--minutes", "600", out=stopped)
+    wait_for(stopped / "run.json", started)
     started.send_signal(signal.SIGINT)
     _, errors = started.communicate(timeout=120)
     assert started.returncode == 130, f"exit {started.returncode}: {errors}"
-    assert "qualify.json" in errors, errors
+    assert "qualify.json" in errors and "--resume" in errors, errors
     assert "stopped by the user" in json.loads((stopped / "qualify.json").read_text())["stopped"]
     assert not json.loads((stopped / "run.json").read_text())["finished"]
+
+    # After a kill, or Ctrl-C, the same command goes on, to the same figures.
+    for signal_given in (signal.SIGKILL, signal.SIGINT):
+        cut = folder / f"cut by {signal_given}"
+        started = start(*QUICK, "--minutes", 1.5, out=cut)
+        wait_for(cut / "state.json", started)
+        started.send_signal(signal_given)
+        started.communicate(timeout=120)
+        assert started.returncode in (0, 130, -signal.SIGKILL), started.returncode
+        assert json.loads((cut / "state.json").read_text())["item"] >= 1
+        other = run(*QUICK, "--minutes", 2, "--out", cut, "--resume", code=2).stderr
+        assert "minutes = 2" in other and "there: 1.5" in other, other
+        run(*QUICK, "--minutes", 1.5, "--out", cut, "--resume")
+        assert json.loads((cut / "qualify.json").read_text()) == result, f"after {signal_given}"
+        found = run(*QUICK, "--minutes", 1.5, "--out", cut, "--resume")
+        assert "finished already" in found.stderr and "mend first" in found.stdout, found.stderr

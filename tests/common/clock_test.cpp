@@ -31,3 +31,10 @@ TEST_CASE("the wall clock goes on, waits no shorter than asked, and not at all f
   CHECK_FALSE(clock.wait_until(start_s, &interruption));
   CHECK_FALSE(clock.wait_until(clock.now_s() + 60.0, &interruption));
 }
+
+TEST_CASE("the time of the system is that of this century") {
+  const double before_s = unix_time_s();
+  CHECK(before_s > 1.7e9);
+  CHECK(before_s < 4.2e9);
+  CHECK(unix_time_s() >= before_s);
+}

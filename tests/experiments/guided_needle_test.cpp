@@ -59,6 +59,23 @@ TEST_CASE("looks come no faster than asked for, and a pulse needs a needle that 
   CHECK(bench->clock().now_s() == Approx(start_s + config.needle.loop.period_s()));
 }
 
+TEST_CASE("a beginning owes nothing to what was before") {
+  const experiments::QualificationConfig config = guided();
+  const auto bench = experiments::make_qualification_session(config);
+  experiments::GuidedNeedle needle(config.needle, config.rig, *bench);
+  REQUIRE(needle.here());
+  const std::int64_t looks = needle.refusals().figures().share.n;
+  needle.begin();
+  CHECK(needle.refusals().figures().share.n == looks);  // how the sensor finds it is not counted
+  CHECK_THROWS_AS(needle.pulse(needle.pulse_of({1.0, 0.0}, {0.0, 0.0})), common::LogicFault);
+  REQUIRE(needle.here());
+  CHECK(needle.refusals().figures().share.n == looks + 1);
+
+  experiments::GuidedNeedle other(config.needle, config.rig, *bench);
+  other.restore_refusals(needle.refusals().counts());
+  CHECK(other.refusals().figures().share.n == looks + 1);
+}
+
 TEST_CASE("a needle that is never seen ends it, with the coils off") {
   experiments::QualificationConfig config = guided();
   config.sensor.simulated.dropout = 1.0;

@@ -7,6 +7,9 @@
 #include <string>
 
 #include "lodestone/common/artefact.h"
+#include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
+#include "temporary_folder.h"
 
 using namespace lodestone;
 
@@ -20,9 +23,26 @@ experiments::QualificationConfig short_qualification(double minutes) {
   return config;
 }
 
+/// Goes on until an item is next, or to the end. Returns how many steps there were of each.
+std::map<std::string, int> go_on(experiments::Qualification& work, const std::string& until = "") {
+  common::MetricsLog metrics("");  // nothing is written
+  std::map<std::string, int> steps;
+  for (runs::Progress now = work.progress(); !now.finished && now.note != until; now = work.progress()) {
+    ++steps[now.note];
+    work.step(metrics);
+  }
+  return steps;
+}
+
 runs::QualificationResult qualified(const experiments::QualificationConfig& config) {
   const auto bench = experiments::make_qualification_session(config);
-  return experiments::Qualification(config, *bench).run();
+  experiments::Qualification work(config, *bench);
+  go_on(work);
+  return work.result();
+}
+
+common::Json state_in(const std::string& folder) {
+  return common::read_json_if_there(folder + experiments::QualificationState::kFile);
 }
 
 const runs::QualifiedItem& item_of(const runs::QualificationResult& result, const std::string& name) {
@@ -55,20 +75,39 @@ class HalvedCoil final : public rig::Coils {
   bool reports_;
 };
 
+/// A bench that nobody can put back to where it was, as a real one, with such coils.
+class BenchWithHalfACoil {
+ public:
+  explicit BenchWithHalfACoil(const experiments::QualificationConfig& config, bool reports = true)
+      : rig_(config.rig, 1),
+        halved_(rig_.coils(), reports),
+        sensing_(config.sensor, config.rig),
+        sensor_(sensing_.make(rig_, sensing_.calibrated_bench(1), common::RandomStream(1, "sensor noise"))),
+        coils_(halved_, config.safety, config.rig, rig_.clock()) {}
+  session::RigSession open() {
+    session::RigSession::Parts parts;
+    parts.coils = &coils_;
+    parts.sensor = sensor_.get();
+    parts.clock = &rig_.clock();
+    parts.fits = [this](const geometry::Pose2& pose) { return rig_.fits(pose); };
+    return session::RigSession(parts);
+  }
+
+ private:
+  rig::VirtualRig rig_;
+  HalvedCoil halved_;
+  session::Sensing sensing_;
+  std::unique_ptr<session::RigSensor> sensor_;
+  safety::Supervisor coils_;
+};
+
 runs::QualificationResult qualified_with_half_a_coil(const experiments::QualificationConfig& config,
                                                      bool reports) {
-  rig::VirtualRig rig(config.rig, 1);
-  HalvedCoil halved(rig.coils(), reports);
-  const session::Sensing sensing(config.sensor, config.rig);
-  const auto sensor = sensing.make(rig, sensing.calibrated_bench(1), common::RandomStream(1, "sensor noise"));
-  safety::Supervisor coils(halved, config.safety, config.rig, rig.clock());
-  session::RigSession::Parts parts;
-  parts.coils = &coils;
-  parts.sensor = sensor.get();
-  parts.clock = &rig.clock();
-  parts.fits = [&rig](const geometry::Pose2& pose) { return rig.fits(pose); };
-  session::RigSession bench(parts);
-  return experiments::Qualification(config, bench).run();
+  BenchWithHalfACoil bench(config, reports);
+  session::RigSession opened = bench.open();
+  experiments::Qualification work(config, opened);
+  go_on(work);
+  return work.result();
 }
 
 }  // namespace
@@ -76,12 +115,17 @@ runs::QualificationResult qualified_with_half_a_coil(const experiments::Qualific
 TEST_CASE("a virtual bench is qualified item by item within its time, each time the same") {
   const experiments::QualificationConfig config = short_qualification(2.0);
   const auto bench = experiments::make_qualification_session(config);
-  std::map<std::string, int> told;
-  experiments::Qualification work(config, *bench, [&told](double, const std::string& item) { ++told[item]; });
-  const runs::QualificationResult result = work.run();
+  experiments::Qualification work(config, *bench);
+  CHECK(work.progress().total == 120);
+  const std::map<std::string, int> steps = go_on(work);
+  CHECK(work.progress().done == 120);
+  const runs::QualificationResult result = work.result();
   CHECK_FALSE(result.stopped);
+  CHECK(result.gaps.empty());
   CHECK(result.minutes <= 2.5);
-  CHECK(told.size() >= 7);
+  CHECK(steps.size() == 8);
+  CHECK(steps.at("still needle") == 1);
+  CHECK(steps.at("coils") > 4);
   REQUIRE(result.still);
   CHECK(result.still->x_mm.n > 50);
   CHECK(result.still->x_mm.value == Approx(0.015).margin(0.006));  // sensor.simulated.repeatability_m
@@ -162,10 +206,12 @@ TEST_CASE("where coils report no currents that is said") {
 TEST_CASE("what was measured until a stop is kept, and the coils are off") {
   const experiments::QualificationConfig config = short_qualification(2.0);
   const auto bench = experiments::make_qualification_session(config);
-  experiments::Qualification work(config, *bench, [&bench](double, const std::string& item) {
-    if (item == "latency") bench->coils().request_stop("somebody said so");
-  });
-  const runs::QualificationResult result = work.run();
+  experiments::Qualification work(config, *bench);
+  go_on(work, "latency");
+  bench->coils().request_stop("somebody said so");
+  CHECK(go_on(work).at("latency") == 1);
+  CHECK(work.progress().note == "stopped");
+  const runs::QualificationResult result = work.result();
   REQUIRE(result.stopped);
   CHECK(result.stopped->find("somebody said so") != std::string::npos);
   CHECK(bench->coils().latched());
@@ -174,4 +220,126 @@ TEST_CASE("what was measured until a stop is kept, and the coils are off") {
   CHECK_FALSE(result.latency);
   const rig::CoilStatus status = bench->coils().status();
   for (const double current_A : status.current_A) CHECK(std::abs(current_A) < 0.1);
+}
+
+TEST_CASE("a virtual bench goes on after any step as if never stopped, from where its item began") {
+  const experiments::QualificationConfig config = short_qualification(0.5);
+  const common::Json whole = common::artefact_to_json(qualified(config));
+  const tests::TemporaryFolder folder;
+  for (const char* item : {"still needle", "coils", "weak pulses", "still needle again", ""}) {
+    CAPTURE(item);
+    const std::string path = folder / (std::string("before ") + item);
+    common::make_folders(path);
+    {
+      const auto bench = experiments::make_qualification_session(config);
+      experiments::Qualification work(config, *bench);
+      common::MetricsLog metrics(path);
+      go_on(work, item);
+      if (*item != '\0') work.step(metrics);  // it is killed in the middle of it
+      work.save(path);
+    }
+    const auto bench = experiments::make_qualification_session(config);
+    experiments::Qualification work(config, *bench);
+    work.load(path);
+    const std::map<std::string, int> steps = go_on(work);
+    CHECK(steps.count("still needle") == 0);  // it had ended, in one step
+    CHECK(common::artefact_to_json(work.result()) == whole);
+  }
+}
+
+TEST_CASE("a bench that was measured in part is measured on, piece by piece, and says where the gap is") {
+  const experiments::QualificationConfig config = short_qualification(2.0);
+  const tests::TemporaryFolder folder;
+  BenchWithHalfACoil bench(config);
+  runs::QualificationResult before;
+  std::size_t rises = 0;
+  {
+    session::RigSession opened = bench.open();
+    experiments::Qualification work(config, opened);
+    common::MetricsLog metrics(folder.path());
+    go_on(work, "coils");
+    for (int piece = 0; piece < 3; ++piece) {
+      work.step(metrics);
+      work.save(folder.path());
+    }
+    work.step(metrics);  // killed before this is on the disk
+    before = work.result();
+    const common::Json state = state_in(folder.path());
+    for (const common::Json& coil : state.at("rises")) rises += coil.size();
+  }
+  CHECK(rises == 3);
+  session::RigSession opened = bench.open();
+  experiments::Qualification work(config, opened);
+  work.load(folder.path());
+  CHECK(work.progress().note == "coils");
+  const runs::QualificationResult loaded = work.result();
+  REQUIRE(loaded.still);
+  REQUIRE(before.still);
+  CHECK(loaded.minutes < before.minutes);
+  CHECK(loaded.minutes == Approx(state_in(folder.path()).at("passed_s").get<double>() / 60.0));
+  CHECK(loaded.still->x_mm.value == before.still->x_mm.value);
+  const std::map<std::string, int> steps = go_on(work);
+  CHECK(steps.count("still needle") == 0);
+  const runs::QualificationResult result = work.result();
+  CHECK_FALSE(result.stopped);
+  CHECK(result.minutes <= 2.5);
+  REQUIRE(result.gaps.size() == 1);
+  CHECK(result.gaps[0].after_min == Approx(loaded.minutes));
+  CHECK(result.gaps[0].away_min >= 0.0);
+  CHECK(result.gaps[0].away_min < 1.0);
+  CHECK(result.gaps[0].before == std::vector<std::string>{"still needle"});
+  CHECK(result.gaps[0].across.value_or("") == "coils");
+  CHECK(result.refusals->share.n > loaded.refusals->share.n);
+  CHECK(result.latency);
+  for (const runs::CoilFigures& coil : result.coils) CHECK(coil.gain);
+  work.save(folder.path());
+
+  // What has ended goes on nowhere: there is no gap behind it.
+  experiments::Qualification again(config, opened);
+  again.load(folder.path());
+  CHECK(again.progress().finished);
+  CHECK(again.result().gaps.size() == 1);
+  CHECK(again.result().minutes == Approx(result.minutes));
+}
+
+TEST_CASE("what a step left half-done when it was stopped does not count") {
+  const experiments::QualificationConfig config = short_qualification(1.0);
+  const tests::TemporaryFolder folder;
+  BenchWithHalfACoil bench(config);
+  session::RigSession opened = bench.open();
+  experiments::Qualification work(config, opened);
+  work.save(folder.path());
+  CHECK(state_in(folder.path()).is_null());  // nothing was measured yet
+  go_on(work, "latency");
+  work.save(folder.path());
+  const common::Json saved = state_in(folder.path());
+  opened.coils().request_stop("somebody said so");
+  go_on(work);
+  REQUIRE(work.result().stopped);
+  work.save(folder.path());
+  CHECK(state_in(folder.path()) == saved);
+}
+
+TEST_CASE("a state that is of another bench is refused, and none is none") {
+  const experiments::QualificationConfig config = short_qualification(1.0);
+  const tests::TemporaryFolder folder;
+  const auto bench = experiments::make_qualification_session(config);
+  experiments::Qualification work(config, *bench);
+  work.load(folder.path());
+  CHECK(work.progress().note == "still needle");
+  go_on(work, "coils");
+  work.save(folder.path());
+  const common::Json whole = state_in(folder.path());
+  const auto refused = [&](const char* key, const common::Json& value) {
+    common::Json state = whole;
+    state[key] = value;
+    common::write_json(folder.path() + experiments::QualificationState::kFile, state);
+    const auto other = experiments::make_qualification_session(config);
+    CHECK_THROWS_AS(experiments::Qualification(config, *other).load(folder.path()), common::DataError);
+  };
+  refused("rises", common::Json::array());
+  refused("item", 9);
+  refused("pieces", -1);
+  refused("bench", nullptr);
+  refused("weak", "many");
 }

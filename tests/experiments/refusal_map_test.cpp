@@ -3,6 +3,9 @@
 #include <catch2/catch.hpp>
 #include <string>
 
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/error.h"
+
 using namespace lodestone;
 
 namespace {
@@ -64,4 +67,19 @@ TEST_CASE("reasons that hold numbers do not fill the result") {
   for (int i = 0; i < 100; ++i) map.add(no_pose("off by " + std::to_string(i) + " mm"));
   CHECK(map.figures().reasons.size() <= 21);
   CHECK(map.figures().reasons.at("other reasons") == 80);
+}
+
+TEST_CASE("counts go on from a file as if never stopped") {
+  experiments::RefusalMap whole(0.04), first(0.04), second(0.04);
+  for (experiments::RefusalMap* map : {&whole, &first}) {
+    map->add(pose_at(-0.030, 0.1));
+    map->add(no_pose("glare"));  // counts where the needle is seen next
+  }
+  const common::Json kept = common::artefact_to_json(first.counts());
+  second.restore(common::artefact_from_json<experiments::RefusalCounts>(kept, "kept"));
+  for (experiments::RefusalMap* map : {&whole, &second}) map->add(pose_at(0.020, 2.0));
+  CHECK(common::artefact_to_json(second.counts()) == common::artefact_to_json(whole.counts()));
+  CHECK(second.figures().cells.size() == 2);
+  CHECK(second.figures().cells[1].refused == 1);
+  CHECK_THROWS_AS(second.restore({}), common::DataError);
 }

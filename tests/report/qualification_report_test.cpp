@@ -58,6 +58,7 @@ TEST_CASE("a qualification comes with verdicts, what to mend first and a map") {
   CHECK(tests::holds(page, "more than 15.00"));
   CHECK(tests::holds(page, "id=\"steps\""));
   CHECK_FALSE(tests::holds(page, "It ended early"));
+  CHECK_FALSE(tests::holds(page, "broken off"));
   CHECK(tests::holds(page, ">+y<"));
   // The coils that are drawn are those of the run's own rig.
   common::write_file_atomically(folder / "config.json",
@@ -68,6 +69,22 @@ TEST_CASE("a qualification comes with verdicts, what to mend first and a map") {
   CHECK(tests::holds(other, ">at60<"));
   CHECK_FALSE(tests::holds(other, ">under<"));
   CHECK_FALSE(tests::holds(other, ">+y<"));
+}
+
+TEST_CASE("a page says what was measured before a gap, and what after it") {
+  const tests::TemporaryFolder folder;
+  runs::QualificationResult result = small_qualification();
+  result.gaps = {{5.24, 41.0, {"still needle", "coils"}, "same <pulse>"}, {9.0, 0.5, {}, {}}};
+  common::write_artefact(folder / runs::QualificationResult::kFile, result);
+  const std::string text = report::write_qualification_report(folder.path(), folder / "report.html");
+  CHECK(tests::holds(text, "broken off after 5.2 minutes of it, gone on with 41.0 minutes later\n"));
+  CHECK(tests::holds(text, "broken off after 9.0 minutes of it, gone on with 0.5 minutes later\n"));
+  const std::string page = common::read_file(folder / "report.html");
+  CHECK(tests::holds(page, "It was broken off after 5.2 minutes of it"));
+  CHECK(tests::holds(page,
+                     "From before: still needle, coils; partly from before and partly from after: "
+                     "same &lt;pulse&gt;; from after: all else."));
+  CHECK(tests::holds(page, "From before: nothing; from after: all else."));
 }
 
 TEST_CASE("a qualification that was stopped at once has a page, too") {

@@ -27,4 +27,7 @@ class SteadyClock final : public Clock {
   bool passes_by_itself() const override { return true; }
 };
 
+/// Seconds since 1970 by the clock of the system, which somebody may set.
+double unix_time_s();
+
 }  // namespace lodestone::common

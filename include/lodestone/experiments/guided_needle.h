@@ -44,6 +44,9 @@ class GuidedNeedle {
   /// All must outlive it.
   GuidedNeedle(const GuidedNeedleConfig& config, const rig::RigConfig& rig, session::RigSession& session);
 
+  /// Owes nothing to what was before, as after a restart of the program: what the sensor believes and where
+  /// the needle lay is forgotten, and the sensor takes its time to find it. Throws HardwareError.
+  void begin();
   /// The next look. Throws HardwareError.
   control::PoseEstimate look();
   /// A look at a needle on whose pulse nothing has been seen yet: `pulse` is on, or was just now.
@@ -68,6 +71,8 @@ class GuidedNeedle {
   /// The coils' part of a drive for a needle at a place.
   rig::CoilPulse pulse_of(const geometry::Vector2& drive_A, const geometry::Vector2& position_m) const;
   const RefusalMap& refusals() const { return refusals_; }
+  /// Goes on counting from there. Throws DataError.
+  void restore_refusals(const RefusalCounts& counts) { refusals_.restore(counts); }
 
  private:
   control::PoseEstimate observed();

@@ -1,16 +1,17 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "lodestone/control/dipole_pull.h"
 #include "lodestone/experiments/guided_needle.h"
-#include "lodestone/experiments/stick_slip.h"
+#include "lodestone/experiments/qualification_state.h"
 #include "lodestone/rig/rig_config.h"
 #include "lodestone/runs/qualification_result.h"
+#include "lodestone/runs/resumable_run.h"
 #include "lodestone/safety/supervisor.h"
 #include "lodestone/session/rig_session.h"
 #include "lodestone/session/sensing.h"
@@ -53,56 +54,80 @@ std::unique_ptr<session::RigSession> make_qualification_session(const Qualificat
 /// Measures what a bench can do, item by item, each within its share of the time: how far looks at a still
 /// needle differ, the coils' currents, the same pulse from like starts, the time from command to motion, what
 /// weak pulses do at several places, where looks give no pose; at the end the pulse and the still needle
-/// again. An item that has begun a pulse or a way ends it.
-class Qualification {
+/// again. It is resumable work, whose steps are pieces: a needle that lies still (in one piece, as a drift
+/// over a gap would be none), one pulse, a level of weak pulses, a place. Every piece of a bench counts once
+/// it is saved; what a step left half-done when it was stopped does not. A virtual bench goes on from where
+/// its item began, bitwise as if never stopped.
+class Qualification : public runs::ResumableWork {
  public:
-  /// Told how much of the time has passed (s, of the bench) and what is measured.
-  using Watch = std::function<void(double passed_s, const std::string& item)>;
-
   /// Both must outlive it. The needle lies in the dish, anywhere.
-  Qualification(const QualificationConfig& config, session::RigSession& bench, Watch watch = {});
+  Qualification(const QualificationConfig& config, session::RigSession& bench);
 
-  /// Runs to the end, or to where it is stopped (result.stopped): by a signal, the supervisor, or a needle
-  /// that is lost. The coils are off then. What was measured is in the result either way, with verdicts.
-  runs::QualificationResult run();
+  /// Seconds of the bench, and the item that is next. Finished, too, where it was stopped (result().stopped)
+  /// by a signal, the supervisor, or a needle that is lost; the coils are off then.
+  runs::Progress progress() const override;
+  void step(common::MetricsLog& metrics) override;
+  /// Throws IoError.
+  void save(const std::string& folder) override;
+  /// Where nothing was saved, nothing is loaded. Throws DataError.
+  void load(const std::string& folder) override;
+
+  /// What was measured until now, with verdicts.
+  runs::QualificationResult result() const;
 
  private:
-  void measure();
-  /// Whether there is time left for an item, which ends at this share of all; tells the watch.
-  bool time_for(const std::string& item, double share);
-  void lie_still(const std::string& item, double share, std::optional<runs::StillFigures>& figures);
-  void measure_coils(double share);
+  struct Item {
+    const char* name;
+    double until;                      ///< this share of all the time it may go on
+    bool (Qualification::*measure)();  ///< one more piece; false where there is none left
+  };
+  static const std::vector<Item>& items();
+
+  double passed_s() const;
+  bool ended() const;
+  bool time_left() const;
+  void begin_item();
+  void end_item();
+  void measure_piece();
+  /// What is there now is what goes on.
+  void keep();
+  void note_gap();
+
+  bool lie_still_at_first();
+  bool lie_still_at_end();
+  std::optional<runs::StillFigures> lie_still();
+  bool measure_coils();
   void measure_coil(std::size_t coil);
-  void repeat_pulse(const std::string& item, std::vector<PulseMotion>& pulses, double share);
-  void measure_latency(double share);
+  bool repeat_pulse_at_first();
+  bool repeat_pulse_at_end();
+  bool repeat_pulse(std::vector<PulseMotion>& pulses);
+  bool measure_latency();
   /// One pulse after a part of a look's time: whether its motion was seen.
   bool time_motion(double part);
-  void push_weakly(double share);
-  /// Ever stronger pulses about a place, until all move the needle far.
-  void climb(std::size_t place, const geometry::Vector2& at_m, double share);
-  void roam(double share);
+  /// Ever stronger pulses about a place, level by level, until all move the needle far.
+  bool push_weakly();
+  /// Pulses of one level: whether all moved the needle far.
+  bool push_level(const geometry::Vector2& at_m, double current_A);
+  double weak_current_A(const geometry::Vector2& at_m) const;
+  bool roam();
   /// Back to the middle of the dish, where the needle has come far from it.
   void keep_inside();
+  double largest_A() const;
   double test_current_of(std::size_t coil) const;
-  void note_temperatures(std::vector<double>& temperatures_C);
-  /// Figures of what there is.
-  void close();
+  std::vector<double> temperatures_C();
+  std::vector<runs::CoilFigures> measured_coils() const;
 
   const QualificationConfig& config_;
   session::RigSession& bench_;
-  Watch watch_;
   GuidedNeedle needle_;
   control::DipolePull pull_;
   MotionThreshold threshold_;
   double start_s_;
-  std::vector<std::vector<CurrentRise>> rises_;
-  std::int64_t reports_ = 0;  ///< of a current while its coil was on
-  std::vector<PulseMotion> early_, late_;
-  std::vector<double> moved_s_, gaps_s_;  ///< of motion after pulses, and between looks
-  std::int64_t unseen_ = 0;
-  std::vector<WeakPulse> weak_;
-  std::vector<double> first_C_, last_C_;
-  runs::QualificationResult result_;
+  QualificationState state_;
+  std::optional<QualificationState> unsaved_;  ///< where it can go on, when that is not on the disk yet
+  bool begun_ = false;                         ///< the item, by this process
+  bool at_place_ = false;                      ///< of weak pulses
+  std::optional<std::string> stopped_;
 };
 
 }  // namespace lodestone::experiments

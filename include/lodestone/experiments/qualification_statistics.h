@@ -47,6 +47,15 @@ struct PulseMotion {
   geometry::Pose2 before, after;
 
   geometry::Vector2 step_m() const { return after.position_m() - before.position_m(); }
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("before_x_m", before.x_m);
+    v.field("before_y_m", before.y_m);
+    v.field("before_heading_rad", before.heading_rad);
+    v.field("after_x_m", after.x_m);
+    v.field("after_y_m", after.y_m);
+    v.field("after_heading_rad", after.heading_rad);
+  }
 };
 
 /// Displacements [n, 2] by least squares from what is known before [n, k].
@@ -74,6 +83,13 @@ struct CurrentRise {
   double gain = 0.0;    ///< end value by what was asked for
   double rise_s = 0.0;  ///< from 10 to 90 % of the end value
   double half_s = 0.0;  ///< until half of it
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("gain", gain);
+    v.field("rise_s", rise_s);
+    v.field("half_s", half_s);
+  }
 };
 /// Nothing where fewer than six samples were taken, or no current rose. Samples are in order of time, of the
 /// pulse alone; the end value is the median of their last third.

@@ -19,6 +19,17 @@ struct WeakPulse {
   double drive_rad = 0.0;           ///< where the drive points
   PulseMotion motion;
   bool moved = false;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("place", place);
+    v.field("level", level);
+    v.field("current_A", current_A);
+    v.field("coil", coil);
+    v.field("drive_rad", drive_rad);
+    motion.visit(v);
+    v.field("moved", moved);
+  }
 };
 
 /// The current at which half of the pulses move the needle, between the levels by its logarithm; the lowest

@@ -210,12 +210,29 @@ struct QualifiedItem {
   }
 };
 
+/// Where a qualification was broken off, and gone on with later: meanwhile the bench may have changed.
+struct QualificationGap {
+  double after_min = 0.0;                  ///< of the bench
+  double away_min = 0.0;                   ///< until it went on, by the clock on the wall
+  std::vector<std::string> before;         ///< items that had ended
+  std::optional<std::string> across = {};  ///< the item that was measured partly before and partly after it
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("after_min", after_min);
+    v.field("away_min", away_min);
+    v.field("before", before);
+    v.field("across", across);
+  }
+};
+
 /// `qualify.json`: what a bench can do. What was not measured is absent.
 struct QualificationResult {
   static constexpr const char* kFile = "qualify.json";
   double dish_radius_mm = 0.0;
-  double minutes = 0.0;                     ///< of the bench
+  double minutes = 0.0;                     ///< of the bench, without gaps
   std::optional<std::string> stopped = {};  ///< why it ended early
+  std::vector<QualificationGap> gaps;
   std::optional<StillFigures> still = {}, still_at_end = {};
   std::optional<RefusalFigures> refusals = {};
   std::optional<LatencyFigures> latency = {};
@@ -231,6 +248,7 @@ struct QualificationResult {
     v.field("dish_radius_mm", dish_radius_mm);
     v.field("minutes", minutes);
     v.field("stopped", stopped);
+    v.field("gaps", gaps);
     v.field("still", still);
     v.field("still_at_end", still_at_end);
     v.field("refusals", refusals);
