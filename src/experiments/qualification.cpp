@@ -182,13 +182,14 @@ void Qualification::measure_coil(std::size_t coil) {
 void Qualification::repeat_pulse(const std::string& item, std::vector<PulseMotion>& pulses, double share) {
   const geometry::Vector2 start_m(kStartAt * config_.rig.dish.radius_m, 0.0);
   const double most_A = std::min(config_.rig.coils.max_current_A, config_.safety.max_current_A);
-  geometry::Vector2 drive_A = pull_.drive_A({config_.rig.breakaway_N(), 0.0}, start_m);
-  if (drive_A.isZero(0.0)) drive_A = geometry::Vector2(config_.test_current_A, 0.0);
+  geometry::Drive drive_A = pull_.drive_A({config_.rig.breakaway_N(), 0.0}, start_m);
+  if (drive_A.isZero(0.0))
+    drive_A = physics::CoilDrive(config_.rig).along({config_.test_current_A, 0.0}, start_m);
   drive_A *= std::min(1.0, most_A / drive_A.cwiseAbs().maxCoeff());
   const geometry::Vector2 across_A(0.0, std::min(kAlignedBy_A, most_A));
   for (std::size_t i = 0; i < 2 * kSamePulses && pulses.size() < kSamePulses && time_for(item, share); ++i) {
     if (!needle_.bring_to(start_m, kAlike_m)) continue;
-    if (!needle_.push(across_A) || !needle_.push(across_A)) continue;
+    if (!needle_.push_along(across_A) || !needle_.push_along(across_A)) continue;
     if (const std::optional<PulseMotion> motion = needle_.push(drive_A)) pulses.push_back(*motion);
   }
 }
@@ -215,7 +216,7 @@ bool Qualification::time_motion(double part) {
   const double current_A =
       std::min({config_.test_current_A, config_.rig.coils.max_current_A, config_.safety.max_current_A});
   const rig::CoilPulse pulse =
-      needle_.pulse_of(current_A * geometry::Vector2(drive.x, drive.y), before->position_m());
+      needle_.pulse_along(current_A * geometry::Vector2(drive.x, drive.y), before->position_m());
   common::Clock& clock = bench_.clock();
   clock.sleep_until(clock.now_s() + part * config_.needle.look_s);
   const double start_s = clock.now_s();
@@ -241,7 +242,7 @@ void Qualification::climb(std::size_t place, const geometry::Vector2& at_m, doub
   const double most_A = std::min(config_.rig.coils.max_current_A, config_.safety.max_current_A);
   const geometry::Vector2 inwards =
       at_m.isZero(0.0) ? geometry::Vector2(1.0, 0.0) : geometry::Vector2(-at_m.normalized());
-  const geometry::Vector2 described_A = pull_.drive_A(config_.rig.breakaway_N() * inwards, at_m);
+  const geometry::Drive described_A = pull_.drive_A(config_.rig.breakaway_N() * inwards, at_m);
   double current_A = kWeakest * (described_A.isZero(0.0) ? most_A : described_A.cwiseAbs().maxCoeff());
   int far_levels = 0;
   for (std::size_t level = 0; current_A <= most_A && far_levels < 2; ++level, current_A *= kStronger) {
@@ -253,7 +254,8 @@ void Qualification::climb(std::size_t place, const geometry::Vector2& at_m, doub
       if (!here || here->position_m().norm() > kTooFar * config_.rig.dish.radius_m)
         needle_.bring_to(at_m, kAbout_m);
       const AxisDrive& axis = kAxisDrives[static_cast<std::size_t>(i) % kAxisDrives.size()];
-      const std::optional<PulseMotion> motion = needle_.push(current_A * geometry::Vector2(axis.x, axis.y));
+      const std::optional<PulseMotion> motion =
+          needle_.push_along(current_A * geometry::Vector2(axis.x, axis.y));
       if (!motion) continue;
       WeakPulse weak;
       weak.place = place;
