@@ -65,6 +65,11 @@ experiments::Teleoperator policy_teleoperator(const CollectConfig& config, std::
   if (policy.goal != "point")
     throw common::ConfigError(config.policy + " was trained for goal \"" + policy.goal +
                               "\"; exploring needs a policy for points");
+  const physics::RigDescription& rig = config.collection.rig;
+  if (policy.action.size != rig.drive_size())
+    throw common::ConfigError(config.policy + ": its actions are of " + std::to_string(policy.action.size) +
+                              " numbers, the rig's drive is of " + std::to_string(rig.drive_size()) +
+                              "; the policy was trained for another rig");
   if (policy.action.scale != config.collection.rig.coils.max_current_A)
     throw common::ConfigError(config.policy + ": its largest drive is " +
                               std::to_string(policy.action.scale) + ", the rig's is " +
@@ -74,10 +79,10 @@ experiments::Teleoperator policy_teleoperator(const CollectConfig& config, std::
     common::log_warning(
         config.policy +
         " wants to know how strongly its rig answers; nothing identifies it while collecting");
-  return experiments::goal_seeking(
-      config.collection,
-      control::decorate(std::make_unique<control::PolicyController>(policy), config.decorators), config.seek,
-      session);
+  return experiments::goal_seeking(config.collection,
+                                   control::decorate(std::make_unique<control::PolicyController>(policy),
+                                                     config.decorators, physics::CoilDrive(rig)),
+                                   config.seek, session);
 }
 
 /// A single session with somebody at the controls, or on a real bench.
@@ -91,9 +96,7 @@ std::unique_ptr<experiments::Collection> make_live_session(const CollectConfig& 
         "run it in a terminal at the bench, set explorer.self_reset=true, try it with rig.backend=virtual, "
         "or "
         "record in your own way and use `lodestone import`");
-  if (config.by_hand())
-    window = std::make_unique<TeleoperationWindow>(config.by, collection.rig.coils.max_current_A,
-                                                   collection.rig.dish.radius_m);
+  if (config.by_hand()) window = std::make_unique<TeleoperationWindow>(config.by, collection.rig);
   std::unique_ptr<session::RigSession> bench =
       collection.rig.real() ? session::make_bench_session(collection.rig, collection.sensor,
                                                           collection.safety, terminal_operator(), out)

@@ -105,6 +105,7 @@ struct TeleoperationWindow::State final : public control::Controller {
   bool next_episode = false;
   bool quit = false;
   PilotView view;
+  physics::CoilDrive drive;
   session::RigSession* bench = nullptr;
 
   ~State() override {
@@ -124,9 +125,9 @@ struct TeleoperationWindow::State final : public control::Controller {
     if (view.steps > 0) ++view.episodes;
     if (quit) std::raise(SIGINT);  // ends as Ctrl-C does
   }
-  geometry::Vector2 act(const task::Observation&) override {
+  geometry::Drive act(const task::Observation& observation) override {
     listen();
-    return view.drive;
+    return drive.along(view.drive, observation.pose.position_m());
   }
 
   /// Whatever has happened at keyboard, gamepad and window since the last look.
@@ -182,12 +183,13 @@ struct TeleoperationWindow::State final : public control::Controller {
   std::array<bool, 4> held{};
 };
 
-TeleoperationWindow::TeleoperationWindow(const std::string& by, double max_current_A, double dish_radius_m)
+TeleoperationWindow::TeleoperationWindow(const std::string& by, const physics::RigDescription& rig)
     : state_(std::make_unique<State>()) {
   State& state = *state_;
   state.by_gamepad = by == "gamepad";
-  state.view.max_current_A = max_current_A;
-  state.view.dish_radius_m = dish_radius_m;
+  state.view.max_current_A = rig.coils.max_current_A;
+  state.view.dish_radius_m = rig.dish.radius_m;
+  state.drive = physics::CoilDrive(rig);
   state.view.visits.assign(static_cast<std::size_t>(kPilotGrid) * kPilotGrid, 0);
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C is the program's
   if (SDL_Init(SDL_INIT_VIDEO | SDL_INIT_GAMECONTROLLER) != 0) State::fail("no display");

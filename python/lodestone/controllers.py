@@ -31,7 +31,7 @@ class _Controller:
             target_heading: in rad, where the task wants one
 
         Returns:
-            [2] in [-1, 1]: the sign picks the coil of each axis, the magnitude its part of the largest drive
+            [A] in [-1, 1], of as many numbers as the rig's drive has; of opposed pairs, the sign picks the coil of each axis, the magnitude its part of the largest drive
 
         Raises:
             TypeError: no real numbers
@@ -47,7 +47,7 @@ class _Controller:
         """Drives of the coils, in ampere unless `action_unit` says per cent: +x, -x, +y, -y, or those that its rig lists.
 
         Args:
-            action: [2] or [N, 2] in [-1, 1]
+            action: [A] or [N, A] in [-1, 1]
             position: [2] of the needle, x and y in m, which matters where rig.drive.kind is field; None: the dish centre
 
         Returns:
@@ -99,7 +99,7 @@ class Policy(_Controller):
             observation: [D] or [N, D]
 
         Returns:
-            [2] or [N, 2] in [-1, 1]
+            [A] or [N, A] in [-1, 1]
         """
         return self._core.act(observation)
 

@@ -79,7 +79,7 @@ class Dynamics:
 
         Args:
             state: [S] or [N, S] in m, m and rad
-            action: [2] or [N, 2] signed axis drives (x, y) in `action_unit`; positive is the + coil of the axis
+            action: [A] or [N, A] drives in `action_unit`; of opposed pairs two (x, y), of which positive is the + coil of the axis
 
         Raises:
             TypeError: no real numbers

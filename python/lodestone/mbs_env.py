@@ -67,7 +67,7 @@ class MbsEnv(SingleEnv[_lodestone.Environments]):
         """One pulse.
 
         Args:
-            action: [2] in [-1, 1] (cut to it), float32 or float64
+            action: [A] in [-1, 1] (cut to it), float32 or float64
 
         Returns:
             observation [D], reward, terminated, truncated, and {"success": whether the goal is reached}

@@ -96,7 +96,7 @@ class RigEnv(SingleEnv[_lodestone.RigEnvironment]):
         """One pulse.
 
         Args:
-            action: [2] in [-1, 1] (cut to it), float32 or float64
+            action: [A] in [-1, 1] (cut to it), float32 or float64
 
         Returns:
             observation [D], reward, terminated, truncated, and {"success": whether the goal is reached}, with

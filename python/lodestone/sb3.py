@@ -36,7 +36,7 @@ class Sb3VecEnv(VecEnv):
         return observation.copy()
 
     def step_async(self, actions: NDArray[np.float32]) -> None:
-        """Remembers the actions [N, 2]."""
+        """Remembers the actions [N, A]."""
         self._actions = actions
 
     def step_wait(self) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:

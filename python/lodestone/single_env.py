@@ -27,7 +27,7 @@ class SingleEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]], Generic
     def __init__(self, core: Core) -> None:
         self._core: Core | None = core
         self.contract: dict[str, Any] = json.loads(core.contract())
-        self.observation_space, self.action_space = spaces(core.observation_size)
+        self.observation_space, self.action_space = spaces(core.observation_size, core.action_size)
         self._begun = False
         self._ended = True
 

@@ -23,7 +23,7 @@ class Transitions:
     state: NDArray[np.float64]
     """[N, S] x_m, y_m and, for a needle, heading_rad, before the pulse."""
     action: NDArray[np.float64]
-    """[N, 2] signed axis drives in `info["action_unit"]`."""
+    """[N, A] drives in `info["action_unit"]`."""
     next_state: NDArray[np.float64]
     """[N, S] after it."""
     terminated: NDArray[np.bool_]

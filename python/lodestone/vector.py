@@ -21,10 +21,10 @@ from .tasks import Task, environment_config
 __all__ = ["MbsVectorEnv", "make_vec"]
 
 
-def spaces(observation_size: int) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
-    """Of one environment: observations [D] and actions [2] in [-1, 1], both float32."""
+def spaces(observation_size: int, action_size: int) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
+    """Of one environment: observations [D] and actions [A] in [-1, 1], both float32."""
     return (gymnasium.spaces.Box(-np.inf, np.inf, (observation_size,), np.float32),
-            gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32))
+            gymnasium.spaces.Box(-1.0, 1.0, (action_size,), np.float32))
 
 
 def checked_whole(name: str, value: int, least: int, most: int) -> int:
@@ -69,7 +69,7 @@ class MbsVectorEnv(VectorEnv):
         self._core = _lodestone.Environments(as_dynamics(dynamics)._core, environment_config(task, **groups),
                                              self.num_envs, 0 if seed is None else self._given, 0, checked_whole("threads", threads, 0, 1024))
         self.contract: dict[str, Any] = json.loads(self._core.contract())
-        self.single_observation_space, self.single_action_space = spaces(self._core.observation_size)
+        self.single_observation_space, self.single_action_space = spaces(self._core.observation_size, self._core.action_size)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._everywhere = np.ones(self.num_envs, dtype=np.bool_)
@@ -114,7 +114,7 @@ class MbsVectorEnv(VectorEnv):
         """One pulse in every environment.
 
         Args:
-            actions: [N, 2] in [-1, 1] (cut to it), float32 or float64
+            actions: [N, A] in [-1, 1] (cut to it), float32 or float64
 
         Returns:
             observations [N, D], rewards [N], terminated [N], truncated [N], infos

@@ -23,12 +23,12 @@ py::array decide(RememberingController& controller, const py::handle& pose, cons
   if (target_heading && !std::isfinite(*target_heading))
     throw py::value_error("target_heading is " + std::to_string(*target_heading) +
                           ", must be a finite number");
-  geometry::Vector2 action;
+  geometry::Drive action;
   {
     const py::gil_scoped_release released;
     action = controller.act({at[0], at[1], at[2]}, {to[0], to[1]}, target_heading);
   }
-  return array_of(std::vector<double>{action.x(), action.y()}, {2});
+  return array_of(std::vector<double>(action.begin(), action.end()), {action.size()});
 }
 
 /// How the coils of the rig are driven that a policy or simulator was made for; found out when it is asked.
@@ -37,14 +37,14 @@ class RigDrive {
   /// Currents [coils] or [N, coils] for actions, of a needle at a position, or (None) at the dish centre.
   py::array drives(const task::ActionConfig& config, const common::Json& rig, const py::handle& action,
                    const py::handle& position) {
-    const Rows<double> actions = read_rows<double>(action, "action", 2);
+    const Rows<double> actions = read_rows<double>(action, "action", config.size);
     const std::vector<double> at_m =
         position.is_none() ? std::vector<double>{0.0, 0.0} : read_row(position, "position", 2);
     if (!drive_) drive_ = drive_of(rig);
     std::vector<double> drives;
-    for (std::size_t i = 0; i < actions.numbers.size(); i += 2) {
+    for (std::size_t i = 0; i < actions.numbers.size(); i += static_cast<std::size_t>(config.size)) {
       const physics::PerCoil current_A = drive_->current_A(
-          task::axis_drive({actions.numbers[i], actions.numbers[i + 1]}, config), {at_m[0], at_m[1]});
+          task::drive_of(geometry::as_drive(&actions.numbers[i], config.size), config), {at_m[0], at_m[1]});
       for (std::size_t coil = 0; coil < drive_->coils(); ++coil) drives.push_back(current_A[coil]);
     }
     const auto coils = static_cast<py::ssize_t>(drive_->coils());
@@ -67,7 +67,7 @@ class Policy {
   explicit Policy(const std::string& folder)
       : policy_(inference::load_policy(folder)),
         actor_(policy_.actor("checkpoint " + folder)),
-        controller_(std::make_unique<control::PolicyController>(policy_)) {}
+        controller_(std::make_unique<control::PolicyController>(policy_), policy_.action.size) {}
 
   static std::unique_ptr<Policy> load(const std::string& folder) {
     const py::gil_scoped_release released;
@@ -83,14 +83,15 @@ class Policy {
 
   py::array act(const py::handle& observation) const {
     const Rows<float> rows = read_rows<float>(observation, "observation", actor_.observation_size());
-    std::vector<float> actions(static_cast<std::size_t>(2 * rows.count));
+    const auto numbers = static_cast<py::ssize_t>(actor_.action_size());
+    std::vector<float> actions(static_cast<std::size_t>(numbers * rows.count));
     {
       const py::gil_scoped_release released;
       inference::Actor::Workspace workspace;
       if (rows.count > 0) actor_.act(rows.numbers.data(), rows.count, actions.data(), workspace);
     }
-    return array_of(std::move(actions),
-                    rows.single ? std::vector<py::ssize_t>{2} : std::vector<py::ssize_t>{rows.count, 2});
+    return array_of(std::move(actions), rows.single ? std::vector<py::ssize_t>{numbers}
+                                                    : std::vector<py::ssize_t>{rows.count, numbers});
   }
 
   std::string facts() const {
@@ -119,7 +120,8 @@ class Planner {
         controller_(std::make_unique<control::Planner>(simulator_,
                                                        common::config_from_json<control::PlannerConfig>(
                                                            common::parse_json(config, "planner"), "planner"),
-                                                       seed)),
+                                                       seed),
+                    simulator_->action.size),
         rig_(dynamics.model->info.rig) {}
   void reset() { controller_.reset(); }
   py::array decide(const py::handle& pose, const py::handle& target, std::optional<double> target_heading) {

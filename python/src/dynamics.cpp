@@ -17,7 +17,7 @@ py::tuple predict(const Dynamics& dynamics, const py::handle& state, const py::h
   const inference::DynamicsModel& model = *dynamics.model;
   const std::int64_t size = data::state_size(model.info.layout);
   const Rows<double> states = read_rows<double>(state, "state", size);
-  const Rows<double> drives = read_rows<double>(action, "action", data::kActionSize);
+  const Rows<double> drives = read_rows<double>(action, "action", model.info.action_size);
   if (states.count != drives.count || states.single != drives.single)
     throw py::value_error("state and action are of " + std::to_string(states.count) + " and " +
                           std::to_string(drives.count) + " rows, must be as many");

@@ -51,6 +51,7 @@ class Environments {
 
   std::int64_t count() const { return settings_.count; }
   std::int64_t observation_size() const { return task::ObservationEncoder(config_.encoder).size(); }
+  std::int64_t action_size() const { return config_.action.size; }
   std::string contract() const { return contract_of(config_, model_->info.rig).dump(); }
 
   /// New episodes everywhere, with a seed from its beginning: the observations.
@@ -74,10 +75,11 @@ class Environments {
   /// (observation, reward, terminated, truncated, success, final observation, ended), and whether any has.
   py::tuple step(const py::handle& actions) {
     check_process();
-    Rows<float> rows = read_rows<float>(actions, "actions", 2);
+    Rows<float> rows = read_rows<float>(actions, "actions", action_size());
     if (rows.count != settings_.count)
       throw py::value_error("actions are of " + std::to_string(rows.count) + " rows, must be [" +
-                            std::to_string(settings_.count) + ", 2]: one for each environment");
+                            std::to_string(settings_.count) + ", " + std::to_string(action_size()) +
+                            "]: one for each environment");
     const env::StepResult* result = nullptr;
     bool any = false;
     {

@@ -11,8 +11,8 @@ void RememberingController::reset() {
   action_.setZero();
 }
 
-geometry::Vector2 RememberingController::act(const geometry::Pose2& pose, const geometry::Vector2& target_m,
-                                             std::optional<double> target_heading_rad) {
+geometry::Drive RememberingController::act(const geometry::Pose2& pose, const geometry::Vector2& target_m,
+                                           std::optional<double> target_heading_rad) {
   const std::lock_guard<std::mutex> lock(mutex_);
   task::Observation observation;
   observation.pose = pose;

@@ -13,21 +13,22 @@ namespace lodestone::python {
 /// would: the last action and the sensed motion since. Any thread may ask; one waits for the other.
 class RememberingController {
  public:
-  explicit RememberingController(std::unique_ptr<control::Controller> controller)
-      : controller_(std::move(controller)) {
+  /// `action_size`: numbers of its actions.
+  RememberingController(std::unique_ptr<control::Controller> controller, int action_size)
+      : controller_(std::move(controller)), action_(geometry::Drive::Zero(action_size)) {
     controller_->reset();
   }
   /// Forgets the episode before.
   void reset();
-  /// Action in [-1, 1]^2, as the control loop asks for it.
-  geometry::Vector2 act(const geometry::Pose2& pose, const geometry::Vector2& target_m,
-                        std::optional<double> target_heading_rad);
+  /// Action in [-1, 1]^k, as the control loop asks for it.
+  geometry::Drive act(const geometry::Pose2& pose, const geometry::Vector2& target_m,
+                      std::optional<double> target_heading_rad);
 
  private:
   std::mutex mutex_;
   std::unique_ptr<control::Controller> controller_;
   std::optional<geometry::Vector2> position_m_;
-  geometry::Vector2 action_ = geometry::Vector2::Zero();
+  geometry::Drive action_;
 };
 
 }  // namespace lodestone::python

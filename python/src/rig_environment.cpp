@@ -38,9 +38,7 @@ RigEnvironmentConfig read_config(const std::string& text) {
   auto config =
       common::config_from_json<RigEnvironmentConfig>(common::parse_json(text, "environment"), "environment");
   config.rig.validate();
-  config.action.scale = config.rig.coils.max_current_A;
-  config.task.dish_radius_m = config.rig.dish.radius_m;
-  config.encoder.length_scale_m = config.rig.dish.radius_m;
+  env::adopt_rig(config.rig, config.task, config.encoder, config.action);
   return config;
 }
 
@@ -69,6 +67,7 @@ class RigEnvironment {
   RigEnvironment& operator=(const RigEnvironment&) = delete;
 
   std::int64_t observation_size() const { return episodes_->spec().observation_size; }
+  std::int64_t action_size() const { return config_.action.size; }
   std::string contract() const {
     return contract_of(config_, common::config_to_json<physics::RigDescription>(config_.rig)).dump();
   }
@@ -90,15 +89,16 @@ class RigEnvironment {
   /// (observation, reward, terminated, truncated, success, reason of a stop)
   py::tuple step(const py::handle& action) {
     check_process();
-    const Rows<float> given = read_rows<float>(action, "action", 2);
-    if (given.count != 1) throw py::value_error("action is of several rows, must be [2]");
+    const Rows<float> given = read_rows<float>(action, "action", action_size());
+    if (given.count != 1)
+      throw py::value_error("action is of several rows, must be [" + std::to_string(action_size()) + "]");
     std::string stopped;
     {
       const py::gil_scoped_release released;
       const std::lock_guard<std::mutex> lock(mutex_);
       episodes_->drive(0, given.numbers.data());
       const std::optional<geometry::Pose2> next =
-          loop_->step(geometry::saturated({given.numbers[0], given.numbers[1]}));
+          loop_->step(geometry::saturated(geometry::as_drive(given.numbers.data(), config_.action.size)));
       env::StepEnd end;
       end.truncated = !next;
       if (!next) stopped = loop_->stop_reason();
@@ -206,6 +206,7 @@ void bind_rig(py::module_& module) {
       .def(py::init<const std::string&, std::uint64_t, std::uint64_t, RigEnvironment::Ask>(),
            py::arg("config"), py::arg("rig_seed"), py::arg("sensor_seed"), py::arg("ask"))
       .def_property_readonly("observation_size", &RigEnvironment::observation_size)
+      .def_property_readonly("action_size", &RigEnvironment::action_size)
       .def("contract", &RigEnvironment::contract)
       .def("reset", &RigEnvironment::reset, py::arg("seed"))
       .def("step", &RigEnvironment::step, py::arg("action"))

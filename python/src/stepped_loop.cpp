@@ -24,7 +24,7 @@ class SteppedLoop::Handover final : public control::Controller {
  public:
   explicit Handover(SteppedLoop& steps) : steps_(steps) {}
   void reset() override {}
-  geometry::Vector2 act(const task::Observation& observation) override {
+  geometry::Drive act(const task::Observation& observation) override {
     return steps_.hand_over(observation.pose);
   }
 
@@ -54,7 +54,7 @@ std::optional<geometry::Pose2> SteppedLoop::begin() {
   return wait_for_pose();
 }
 
-std::optional<geometry::Pose2> SteppedLoop::step(const geometry::Vector2& action) {
+std::optional<geometry::Pose2> SteppedLoop::step(const geometry::Drive& action) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     action_ = action;
@@ -80,7 +80,7 @@ std::optional<geometry::Pose2> SteppedLoop::wait_for_pose() {
   return std::exchange(pose_, std::nullopt);
 }
 
-geometry::Vector2 SteppedLoop::hand_over(const geometry::Pose2& pose) {
+geometry::Drive SteppedLoop::hand_over(const geometry::Pose2& pose) {
   std::unique_lock<std::mutex> lock(mutex_);
   pose_ = pose;
   changed_.notify_all();

@@ -27,7 +27,7 @@ class SteppedLoop {
   /// Begins a run: the first pose that is sensed, or nothing where the run was stopped before.
   std::optional<geometry::Pose2> begin();
   /// Gives a pulse: the next pose that is sensed, or nothing where the run was stopped.
-  std::optional<geometry::Pose2> step(const geometry::Vector2& action);
+  std::optional<geometry::Pose2> step(const geometry::Drive& action);
   /// Ends the run, with the coils off.
   void end();
   /// Why the last run was stopped.
@@ -36,14 +36,14 @@ class SteppedLoop {
  private:
   class Handover;
   std::optional<geometry::Pose2> wait_for_pose();
-  geometry::Vector2 hand_over(const geometry::Pose2& pose);
+  geometry::Drive hand_over(const geometry::Pose2& pose);
 
   control::ControlLoop loop_;
   std::thread thread_;
   std::mutex mutex_;  // of what follows
   std::condition_variable changed_;
-  std::optional<geometry::Pose2> pose_;      ///< that waits for an action
-  std::optional<geometry::Vector2> action_;  ///< that the loop has not taken yet
+  std::optional<geometry::Pose2> pose_;    ///< that waits for an action
+  std::optional<geometry::Drive> action_;  ///< that the loop has not taken yet
   bool ending_ = false;
   bool running_ = false;
   std::string stop_reason_;

@@ -53,7 +53,7 @@ py::dict read_transitions(const std::string& path) {
   const py::ssize_t size = data::state_size(info.layout);
   py::dict out;
   out["state"] = array_of(std::move(columns.state), {rows, size});
-  out["action"] = array_of(std::move(columns.action), {rows, data::kActionSize});
+  out["action"] = array_of(std::move(columns.action), {rows, info.action_size});
   out["next_state"] = array_of(std::move(columns.next_state), {rows, size});
   out["terminated"] = flags(columns.terminated);
   out["truncated"] = flags(columns.truncated);

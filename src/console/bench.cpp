@@ -11,7 +11,7 @@
 
 namespace lodestone::console {
 
-Bench::State::State(Parts given) : parts(std::move(given)) {
+Bench::State::State(Parts given) : parts(std::move(given)), hand(physics::CoilDrive(parts.config.rig)) {
   shown.controller = parts.sources.front().name;
   shown.reason = "connecting";
   bench = std::thread([this] { drive_bench(); });

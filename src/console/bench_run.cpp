@@ -39,6 +39,7 @@ void Bench::State::follow(const Goal& to) {
     identifier = driver.identify();  // what it finds out, the next run knows
   task::ActionConfig by_hand_action;
   by_hand_action.scale = parts.config.rig.coils.max_current_A;
+  by_hand_action.size = parts.config.rig.drive_size();
   const std::unique_ptr<control::Controller> made =
       by_hand ? nullptr
               : driver.make(common::derive_seed(static_cast<std::uint64_t>(parts.config.seed), "console run",

@@ -24,7 +24,7 @@ bool finite(const geometry::Pose2& pose) {
 struct Memory {
   bool has_pose = false;
   geometry::Vector2 position_m = geometry::Vector2::Zero();
-  geometry::Vector2 action = geometry::Vector2::Zero();
+  geometry::Drive action;
   std::optional<geometry::Pose2> pose_before;  // the last pulse, which was not a probe
 
   task::Observation observe(const geometry::Pose2& pose, const geometry::Vector2& target_m,
@@ -51,7 +51,9 @@ PoseEstimate sensed(PoseSensor& sensor) {
   }
 }
 
-geometry::Vector2 checked(const geometry::Vector2& action) {
+geometry::Drive checked(const geometry::Drive& action, int size) {
+  LODESTONE_CHECK(action.size() == size, "an action of " + std::to_string(size) + " numbers, not of " +
+                                             std::to_string(action.size()));
   if (!action.allFinite())
     throw common::HardwareError("the controller asked for a drive that is not a number");
   return geometry::saturated(action);
@@ -120,18 +122,18 @@ void ControlLoop::pulse(const StepRecord& record) {
     return;
   const bool expected = identifier_ != nullptr && record.estimate.valid;
   sensor_.pulsed(record.current_A, expected ? identifier_->outcomes(record.estimate.pose,
-                                                                    task::axis_drive(record.action, action_))
+                                                                    task::drive_of(record.action, action_))
                                             : std::vector<physics::PulseOutcome>{});
 }
 
-void ControlLoop::drive(StepRecord& record, const geometry::Vector2& drive_A,
+void ControlLoop::drive(StepRecord& record, const geometry::Drive& drive_A,
                         const geometry::Vector2& at_m) const {
   record.drive_A = drive_A;
   record.current_A = drive_.current_A(drive_A, at_m);
 }
 
 void ControlLoop::look_for_it(StepRecord& record, const geometry::Vector2& at_m) {
-  const std::optional<geometry::Vector2> probe_A = recovery_ ? recovery_->next_probe() : std::nullopt;
+  const std::optional<geometry::Drive> probe_A = recovery_ ? recovery_->next_probe() : std::nullopt;
   record.probe = probe_A.has_value();
   if (!probe_A) return;
   // A probe says how much any coil may get: a drive along both axes may ask more of one that serves both.
@@ -147,7 +149,9 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
   controller.reset();
   reference.reset();
   if (recovery_) recovery_->reset();
+  const geometry::Drive none = geometry::Drive::Zero(drive_.size());
   Memory memory;
+  memory.action = none;
   std::int64_t invalid_in_a_row = 0;
   try {
     sensor_.acquire();
@@ -162,6 +166,7 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     coils_.begin_step(start_s + due_s);
     StepRecord record;
     record.time_s = due_s;
+    record.action = record.drive_A = none;
     record.current_A.assign(drive_.coils(), 0.0);
     record.estimate = sensed(sensor_);
     record.estimate.valid = record.estimate.valid && finite(record.estimate.pose);
@@ -184,13 +189,13 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
       if (identifier_ != nullptr) {
         if (memory.pose_before)
           identifier_->learn(
-              {*memory.pose_before, task::axis_drive(memory.action, action_), record.estimate.pose});
+              {*memory.pose_before, task::drive_of(memory.action, action_), record.estimate.pose});
         record.drive_gain = identifier_->gain();
         record.rig_changed = identifier_->changed();
       }
       if (!record.last) {
-        record.action = checked(controller.act(observed()));
-        drive(record, task::axis_drive(record.action, action_), seen_m);
+        record.action = checked(controller.act(observed()), drive_.size());
+        drive(record, task::drive_of(record.action, action_), seen_m);
       }
       if (recovery_) recovery_->seen(record.estimate.pose);
       memory.has_pose = true;
@@ -199,20 +204,20 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     } else {
       ++invalid_in_a_row;
       memory.pose_before.reset();
-      const std::optional<geometry::Vector2> agreed = record.estimate.either_way && !record.last
-                                                          ? act_either_way(controller, observed(), action_)
-                                                          : std::nullopt;
+      const std::optional<geometry::Drive> agreed = record.estimate.either_way && !record.last
+                                                        ? act_either_way(controller, observed(), action_)
+                                                        : std::nullopt;
       record.either_way = agreed.has_value();
       if (agreed) {
-        record.action = checked(*agreed);
-        drive(record, task::axis_drive(record.action, action_), record.estimate.pose.position_m());
+        record.action = checked(*agreed, drive_.size());
+        drive(record, task::drive_of(record.action, action_), record.estimate.pose.position_m());
       } else if (!record.last && !record.estimate.blind) {
         look_for_it(record, seen_m);
       }
       if (record.estimate.reason.empty())
         record.estimate.reason = "the sensor gave a pose that is not a number";
     }
-    memory.action = record.estimate.valid ? record.action : geometry::Vector2::Zero();
+    memory.action = record.estimate.valid ? record.action : none;
     if (keeps_steps_) outcome.steps.push_back(record);
     if (observer) observer(record);
     if (record.last) return;
@@ -226,7 +231,7 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     if (identifier_ != nullptr) {  // while the pulse is on
       identifier_->check();
       if (memory.pose_before)
-        identifier_->expect(*memory.pose_before, task::axis_drive(record.action, action_));
+        identifier_->expect(*memory.pose_before, task::drive_of(record.action, action_));
     }
     rest_until(start_s + static_cast<double>(step + 1) * config_.period_s());
   }

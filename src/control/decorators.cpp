@@ -1,6 +1,5 @@
 #include "lodestone/control/decorators.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -36,17 +35,18 @@ geometry::Vector2 straight_ahead_m(const task::Observation& observation, double 
 }
 }  // namespace
 
-AdaptiveGain::AdaptiveGain(std::unique_ptr<Controller> inner, const DecoratorConfig& config)
-    : inner_(std::move(inner)), config_(config) {}
+AdaptiveGain::AdaptiveGain(std::unique_ptr<Controller> inner, const DecoratorConfig& config,
+                           const physics::CoilDrive& drive)
+    : inner_(std::move(inner)), config_(config), drive_(drive) {}
 
 /// To one side, to the other, twice as far to the first, and so on up to a right angle.
-geometry::Vector2 AdaptiveGain::dithered(const geometry::Vector2& action) const {
+geometry::Drive AdaptiveGain::dithered(const geometry::Drive& action) const {
   const int sides = full_stalls_ - kStallsBeforeDither;
   const double turns = 0.5 * (sides + 1);
   const double size_deg = std::min(std::floor(turns) * config_.direction_dither_deg, 90.0);
   const double angle_rad = (sides % 2 == 1 ? 1.0 : -1.0) * size_deg / geometry::kDegPerRad;
   // A dithered form of the full command is a full command.
-  const geometry::Vector2 turned = Eigen::Rotation2Dd(angle_rad) * action;
+  const geometry::Drive turned = drive_.turned(action, angle_rad);
   return turned / turned.cwiseAbs().maxCoeff();
 }
 
@@ -58,7 +58,7 @@ void AdaptiveGain::reset() {
   acted_ = false;
 }
 
-geometry::Vector2 AdaptiveGain::act(const task::Observation& observation) {
+geometry::Drive AdaptiveGain::act(const task::Observation& observation) {
   // A rest (hold, or no valid pose) in between says nothing about stalling.
   const bool driven = acted_ && !observation.last_action.isZero();
   if (driven) {
@@ -72,7 +72,7 @@ geometry::Vector2 AdaptiveGain::act(const task::Observation& observation) {
   }
   acted_ = true;
   last_pose_ = observation.pose;
-  geometry::Vector2 action = gain_ * inner_->act(observation);
+  geometry::Drive action = gain_ * inner_->act(observation);
   const bool dither = full_stalls_ > kStallsBeforeDither && config_.direction_dither_deg > 0.0;
   if (dither) action = dithered(action);
   full_ = action.cwiseAbs().maxCoeff() >= 1.0;
@@ -81,25 +81,27 @@ geometry::Vector2 AdaptiveGain::act(const task::Observation& observation) {
   return geometry::saturated_in_direction(action);
 }
 
-geometry::Vector2 Hold::act(const task::Observation& observation) {
+geometry::Drive Hold::act(const task::Observation& observation) {
   const bool near = (observation.target_m - observation.pose.position_m()).norm() <= config_.hold_radius_m;
   const double heading_rad = observation.pose.heading_rad;
   const double turn_rad =
       geometry::wrap_angle(observation.target_heading_rad.value_or(heading_rad) - heading_rad);
   if (near && geometry::kDegPerRad * std::abs(turn_rad) <= config_.hold_heading_deg)
-    return geometry::Vector2::Zero();
+    return observation.rest();
   return inner_->act(observation);
 }
 
-geometry::Vector2 Lead::act(const task::Observation& observation) {
+geometry::Drive Lead::act(const task::Observation& observation) {
   task::Observation led = observation;
   led.target_m = straight_ahead_m(observation, lead_s_);
   led.ahead.clear();
   return inner_->act(led);
 }
 
-std::unique_ptr<Controller> decorate(std::unique_ptr<Controller> controller, const DecoratorConfig& config) {
-  if (config.stall_gain > 1.0) controller = std::make_unique<AdaptiveGain>(std::move(controller), config);
+std::unique_ptr<Controller> decorate(std::unique_ptr<Controller> controller, const DecoratorConfig& config,
+                                     const physics::CoilDrive& drive) {
+  if (config.stall_gain > 1.0)
+    controller = std::make_unique<AdaptiveGain>(std::move(controller), config, drive);
   if (config.hold_radius_m > 0.0) controller = std::make_unique<Hold>(std::move(controller), config);
   if (config.lead_s > 0.0) controller = std::make_unique<Lead>(std::move(controller), config);
   return controller;

@@ -8,7 +8,7 @@ namespace lodestone::control {
 
 DrivenField::DrivenField(const physics::RigDescription& rig) : drive_(rig), field_(rig) {}
 
-physics::FieldGradient DrivenField::at(const geometry::Vector2& drive_A,
+physics::FieldGradient DrivenField::at(const geometry::Drive& drive_A,
                                        const geometry::Vector2& position_m) const {
   return field_.at(drive_.current_A(drive_A, position_m), position_m);
 }

@@ -14,13 +14,15 @@ Explorer::Explorer(const ExplorerConfig& config, const physics::RigDescription& 
                    common::RandomStream random)
     : config_(config),
       dish_radius_m_(rig.dish.radius_m),
+      drive_(rig),
       random_(std::move(random)),
       freeing_(config.freeing, rig) {
   side_ = static_cast<std::int64_t>(std::ceil(2.0 * dish_radius_m_ / config_.cell_m));
   levels_ = 2 * config_.level_bins + 1;
   const auto cells = static_cast<std::size_t>(side_ * side_);
   const auto headings = static_cast<std::size_t>(config_.heading_bins);
-  const auto levels = static_cast<std::size_t>(levels_ * levels_);
+  action_levels_ = drive_.size() == 2 ? levels_ * levels_ : drive_.size() * levels_;
+  const auto levels = static_cast<std::size_t>(action_levels_);
   at_position_.assign(cells, 0);
   at_pose_.assign(cells * headings, 0);
   level_at_position_.assign(cells * levels, 0);
@@ -52,8 +54,8 @@ std::int64_t Explorer::heading_of(double heading_rad) const {
   return std::clamp(bin, std::int64_t{0}, config_.heading_bins - 1);
 }
 
-std::int64_t Explorer::level_of(const geometry::Vector2& action) const {
-  // The fraction of candidates whose stronger axis is weaker: each level then holds about as many.
+std::int64_t Explorer::level_of(const geometry::Drive& action) const {
+  // The fraction of candidates whose largest number is weaker: each level then holds about as many.
   const auto weaker = [&](double size) {
     const double of_weak = std::max(0.0, 1.0 - std::log(size) / std::log(config_.weakest_drive));
     return (1.0 - config_.weak_fraction) * size + config_.weak_fraction * of_weak;
@@ -65,32 +67,41 @@ std::int64_t Explorer::level_of(const geometry::Vector2& action) const {
                  config_.level_bins - 1);
     return drive > 0.0 ? config_.level_bins + 1 + level : config_.level_bins - 1 - level;
   };
-  return bin(action.y()) * levels_ + bin(action.x());
+  if (action.size() == 2) return bin(action[1]) * levels_ + bin(action[0]);
+  Eigen::Index largest = 0;
+  action.cwiseAbs().maxCoeff(&largest);
+  return largest * levels_ + bin(action[largest]);
 }
 
-geometry::Vector2 Explorer::draw_action() {
+geometry::Drive Explorer::draw_action() {
   const auto drive = [&] {
     const double magnitude = random_.uniform(config_.min_drive, 1.0);
     return random_.uniform() < 0.5 ? -magnitude : magnitude;
   };
-  geometry::Vector2 action(drive(), drive());
-  if (random_.uniform() < config_.single_axis_fraction) action[static_cast<int>(random_.below(2))] = 0.0;
+  geometry::Drive action = geometry::drawn_drive(drive_.size(), drive);
+  for (Eigen::Index i = 0; i < action.size(); ++i)
+    if (drive_.least(static_cast<int>(i)) >= 0.0) action[i] = std::abs(action[i]);
+  if (random_.uniform() < config_.single_axis_fraction) {
+    const auto one = static_cast<Eigen::Index>(random_.below(static_cast<std::uint64_t>(action.size())));
+    for (Eigen::Index i = 0; i < action.size(); ++i)  // of two numbers this one goes, of others it stays
+      if ((i == one) == (action.size() == 2)) action[i] = 0.0;
+  }
   if (config_.weak_fraction > 0.0 && random_.uniform() < config_.weak_fraction)
     action *= std::pow(config_.weakest_drive, random_.uniform()) / action.cwiseAbs().maxCoeff();
   return action;
 }
 
-double Explorer::cost(const geometry::Pose2& pose, const geometry::Vector2& action) const {
+double Explorer::cost(const geometry::Pose2& pose, const geometry::Drive& action) const {
   const auto cell = cell_of(pose.position_m());
   const auto heading = heading_of(pose.heading_rad);
   const auto level = level_of(action);
   const auto count = [](const std::vector<std::int64_t>& counts, std::int64_t index) {
     return std::log1p(static_cast<double>(counts[static_cast<std::size_t>(index)]));
   };
-  double cost = count(level_at_position_, cell * levels_ * levels_ + level) +
-                count(level_at_heading_, heading * levels_ * levels_ + level);
+  double cost = count(level_at_position_, cell * action_levels_ + level) +
+                count(level_at_heading_, heading * action_levels_ + level);
   if (config_.steering > 0.0) {
-    const std::int64_t next = led_to_[static_cast<std::size_t>(cell * levels_ * levels_ + level)];
+    const std::int64_t next = led_to_[static_cast<std::size_t>(cell * action_levels_ + level)];
     // What was never tried here counts as leading to a place visited as often as the mean.
     cost += config_.steering * (next < 0 ? std::log1p(mean_visits()) : count(at_position_, next));
   }
@@ -110,16 +121,16 @@ void Explorer::see(const geometry::Vector2& position_m) {
   last_position_m_ = position_m;
 }
 
-geometry::Vector2 Explorer::decide(const geometry::Pose2& pose) {
+geometry::Drive Explorer::decide(const geometry::Pose2& pose) {
   if (config_.self_reset) {
     if (stuck()) return freeing_.next(pose);
     freeing_.reset();
   }
-  geometry::Vector2 action = geometry::Vector2::Zero();
+  geometry::Drive action = geometry::Drive::Zero(drive_.size());
   if (random_.uniform() < config_.zero_fraction) return action;
   double lowest = std::numeric_limits<double>::infinity();
   for (std::int64_t i = 0; i < config_.candidates; ++i) {
-    const geometry::Vector2 candidate = draw_action();
+    const geometry::Drive candidate = draw_action();
     const double candidate_cost = cost(pose, candidate);
     if (candidate_cost < lowest) {
       lowest = candidate_cost;
@@ -129,21 +140,21 @@ geometry::Vector2 Explorer::decide(const geometry::Pose2& pose) {
   return action;
 }
 
-void Explorer::keep_count(const geometry::Pose2& pose, const geometry::Vector2& action) {
+void Explorer::keep_count(const geometry::Pose2& pose, const geometry::Drive& action) {
   const auto cell = cell_of(pose.position_m());
   const auto heading = heading_of(pose.heading_rad);
   const auto level = level_of(action);
-  last_index_ = cell * levels_ * levels_ + level;
+  last_index_ = cell * action_levels_ + level;
   ++visits_;
   ++at_position_[static_cast<std::size_t>(cell)];
   ++at_pose_[static_cast<std::size_t>(cell * config_.heading_bins + heading)];
   ++level_at_position_[static_cast<std::size_t>(last_index_)];
-  ++level_at_heading_[static_cast<std::size_t>(heading * levels_ * levels_ + level)];
+  ++level_at_heading_[static_cast<std::size_t>(heading * action_levels_ + level)];
 }
 
-geometry::Vector2 Explorer::act(const task::Observation& observation) {
+geometry::Drive Explorer::act(const task::Observation& observation) {
   see(observation.pose.position_m());
-  const geometry::Vector2 action = decide(observation.pose);
+  const geometry::Drive action = decide(observation.pose);
   // A needle that a weak pulse did not move is not stuck. An operator does not look so closely.
   telling_ = !config_.self_reset || action.cwiseAbs().maxCoeff() >= config_.min_drive;
   keep_count(observation.pose, action);

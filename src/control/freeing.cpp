@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lodestone/geometry/angle.h"
+#include "lodestone/geometry/saturation.h"
 
 namespace lodestone::control {
 
@@ -29,7 +30,12 @@ Freeing::Freeing(const FreeingConfig& config, const physics::RigDescription& rig
 
 void Freeing::reset() { pulses_ = full_ = 0; }
 
-geometry::Vector2 Freeing::next(const geometry::Pose2& pose) {
+geometry::Drive Freeing::next(const geometry::Pose2& pose) {
+  const geometry::Vector2 direction = next_direction(pose);
+  return geometry::saturated_in_direction(field_.along(direction, pose.position_m()));
+}
+
+geometry::Vector2 Freeing::next_direction(const geometry::Pose2& pose) {
   const double force_N = kFirstPull * breakaway_N_ * std::pow(config_.growth, static_cast<double>(pulses_));
   ++pulses_;
   const geometry::Vector2 straight = pull(pose, 0.0, force_N);
@@ -54,7 +60,8 @@ geometry::Vector2 Freeing::pull(const geometry::Pose2& pose, double from_centre_
     const double angle = 2.0 * geometry::kPi * i / kDrives;
     geometry::Vector2 drive(std::cos(angle), std::sin(angle));
     drive /= drive.cwiseAbs().maxCoeff();
-    const double along_N = pull_.pull_N(max_current_A_ * drive, position_m).dot(direction);
+    const double along_N =
+        pull_.pull_N(field_.along(max_current_A_ * drive, position_m), position_m).dot(direction);
     if (along_N <= most_N) continue;
     most_N = along_N;
     best = drive;
@@ -64,9 +71,10 @@ geometry::Vector2 Freeing::pull(const geometry::Pose2& pose, double from_centre_
 
 geometry::Vector2 Freeing::turn(const geometry::Pose2& pose, double by_rad) const {
   const double heading_rad = pose.heading_rad + by_rad;
-  const geometry::Vector2 drive = unit_drive_along(
-      {std::cos(heading_rad), std::sin(heading_rad)},
-      [&](const geometry::Vector2& axes) { return field_.at(axes, pose.position_m()).field_T; });
+  const geometry::Vector2 drive =
+      unit_drive_along({std::cos(heading_rad), std::sin(heading_rad)}, [&](const geometry::Vector2& two) {
+        return field_.at(field_.along(two, pose.position_m()), pose.position_m()).field_T;
+      });
   return drive * std::min(1.0, config_.turn_A / max_current_A_);
 }
 

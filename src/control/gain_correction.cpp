@@ -6,7 +6,7 @@
 
 namespace lodestone::control {
 
-geometry::Vector2 GainCorrection::act(const task::Observation& observation) {
+geometry::Drive GainCorrection::act(const task::Observation& observation) {
   const double gain = std::exp(observation.drive_gain.value_or(task::DriveGain{}).log_mean);
   task::Observation known = observation;
   known.drive_gain.reset();

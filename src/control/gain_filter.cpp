@@ -44,7 +44,7 @@ void GainFilter::reset() {
   normalise(weight_);
 }
 
-void GainFilter::expect(const geometry::Pose2& before, const geometry::Vector2& drive_A) {
+void GainFilter::expect(const geometry::Pose2& before, const geometry::Drive& drive_A) {
   expected_A_.reset();
   if (drive_A.isZero(0.0)) return;
   imagined_.clear();
@@ -55,7 +55,8 @@ void GainFilter::expect(const geometry::Pose2& before, const geometry::Vector2& 
 
 void GainFilter::learn(const SeenPulse& pulse) {
   if (pulse.drive_A.isZero(0.0)) return;
-  if (!expected_A_ || *expected_A_ != pulse.drive_A || !same(predicted_.before, pulse.before))
+  if (!expected_A_ || expected_A_->size() != pulse.drive_A.size() || *expected_A_ != pulse.drive_A ||
+      !same(predicted_.before, pulse.before))
     expect(pulse.before, pulse.drive_A);
   expected_A_.reset();
   model_.judge(predicted_, pulse.after, says_);
@@ -79,7 +80,7 @@ void GainFilter::move_on() {
 }
 
 std::vector<physics::PulseOutcome> GainFilter::outcomes(const geometry::Pose2& before,
-                                                        const geometry::Vector2& drive_A) {
+                                                        const geometry::Drive& drive_A) {
   return model_.outcomes(before, std::exp(gain().log_mean) * drive_A);
 }
 

@@ -22,7 +22,7 @@ void GoalSeeker::reset() {
   draw_target();
 }
 
-geometry::Vector2 GoalSeeker::act(const task::Observation& observation) {
+geometry::Drive GoalSeeker::act(const task::Observation& observation) {
   if (!observation.last_action.isZero(0.0)) {
     const bool moved = observation.last_displacement_m.norm() >= config_.stuck_threshold_m;
     still_pulses_ = moved ? 0 : still_pulses_ + 1;
@@ -32,8 +32,10 @@ geometry::Vector2 GoalSeeker::act(const task::Observation& observation) {
   ++steps_;
   task::Observation seen = observation;
   seen.target_m = target_m_;
-  const geometry::Vector2 noise(random_.normal(), random_.normal());
-  return geometry::saturated(inner_->act(seen) + config_.noise * noise);
+  const geometry::Drive action = inner_->act(seen);
+  const geometry::Drive noise =
+      geometry::drawn_drive(static_cast<int>(action.size()), [this] { return random_.normal(); });
+  return geometry::saturated(action + config_.noise * noise);
 }
 
 std::string GoalSeeker::save() const {

@@ -6,6 +6,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/geometry/angle.h"
+#include "lodestone/geometry/saturation.h"
 
 namespace lodestone::control {
 namespace {
@@ -23,9 +24,10 @@ MotionModel::MotionModel(std::shared_ptr<const LearnedSimulator> model, const Id
   LODESTONE_CHECK(model_->sampled, "a simulator that predicts distributions");
 }
 
-geometry::Vector2 MotionModel::drive_of(const geometry::Vector2& drive_A) const {
-  const double limit = model_->action.scale;
-  return (drive_per_A_ * drive_A).cwiseMax(-limit).cwiseMin(limit);
+void MotionModel::write_drive(const geometry::Drive& drive_A, double* out) const {
+  LODESTONE_CHECK(drive_A.size() == model_->action.size, "a drive of the simulator's size");
+  const geometry::Drive drive = geometry::saturated(drive_per_A_ * drive_A, model_->action.scale);
+  std::copy(drive.begin(), drive.end(), out);
 }
 
 template <class Density>
@@ -43,19 +45,18 @@ void MotionModel::judge_by(std::size_t count, const Density& density, std::vecto
   for (double& ratio : out) ratio = (1.0 - config_.outlier_share) * ratio / outlier + config_.outlier_share;
 }
 
-void MotionModel::predict(const geometry::Pose2& before, const std::vector<geometry::Vector2>& drives_A,
+void MotionModel::predict(const geometry::Pose2& before, const std::vector<geometry::Drive>& drives_A,
                           Prediction& out) {
   const std::size_t size = model_->state_size;
   out.before = before;
   out.pulses = drives_A.size();
   out.output.resize(model_->members.size());
   state_.resize(out.pulses * size);
-  drive_.resize(2 * out.pulses);
+  const auto numbers = static_cast<std::size_t>(model_->action.size);
+  drive_.resize(numbers * out.pulses);
   for (std::size_t k = 0; k < out.pulses; ++k) {
     write_state(before, size, &state_[k * size]);
-    const geometry::Vector2 drive = drive_of(drives_A[k]);
-    drive_[2 * k] = drive.x();
-    drive_[2 * k + 1] = drive.y();
+    write_drive(drives_A[k], &drive_[numbers * k]);
   }
   for (std::size_t member = 0; member < model_->members.size(); ++member) {
     const inference::FoldedDynamics& dynamics = model_->members[member];
@@ -66,7 +67,7 @@ void MotionModel::predict(const geometry::Pose2& before, const std::vector<geome
 }
 
 std::vector<physics::PulseOutcome> MotionModel::outcomes(const geometry::Pose2& before,
-                                                         const geometry::Vector2& drive_A) {
+                                                         const geometry::Drive& drive_A) {
   std::vector<physics::PulseOutcome> all;
   if (model_->state_size != 3) return all;
   predict(before, {drive_A}, outcomes_);
@@ -121,13 +122,12 @@ void MotionModel::judge(const std::vector<SeenPulse>& pulses, std::vector<double
   const double noise[3] = {config_.noise_m, config_.noise_m, config_.noise_rad};
   state_.resize(count * size);
   seen_.resize(count * size);
-  drive_.resize(2 * count);
+  const auto numbers = static_cast<std::size_t>(model_->action.size);
+  drive_.resize(numbers * count);
   for (std::size_t k = 0; k < count; ++k) {
     write_state(pulses[k].before, size, &state_[k * size]);
     write_state(pulses[k].after, size, &seen_[k * size]);
-    const geometry::Vector2 drive = drive_of(pulses[k].drive_A);
-    drive_[2 * k] = drive.x();
-    drive_[2 * k + 1] = drive.y();
+    write_drive(pulses[k].drive_A, &drive_[numbers * k]);
   }
   judge_by(
       count,
@@ -139,16 +139,16 @@ void MotionModel::judge(const std::vector<SeenPulse>& pulses, std::vector<double
       out);
 }
 
-geometry::Pose2 MotionModel::draw(const geometry::Pose2& before, const geometry::Vector2& drive_A,
+geometry::Pose2 MotionModel::draw(const geometry::Pose2& before, const geometry::Drive& drive_A,
                                   common::RandomStream& random) {
   const std::size_t size = model_->state_size;
   double state[3];
   write_state(before, size, state);
-  const geometry::Vector2 drive = drive_of(drive_A);
-  const double numbers[2] = {drive.x(), drive.y()};
+  double drive[geometry::kMostDrives];
+  write_drive(drive_A, drive);
   common::RandomStream* const stream = &random;
   double next[3];
-  model_->members[random.below(model_->members.size())].sample(state, numbers, 1, &stream, next, workspace_);
+  model_->members[random.below(model_->members.size())].sample(state, drive, 1, &stream, next, workspace_);
   geometry::Pose2 after = {next[0] + config_.noise_m * random.normal(),
                            next[1] + config_.noise_m * random.normal(), before.heading_rad};
   if (size == 3) after.heading_rad = geometry::wrap_angle(next[2] + config_.noise_rad * random.normal());

@@ -39,7 +39,7 @@ Planner::Planner(std::shared_ptr<const LearnedSimulator> model, const PlannerCon
 
 void Planner::reset() {
   random_ = common::RandomStream(seed_, "planner");
-  plan_.assign(static_cast<std::size_t>(config_.horizon), geometry::Vector2::Zero());
+  plan_.assign(static_cast<std::size_t>(config_.horizon), geometry::Drive::Zero(model_->action.size));
 }
 
 std::vector<std::size_t> Planner::best(std::size_t count) const {
@@ -54,21 +54,22 @@ std::vector<std::size_t> Planner::best(std::size_t count) const {
   return order;
 }
 
-geometry::Vector2 Planner::act(const task::Observation& observation) {
+geometry::Drive Planner::act(const task::Observation& observation) {
   const auto horizon = static_cast<std::size_t>(config_.horizon);
-  const Sequence nothing(horizon, geometry::Vector2::Zero());
+  const int numbers = model_->action.size;
+  const Sequence nothing(horizon, geometry::Drive::Zero(numbers));
   // What was the second pulse is the first one now, and one proposal among others.
   std::rotate(plan_.begin(), plan_.begin() + 1, plan_.end());
   plan_.back().setZero();
   Sequence mean = nothing;
-  Sequence spread(horizon, geometry::Vector2::Constant(config_.spread));
+  Sequence spread(horizon, geometry::Drive::Constant(numbers, config_.spread));
   std::vector<Sequence> elites;
   for (std::int64_t iteration = 0; iteration < config_.iterations; ++iteration) {
     candidates_ = {nothing, plan_, mean};
     while (candidates_.size() < static_cast<std::size_t>(config_.candidates)) {
       Sequence& candidate = candidates_.emplace_back(mean);
       for (std::size_t t = 0; t < horizon; ++t) {
-        const geometry::Vector2 noise(random_.normal(), random_.normal());
+        const geometry::Drive noise = geometry::drawn_drive(numbers, [this] { return random_.normal(); });
         candidate[t] = geometry::saturated(candidate[t] + spread[t].cwiseProduct(noise));
       }
     }
@@ -77,8 +78,8 @@ geometry::Vector2 Planner::act(const task::Observation& observation) {
     for (const std::size_t index : best(static_cast<std::size_t>(config_.elites)))
       elites.push_back(candidates_[index]);
     for (std::size_t t = 0; t < horizon; ++t) {
-      geometry::Vector2 sum = geometry::Vector2::Zero();
-      geometry::Vector2 square = geometry::Vector2::Zero();
+      geometry::Drive sum = geometry::Drive::Zero(numbers);
+      geometry::Drive square = geometry::Drive::Zero(numbers);
       for (const Sequence& elite : elites) {
         sum += elite[t];
         square += elite[t].cwiseProduct(elite[t]);
@@ -108,7 +109,8 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
   const std::size_t rows = count * particles;
   state_.resize(rows * size);
   next_.resize(rows * size);
-  drive_.resize(2 * rows);
+  const auto numbers = static_cast<std::size_t>(model_->action.size);
+  drive_.resize(numbers * rows);
   for (std::size_t row = 0; row < rows; ++row) {
     state_[row * size] = observation.pose.x_m;
     state_[row * size + 1] = observation.pose.y_m;
@@ -124,15 +126,12 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
     for (std::size_t p = 0; p < particles; ++p) {
       const double factor = std::exp(gain.log_mean + gain.log_sigma * quantile_[p]);
       for (std::size_t c = 0; c < count; ++c) {
-        const geometry::Vector2 drive =
-            geometry::Vector2(factor * task::axis_drive(candidates_[c][t], model_->action))
-                .cwiseMax(-limit)
-                .cwiseMin(limit);
-        drive_[2 * (p * count + c)] = drive.x();
-        drive_[2 * (p * count + c) + 1] = drive.y();
+        const geometry::Drive drive =
+            geometry::saturated(factor * task::drive_of(candidates_[c][t], model_->action), limit);
+        std::copy(drive.begin(), drive.end(), &drive_[numbers * (p * count + c)]);
       }
       const double* state = &state_[p * count * size];
-      const double* drive = &drive_[2 * p * count];
+      const double* drive = &drive_[numbers * p * count];
       double* next = &next_[p * count * size];
       const auto n = static_cast<std::int64_t>(count);
       const inference::FoldedDynamics& member = model_->members[p % members];
@@ -145,7 +144,9 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
     }
     for (std::size_t row = 0; row < rows; ++row) {
       double* state = &state_[row * size];
-      if (drive_[2 * row] != 0.0 || drive_[2 * row + 1] != 0.0) std::copy_n(&next_[row * size], size, state);
+      const double* drive = &drive_[numbers * row];
+      const bool driven = std::any_of(drive, drive + numbers, [](double number) { return number != 0.0; });
+      if (driven) std::copy_n(&next_[row * size], size, state);
       const geometry::Vector2 position_m(state[0], state[1]);
       double cost_mm = geometry::kMmPerM * std::max(config_.goal_radius_m, (position_m - target_m).norm());
       if (observation.target_heading_rad && size == 3)

@@ -25,7 +25,7 @@ void Recovery::seen(const geometry::Pose2& pose) {
   blind_ = 0;
 }
 
-std::optional<geometry::Vector2> Recovery::next_probe() {
+std::optional<geometry::Drive> Recovery::next_probe() {
   ++blind_;
   if (blind_ % kStepsPerProbe != 0) return std::nullopt;
   const std::int64_t probe = blind_ / kStepsPerProbe - 1;
@@ -34,22 +34,23 @@ std::optional<geometry::Vector2> Recovery::next_probe() {
   return std::nullopt;
 }
 
-geometry::Vector2 Recovery::turn(std::int64_t index) const {
+geometry::Drive Recovery::turn(std::int64_t index) const {
   const geometry::Pose2 from = last_.value_or(geometry::Pose2{});
   const double heading_rad = from.heading_rad + (index % 2 == 0 ? kTurn_rad : -kTurn_rad);
   const double current_A = index < 2 ? config_.turn_A : config_.turn_max_A;
-  return current_A * unit_drive_along({std::cos(heading_rad), std::sin(heading_rad)},
-                                      [&](const geometry::Vector2& drive) {
-                                        return field_.at(drive, from.position_m()).field_T;
-                                      });
+  const geometry::Vector2 unit =
+      unit_drive_along({std::cos(heading_rad), std::sin(heading_rad)}, [&](const geometry::Vector2& two) {
+        return field_.at(field_.along(two, from.position_m()), from.position_m()).field_T;
+      });
+  return field_.along(current_A * unit, from.position_m());
 }
 
-std::optional<geometry::Vector2> Recovery::pull() const {
+std::optional<geometry::Drive> Recovery::pull() const {
   if (!last_ || last_->position_m().isZero(0.0)) return std::nullopt;
-  const geometry::Vector2 drive_A =
+  const geometry::Drive drive_A =
       pull_.drive_A(-last_->position_m().normalized() * 1e-6, last_->position_m());
   if (drive_A.isZero(0.0)) return std::nullopt;
-  return geometry::Vector2(config_.pull_A * drive_A / drive_A.cwiseAbs().maxCoeff());
+  return geometry::Drive(config_.pull_A * drive_A / drive_A.cwiseAbs().maxCoeff());
 }
 
 }  // namespace lodestone::control

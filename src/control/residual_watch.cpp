@@ -27,7 +27,7 @@ bool ResidualWatch::changed() const { return evidence_ > kEnough; }
 
 void ResidualWatch::check(const SeenPulse& pulse, const task::DriveGain& gain) {
   if (pulse.drive_A.isZero(0.0) || stalls_.repeats(pulse)) return;
-  const geometry::Vector2 drive_A = std::exp(gain.log_mean) * pulse.drive_A;
+  const geometry::Drive drive_A = std::exp(gain.log_mean) * pulse.drive_A;
   draws_.assign(1, {pulse.before, drive_A, pulse.after});
   for (std::size_t k = 0; k < kDraws; ++k) {
     const double factor = std::exp(gain.log_mean + gain.log_sigma * random_.normal());

@@ -18,12 +18,12 @@ bool StallMemory::repeats(const SeenPulse& pulse) {
   return again;
 }
 
-bool StallMemory::stalls(const geometry::Pose2& from, const geometry::Vector2& drive_A) const {
+bool StallMemory::stalls(const geometry::Pose2& from, const geometry::Drive& drive_A) const {
   return at_place(from) && known(drive_A);
 }
 
-bool StallMemory::known(const geometry::Vector2& drive_A) const {
-  return std::any_of(stalled_A_.begin(), stalled_A_.end(), [&](const geometry::Vector2& stalled_A) {
+bool StallMemory::known(const geometry::Drive& drive_A) const {
+  return std::any_of(stalled_A_.begin(), stalled_A_.end(), [&](const geometry::Drive& stalled_A) {
     return (drive_A - stalled_A).norm() < kAlikeDrive * std::max(drive_A.norm(), stalled_A.norm());
   });
 }

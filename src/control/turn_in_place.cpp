@@ -26,12 +26,12 @@ void TurnInPlace::reset() {
 }
 
 geometry::Vector2 TurnInPlace::drive_along(double heading_rad, const geometry::Vector2& position_m) const {
-  return unit_drive_along(
-      {std::cos(heading_rad), std::sin(heading_rad)},
-      [&](const geometry::Vector2& drive) { return field_.at(drive, position_m).field_T; });
+  return unit_drive_along({std::cos(heading_rad), std::sin(heading_rad)}, [&](const geometry::Vector2& two) {
+    return field_.at(field_.along(two, position_m), position_m).field_T;
+  });
 }
 
-geometry::Vector2 TurnInPlace::act(const task::Observation& observation) {
+geometry::Drive TurnInPlace::act(const task::Observation& observation) {
   const geometry::Pose2& pose = observation.pose;
   const double turn_deg =
       geometry::kDegPerRad *
@@ -43,7 +43,7 @@ geometry::Vector2 TurnInPlace::act(const task::Observation& observation) {
   const bool good = error_deg <= config_.heading_deg;
   if (!arrived_ || good) turning_ = false;
   if (!arrived_) return inner_->act(observation);
-  if (good) return geometry::Vector2::Zero();
+  if (good) return observation.rest();
   const bool stuck = turning_ && last_error_deg_ - error_deg < kTurned_deg;
   current_A_ = stuck ? std::min(current_A_ * config_.growth, config_.max_current_A) : config_.current_A;
   turning_ = true;
@@ -51,7 +51,7 @@ geometry::Vector2 TurnInPlace::act(const task::Observation& observation) {
   const double heading_rad =
       pose.heading_rad + std::clamp(turn_deg, -config_.lead_deg, config_.lead_deg) / geometry::kDegPerRad;
   const geometry::Vector2 action = drive_along(heading_rad, pose.position_m()) * (current_A_ / scale_A_);
-  return geometry::saturated_in_direction(action);
+  return geometry::saturated_in_direction(field_.along(action, pose.position_m()));
 }
 
 }  // namespace lodestone::control

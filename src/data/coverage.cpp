@@ -51,10 +51,10 @@ Coverage measure_coverage(const Dataset& dataset, const CoverageConfig& config) 
   const double diameter_m = 2.0 * dataset.info.workspace_radius_m;
   for (std::int64_t i = 0; i < table.size(); ++i) {
     const double* state = &table.state[static_cast<std::size_t>(i * table.state_size)];
-    const double* action = &table.action[static_cast<std::size_t>(i * kActionSize)];
+    const double* action = &table.action[static_cast<std::size_t>(i * table.action_size)];
     const double x = state[0] / diameter_m + 0.5;
     const double y = state[1] / diameter_m + 0.5;
-    const double drive = std::max(std::abs(action[0]), std::abs(action[1])) / dataset.info.action_scale;
+    const double drive = strongest(action, table.action_size) / dataset.info.action_scale;
     const std::size_t heading =
         pose ? cell_of((geometry::wrap_angle(state[2]) + geometry::kPi) / (2.0 * geometry::kPi), h)
              : std::size_t{0};

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
@@ -16,7 +17,6 @@ namespace {
 using common::DataError;
 
 constexpr std::array<const char*, 3> kStateColumns = {"x_m", "y_m", "heading_rad"};
-constexpr std::array<const char*, 2> kActionColumns = {"drive_x", "drive_y"};
 
 // Beyond these a number is in another unit, or garbage, and nothing can be learned from it.
 constexpr double kFarthest_m = 1.0;            // a dish is a few centimetres wide
@@ -39,15 +39,17 @@ void check_size(std::size_t found, std::size_t expected, const char* array, std:
 }
 
 /// Every number is finite, and none of a column lies beyond its bound.
-template <std::size_t N>
+template <class Name, class Bound>
 void check_numbers(const std::vector<double>& values, std::size_t columns, const char* array,
-                   const std::array<const char*, N>& names, const std::array<double, N>& bounds,
-                   std::size_t episode, const std::string& source) {
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (!(std::abs(values[i]) <= bounds[i % columns]))
+                   const Name& name_of, const Bound& bound_of, std::size_t episode,
+                   const std::string& source) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t column = i % columns;
+    if (!(std::abs(values[i]) <= bound_of(column)))
       fail(source, episode,
            fmt::format("{} row {}, column {} is {:g}; every number must be finite, and here at most {:g}",
-                       array, i / columns, names[i % columns], values[i], bounds[i % columns]));
+                       array, i / columns, name_of(column), values[i], bound_of(column)));
+  }
 }
 
 void check_flags(const std::vector<std::uint8_t>& flags, std::size_t steps, const char* array,
@@ -61,19 +63,25 @@ void check_flags(const std::vector<std::uint8_t>& flags, std::size_t steps, cons
 void check_episode(const Episode& episode, const DatasetInfo& info, double farthest_m, std::size_t index,
                    const std::string& source) {
   const auto s = static_cast<std::size_t>(state_size(info.layout));
+  const auto a = static_cast<std::size_t>(info.action_size);
   const std::size_t steps = episode.terminations.size();
   check_size(episode.observations.size(), (steps + 1) * s, "observations", index, source);
-  check_size(episode.actions.size(), steps * kActionSize, "actions", index, source);
+  check_size(episode.actions.size(), steps * a, "actions", index, source);
   check_flags(episode.terminations, steps, "terminations", index, source);
   check_flags(episode.truncations, steps, "truncations", index, source);
   check_flags(episode.zero_current, steps, "zero_current", index, source);
-  check_numbers<3>(episode.observations, s, "observations", kStateColumns,
-                   {farthest_m, farthest_m, kLargestHeading_rad}, index, source);
+  const std::array<double, 3> farthest = {farthest_m, farthest_m, kLargestHeading_rad};
+  check_numbers(
+      episode.observations, s, "observations", [](std::size_t column) { return kStateColumns[column]; },
+      [&farthest](std::size_t column) { return farthest[column]; }, index, source);
   if (episode.placements < 0 || episode.placements > kMostPlacements)
     fail(source, index,
          fmt::format("placements is {}; it must be within 0 and {}", episode.placements, kMostPlacements));
   const double drive = kLargestDrive * info.action_scale;
-  check_numbers<2>(episode.actions, kActionSize, "actions", kActionColumns, {drive, drive}, index, source);
+  check_numbers(
+      episode.actions, a, "actions",
+      [&info](std::size_t column) { return action_column(static_cast<int>(column), info.action_size); },
+      [drive](std::size_t) { return drive; }, index, source);
 }
 
 }  // namespace
@@ -93,7 +101,7 @@ Episode first_steps(const Episode& episode, std::int64_t steps) {
   const auto n = static_cast<std::size_t>(steps);
   Episode part = episode;
   part.observations.resize(episode.observations.size() / (episode.terminations.size() + 1) * (n + 1));
-  part.actions.resize(kActionSize * n);
+  part.actions.resize(episode.actions.size() / episode.terminations.size() * n);
   part.terminations.resize(n);
   part.truncations.resize(n);
   part.zero_current.resize(n);
@@ -117,19 +125,27 @@ Dataset first_transitions(Dataset dataset, std::int64_t count) {
   return dataset;
 }
 
+double strongest(const double* action, int action_size) {
+  double most = 0.0;
+  for (int i = 0; i < action_size; ++i) most = std::max(most, std::abs(action[i]));
+  return most;
+}
+
 TransitionTable flatten(const Dataset& dataset, bool with_zero_current) {
   TransitionTable table;
   table.state_size = state_size(dataset.info.layout);
+  table.action_size = dataset.info.action_size;
   const auto s = static_cast<std::size_t>(table.state_size);
+  const auto a = static_cast<std::size_t>(table.action_size);
   for (std::size_t e = 0; e < dataset.episodes.size(); ++e) {
     const Episode& episode = dataset.episodes[e];
     for (std::size_t t = 0; t < episode.terminations.size(); ++t) {
       if (!with_zero_current && episode.zero_current[t] != 0) continue;
       const double* row = episode.observations.data() + t * s;
-      const double* action = episode.actions.data() + t * kActionSize;
+      const double* action = episode.actions.data() + t * a;
       table.state.insert(table.state.end(), row, row + s);
       table.next_state.insert(table.next_state.end(), row + s, row + 2 * s);
-      table.action.insert(table.action.end(), action, action + kActionSize);
+      table.action.insert(table.action.end(), action, action + a);
       table.episode.push_back(static_cast<std::int64_t>(e));
     }
   }

@@ -56,6 +56,12 @@ bool read_value(hid_t root, const char* name, common::Json& value, const std::st
   return found;
 }
 
+std::string action_columns(int action_size) {
+  std::string columns = action_column(0, action_size);
+  for (int i = 1; i < action_size; ++i) columns += "," + action_column(i, action_size);
+  return columns;
+}
+
 bool write_info(hid_t root, const DatasetInfo& info) {
   const common::Json json = info_to_json(info);
   bool written =
@@ -63,7 +69,7 @@ bool write_info(hid_t root, const DatasetInfo& info) {
       write_attribute(root, "format_version", kFormatVersion) &&
       write_attribute(root, "observation_columns",
                       std::string(info.layout == StateLayout::kPose ? "x_m,y_m,heading_rad" : "x_m,y_m")) &&
-      write_attribute(root, "action_columns", std::string("drive_x,drive_y"));
+      write_attribute(root, "action_columns", action_columns(info.action_size));
   for (const auto& [name, value] : json.items()) written = written && write_value(root, name.c_str(), value);
   return written;
 }
@@ -86,10 +92,14 @@ std::int64_t version_of(hid_t root, const std::string& path) {
   return version;
 }
 
+/// The attribute that files from before there were other drives do not have.
+constexpr const char* kLater = "action_size";
+
 DatasetInfo read_info(hid_t root, const std::string& path) {
   common::Json json = info_to_json(DatasetInfo());
   for (auto& [name, value] : json.items())
-    if (!read_value(root, name.c_str(), value, path)) fail_without(name, path);
+    if (!read_value(root, name.c_str(), value, path) && (name != kLater || H5Aexists(root, kLater) > 0))
+      fail_without(name, path);
   return info_from_json(json, path);
 }
 
@@ -109,11 +119,11 @@ bool write_all(hid_t root, const Dataset& dataset) {
   if (!write_info(root, dataset.info) ||
       !write_attribute(root, "total_episodes", static_cast<std::int64_t>(dataset.episodes.size())) ||
       !write_attribute(root, "total_steps", dataset.transitions()) ||
-      !write_episode_batch(root, dataset.episodes, dataset.info.layout))
+      !write_episode_batch(root, dataset.episodes, dataset.info.rows()))
     return false;
   if (dataset.impossible.empty()) return true;
   const Handle group = create_group(root, kImpossible);
-  return group.valid() && write_episode_batch(group.get(), dataset.impossible, dataset.info.layout);
+  return group.valid() && write_episode_batch(group.get(), dataset.impossible, dataset.info.rows());
 }
 
 /// The bytes of a file with this dataset.
@@ -155,8 +165,8 @@ Dataset read_dataset(const std::string& path) {
   ArrayReader reader(std::filesystem::file_size(path));
   const bool glitches = H5Lexists(file.get(), kImpossible, H5P_DEFAULT) > 0;
   const auto read = [&](hid_t group, hsize_t others, const std::string& place) {
-    return groups ? read_episode_groups(group, others, dataset.info.layout, reader, place)
-                  : read_episode_batch(group, dataset.info.layout, reader, place);
+    return groups ? read_episode_groups(group, others, dataset.info.rows(), reader, place)
+                  : read_episode_batch(group, dataset.info.rows(), reader, place);
   };
   dataset.episodes = read(file.get(), glitches ? 1 : 0, path);
   if (glitches)
@@ -181,11 +191,12 @@ Dataset read_recordings(const std::string& paths) {
       first = false;
       continue;
     }
-    if (part.info.layout != all.info.layout || part.info.action_unit != all.info.action_unit ||
-        part.info.action_scale != all.info.action_scale ||
+    if (part.info.layout != all.info.layout || part.info.action_size != all.info.action_size ||
+        part.info.action_unit != all.info.action_unit || part.info.action_scale != all.info.action_scale ||
         part.info.control_period_s != all.info.control_period_s)
       throw DataError(
-          path + ": state, unit or scale of the actions, or period differ from the recordings before it in " +
+          path +
+          ": state, size, unit or scale of the actions, or period differ from the recordings before it in " +
           paths);
     all.info.one_axis_at_a_time = all.info.one_axis_at_a_time && part.info.one_axis_at_a_time;
     all.info.source += ", " + part.info.source;

@@ -3,13 +3,19 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/named.h"
 #include "lodestone/common/shown.h"
+#include "lodestone/geometry/drive.h"
 
 namespace lodestone::data {
 
 int state_size(StateLayout layout) { return layout == StateLayout::kPose ? 3 : 2; }
 
+std::string action_column(int index, int action_size) {
+  return "drive_" + geometry::number_name(index, action_size);
+}
+
 common::Json info_to_json(const DatasetInfo& info) {
   return {{"layout", common::name_of(info.layout)},
+          {"action_size", info.action_size},
           {"action_unit", info.action_unit},
           {"action_scale", info.action_scale},
           {"workspace_radius_m", info.workspace_radius_m},
@@ -28,6 +34,10 @@ DatasetInfo info_from_json(const common::Json& json, const std::string& source) 
     if (!named)
       throw common::DataError(source + ": layout \"" + common::shown(layout) + "\" must be pose or position");
     info.layout = *named;
+    info.action_size = json.value("action_size", info.action_size);
+    if (info.action_size < 1 || info.action_size > geometry::kMostDrives)
+      throw common::DataError(source + ": action_size is " + std::to_string(info.action_size) +
+                              ", must be within 1 and " + std::to_string(geometry::kMostDrives));
     json.at("action_unit").get_to(info.action_unit);
     json.at("action_scale").get_to(info.action_scale);
     json.at("workspace_radius_m").get_to(info.workspace_radius_m);

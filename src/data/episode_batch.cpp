@@ -51,7 +51,8 @@ class Taker {
 };
 
 /// Throws DataError where `steps` do not add up to what the arrays hold.
-void check_steps(const Batch& batch, std::size_t state_size, const std::string& place) {
+void check_steps(const Batch& batch, std::size_t state_size, std::size_t action_size,
+                 const std::string& place) {
   const std::size_t held = batch.joined.terminations.size();
   std::size_t sum = 0;
   for (const std::int64_t steps : batch.steps) {
@@ -62,7 +63,7 @@ void check_steps(const Batch& batch, std::size_t state_size, const std::string& 
   }
   const Episode& all = batch.joined;
   if (sum != held || all.observations.size() != (held + batch.steps.size()) * state_size ||
-      all.actions.size() != held * kActionSize || all.truncations.size() != held ||
+      all.actions.size() != held * action_size || all.truncations.size() != held ||
       all.zero_current.size() != held || batch.placements.size() != batch.steps.size() ||
       batch.checksums.size() != batch.steps.size() * kChecksumDigits)
     throw common::DataError(place + ": " + std::to_string(batch.steps.size()) + " episodes of together " +
@@ -71,12 +72,13 @@ void check_steps(const Batch& batch, std::size_t state_size, const std::string& 
 
 }  // namespace
 
-bool write_episode_batch(hid_t group, const std::vector<Episode>& episodes, StateLayout layout) {
+bool write_episode_batch(hid_t group, const std::vector<Episode>& episodes, const RowLayout& layout) {
   const Batch batch = join(episodes);
   const Episode& all = batch.joined;
   const auto e = static_cast<hsize_t>(episodes.size());
   const auto n = static_cast<hsize_t>(all.length());
-  const auto s = static_cast<hsize_t>(state_size(layout));
+  const auto s = static_cast<hsize_t>(state_size(layout.state));
+  const auto a = static_cast<hsize_t>(layout.action_size);
   const auto whole = [&](const char* name, const std::vector<std::int64_t>& values) {
     return write_array(group, name, H5T_STD_I64LE, H5T_NATIVE_INT64, values.data(), {e});
   };
@@ -89,25 +91,26 @@ bool write_episode_batch(hid_t group, const std::vector<Episode>& episodes, Stat
   };
   return whole("steps", batch.steps) && whole("placements", batch.placements) &&
          bytes("checksums", batch.checksums, {e, kChecksumDigits}) &&
-         numbers("observations", all.observations, {n + e, s}) &&
-         numbers("actions", all.actions, {n, kActionSize}) && bytes("terminations", all.terminations, {n}) &&
-         bytes("truncations", all.truncations, {n}) && bytes("zero_current", all.zero_current, {n});
+         numbers("observations", all.observations, {n + e, s}) && numbers("actions", all.actions, {n, a}) &&
+         bytes("terminations", all.terminations, {n}) && bytes("truncations", all.truncations, {n}) &&
+         bytes("zero_current", all.zero_current, {n});
 }
 
-std::vector<Episode> read_episode_batch(hid_t group, StateLayout layout, ArrayReader& reader,
+std::vector<Episode> read_episode_batch(hid_t group, const RowLayout& layout, ArrayReader& reader,
                                         const std::string& place) {
-  const auto s = static_cast<std::size_t>(state_size(layout));
+  const auto s = static_cast<std::size_t>(state_size(layout.state));
+  const auto a = static_cast<std::size_t>(layout.action_size);
   Batch batch;
   Episode& all = batch.joined;
   reader.read(group, "steps", 1, batch.steps, place);
   reader.read(group, "placements", 1, batch.placements, place);
   reader.read(group, "checksums", kChecksumDigits, batch.checksums, place);
   reader.read(group, "observations", s, all.observations, place);
-  reader.read(group, "actions", kActionSize, all.actions, place);
+  reader.read(group, "actions", a, all.actions, place);
   reader.read(group, "terminations", 1, all.terminations, place);
   reader.read(group, "truncations", 1, all.truncations, place);
   reader.read(group, "zero_current", 1, all.zero_current, place);
-  check_steps(batch, s, place);
+  check_steps(batch, s, a, place);
 
   Taker observations(all.observations);
   Taker actions(all.actions);
@@ -119,7 +122,7 @@ std::vector<Episode> read_episode_batch(hid_t group, StateLayout layout, ArrayRe
   for (std::size_t e = 0; e < episodes.size(); ++e) {
     const auto steps = static_cast<std::size_t>(batch.steps[e]);
     episodes[e].observations = observations.take((steps + 1) * s);
-    episodes[e].actions = actions.take(steps * kActionSize);
+    episodes[e].actions = actions.take(steps * a);
     episodes[e].terminations = terminations.take(steps);
     episodes[e].truncations = truncations.take(steps);
     episodes[e].zero_current = zero_current.take(steps);

@@ -36,16 +36,17 @@ std::string to_bytes(const Episode& episode) {
   return bytes;
 }
 
-std::optional<Episode> from_bytes(std::string_view bytes, StateLayout layout) {
-  const auto s = static_cast<std::size_t>(state_size(layout));
+std::optional<Episode> from_bytes(std::string_view bytes, const RowLayout& layout) {
+  const auto s = static_cast<std::size_t>(state_size(layout.state));
+  const auto a = static_cast<std::size_t>(layout.action_size);
   const std::size_t first_row = s * sizeof(double);
-  const std::size_t step = (s + kActionSize) * sizeof(double) + 3;
+  const std::size_t step = (s + a) * sizeof(double) + 3;
   const std::size_t steps = bytes.size() < first_row ? 0 : (bytes.size() - first_row) / step;
   const bool counted = bytes.size() == first_row + steps * step + sizeof(std::int64_t);
   if (!counted && bytes.size() != first_row + steps * step) return std::nullopt;
   Episode episode;
   episode.observations = take<double>(bytes, s * (steps + 1));
-  episode.actions = take<double>(bytes, kActionSize * steps);
+  episode.actions = take<double>(bytes, a * steps);
   episode.terminations = take<std::uint8_t>(bytes, steps);
   episode.truncations = take<std::uint8_t>(bytes, steps);
   episode.zero_current = take<std::uint8_t>(bytes, steps);

@@ -8,15 +8,16 @@ namespace {
 
 using common::DataError;
 
-Episode read_episode(hid_t root, const std::string& name, StateLayout layout, ArrayReader& reader,
+Episode read_episode(hid_t root, const std::string& name, const RowLayout& layout, ArrayReader& reader,
                      const std::string& path) {
   const std::string place = path + ": " + name;
   const Handle group = open_group(root, name.c_str());
   if (!group.valid()) throw DataError(place + " cannot be opened");
   Episode episode;
-  const auto s = static_cast<hsize_t>(state_size(layout));
+  const auto s = static_cast<hsize_t>(state_size(layout.state));
   const std::size_t rows = reader.read(group.get(), "observations", s, episode.observations, place);
-  const std::size_t steps = reader.read(group.get(), "actions", kActionSize, episode.actions, place);
+  const std::size_t steps =
+      reader.read(group.get(), "actions", static_cast<hsize_t>(layout.action_size), episode.actions, place);
   reader.read(group.get(), "terminations", 1, episode.terminations, place);
   reader.read(group.get(), "truncations", 1, episode.truncations, place);
   reader.read(group.get(), "infos/zero_current", 1, episode.zero_current, place);
@@ -35,8 +36,8 @@ Episode read_episode(hid_t root, const std::string& name, StateLayout layout, Ar
 
 }  // namespace
 
-std::vector<Episode> read_episode_groups(hid_t group, hsize_t others, StateLayout layout, ArrayReader& reader,
-                                         const std::string& place) {
+std::vector<Episode> read_episode_groups(hid_t group, hsize_t others, const RowLayout& layout,
+                                         ArrayReader& reader, const std::string& place) {
   H5G_info_t links{};
   if (H5Gget_info(group, &links) < 0) throw DataError(place + ": its list of episodes is damaged");
   std::vector<Episode> episodes;

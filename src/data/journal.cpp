@@ -65,7 +65,7 @@ JournalContent read_journal(const std::string& path, AfterDamage after_damage) {
   content.info = info_of(bytes, path);
   std::size_t at = kHead + record_at(bytes, 0)->size();
   while (const auto held = record_at(bytes, at)) {
-    auto episode = from_bytes(*held, content.info.layout);
+    auto episode = from_bytes(*held, content.info.rows());
     if (!episode)
       throw DataError(path + ": episode " + std::to_string(content.episodes.size()) + " holds " +
                       std::to_string(held->size()) + " bytes, which make no episode");
@@ -90,8 +90,8 @@ JournalWriter::JournalWriter(const std::string& path, const DatasetInfo& info, A
     : path_(path), info_(info) {
   if (std::filesystem::exists(path)) {
     const JournalContent content = read_journal(path, after_damage);
-    if (content.info.layout != info.layout)
-      throw DataError(path + ": holds another state layout than the episodes to append");
+    if (content.info.layout != info.layout || content.info.action_size != info.action_size)
+      throw DataError(path + ": holds another state layout, or another drive, than the episodes to append");
     end_byte_ = content.end_byte;
     episodes_ = static_cast<std::int64_t>(content.episodes.size());
     for (const Episode& episode : content.episodes) transitions_ += episode.length();

@@ -7,21 +7,31 @@
 #include <utility>
 
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/drive.h"
 #include "lodestone/geometry/pose2.h"
 
 namespace lodestone::data {
 namespace {
 
-constexpr std::size_t kMaxFeatures = 6;
+constexpr std::size_t kPlace = 4;  // features of a state at most
+constexpr std::size_t kMaxFeatures = kPlace + geometry::kMostDrives;
 constexpr std::size_t kLeafRows = 16;
 
 using Features = std::array<double, kMaxFeatures>;
 using Candidate = std::pair<double, std::int64_t>;  // squared distance, row
 
-Features raw_features(int state_size, const double* state, const double* action) {
-  if (state_size == 3)
-    return {state[0], state[1], std::cos(state[2]), std::sin(state[2]), action[0], action[1]};
-  return {state[0], state[1], action[0], action[1], 0.0, 0.0};
+std::size_t features_of_state(int state_size) { return state_size == 3 ? kPlace : 2; }
+
+Features raw_features(int state_size, int action_size, const double* state, const double* action) {
+  Features features{};
+  features[0] = state[0];
+  features[1] = state[1];
+  if (state_size == 3) {
+    features[2] = std::cos(state[2]);
+    features[3] = std::sin(state[2]);
+  }
+  std::copy(action, action + action_size, features.begin() + features_of_state(state_size));
+  return features;
 }
 
 }  // namespace
@@ -36,6 +46,7 @@ struct NearestNeighbours::Index {
   };
 
   int state_size = 0;
+  int action_size = 0;
   std::size_t k = 0;
   std::size_t features = 0;
   Features scale{};
@@ -45,8 +56,8 @@ struct NearestNeighbours::Index {
   std::vector<Node> nodes;
 
   Features query(const double* state, const double* action) const {
-    Features f = raw_features(state_size, state, action);
-    for (std::size_t i = 0; i < kMaxFeatures; ++i) f[i] *= scale[i];
+    Features f = raw_features(state_size, action_size, state, action);
+    for (std::size_t i = 0; i < features; ++i) f[i] *= scale[i];
     return f;
   }
 
@@ -115,13 +126,15 @@ NearestNeighbours::NearestNeighbours(const TransitionTable& table, std::int64_t 
   Index& index = *index_;
   const auto n = static_cast<std::size_t>(table.size());
   const auto s = static_cast<std::size_t>(table.state_size);
+  const auto a = static_cast<std::size_t>(table.action_size);
   index.state_size = table.state_size;
+  index.action_size = table.action_size;
   index.k = std::min(static_cast<std::size_t>(k), n);
-  index.features = s == 3 ? 6 : 4;
+  index.features = features_of_state(table.state_size) + a;
 
   std::vector<Features> all(n);
   for (std::size_t r = 0; r < n; ++r)
-    all[r] = raw_features(table.state_size, &table.state[r * s], &table.action[r * kActionSize]);
+    all[r] = raw_features(table.state_size, table.action_size, &table.state[r * s], &table.action[r * a]);
   for (std::size_t i = 0; i < index.features; ++i) {
     double sum = 0.0;
     double squares = 0.0;
@@ -132,7 +145,7 @@ NearestNeighbours::NearestNeighbours(const TransitionTable& table, std::int64_t 
     index.scale[i] = deviation > 0.0 ? 1.0 / deviation : 1.0;
   }
   for (Features& f : all)
-    for (std::size_t i = 0; i < kMaxFeatures; ++i) f[i] *= index.scale[i];
+    for (std::size_t i = 0; i < index.features; ++i) f[i] *= index.scale[i];
 
   index.changes.resize(n * s);
   for (std::size_t i = 0; i < n * s; ++i) {
@@ -165,14 +178,14 @@ std::vector<std::int64_t> NearestNeighbours::nearest(const double* state, const 
 std::vector<double> NearestNeighbours::predict(const std::vector<double>& state,
                                                const std::vector<double>& action) const {
   const auto s = static_cast<std::size_t>(index_->state_size);
-  if (state.size() % s != 0 || action.size() % kActionSize != 0 ||
-      state.size() / s != action.size() / kActionSize)
+  const auto a = static_cast<std::size_t>(index_->action_size);
+  if (state.size() % s != 0 || action.size() % a != 0 || state.size() / s != action.size() / a)
     throw common::DataError("nearest neighbours: " + std::to_string(state.size()) + " state numbers and " +
                             std::to_string(action.size()) + " action numbers do not form rows of " +
-                            std::to_string(s) + " and 2");
+                            std::to_string(s) + " and " + std::to_string(a));
   std::vector<double> next = state;
   for (std::size_t r = 0; r < state.size() / s; ++r) {
-    const std::vector<std::int64_t> rows = nearest(&state[r * s], &action[r * kActionSize]);
+    const std::vector<std::int64_t> rows = nearest(&state[r * s], &action[r * a]);
     for (std::size_t i = 0; i < s; ++i) {
       double sum = 0.0;
       for (const std::int64_t row : rows) sum += index_->changes[static_cast<std::size_t>(row) * s + i];

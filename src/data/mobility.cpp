@@ -33,8 +33,8 @@ Mobility measure_mobility(const Dataset& dataset, double cell_m) {
   for (std::int64_t i = 0; i < table.size(); ++i) {
     const double* from = &table.state[static_cast<std::size_t>(i * table.state_size)];
     const double* to = &table.next_state[static_cast<std::size_t>(i * table.state_size)];
-    const double* drive = &table.action[static_cast<std::size_t>(i * kActionSize)];
-    if (std::max(std::abs(drive[0]), std::abs(drive[1])) < result.strong_A) continue;
+    const double* drive = &table.action[static_cast<std::size_t>(i * table.action_size)];
+    if (strongest(drive, table.action_size) < result.strong_A) continue;
     const std::int64_t column = std::llround(from[0] / cell_m) + reach;
     const std::int64_t row = std::llround(from[1] / cell_m) + reach;
     if (column < 0 || row < 0 || column >= side || row >= side) continue;

@@ -23,13 +23,14 @@ constexpr std::int64_t kNeighbours = 10;
 constexpr std::int64_t kChunk = 8192;
 constexpr int kSteps[] = {1, 2, 5, 10};
 
-/// Ensemble mean for rows of any number: [N, S], [N, 2] -> [N, S], in pieces that stay in the cache.
+/// Ensemble mean for rows of any number: [N, S], [N, A] -> [N, S], in pieces that stay in the cache.
 std::vector<double> predict(const Model& model, const std::vector<double>& state,
                             const std::vector<double>& action) {
   const std::int64_t size = data::state_size(model.info.layout);
-  const auto rows = static_cast<std::int64_t>(action.size()) / data::kActionSize;
+  const std::int64_t numbers = model.info.action_size;
+  const auto rows = static_cast<std::int64_t>(action.size()) / numbers;
   const at::Tensor states = nets::tensor_from(state, {rows, size});
-  const at::Tensor actions = nets::tensor_from(action, {rows, data::kActionSize});
+  const at::Tensor actions = nets::tensor_from(action, {rows, numbers});
   std::vector<double> next;
   next.reserve(state.size());
   for (std::int64_t first = 0; first < rows; first += kChunk) {
@@ -63,10 +64,11 @@ StateError state_error(const std::vector<double>& predicted, const std::vector<d
 data::TransitionTable training_table(const Model& model) {
   data::TransitionTable table;
   table.state_size = data::state_size(model.info.layout);
+  table.action_size = model.info.action_size;
   table.state = model.training_rows.state.to_double();
   table.action = model.training_rows.action.to_double();
   table.next_state = model.training_rows.next_state.to_double();
-  table.episode.assign(table.action.size() / data::kActionSize, 0);
+  table.episode.assign(table.action.size() / static_cast<std::size_t>(table.action_size), 0);
   return table;
 }
 
@@ -74,7 +76,7 @@ data::TransitionTable training_table(const Model& model) {
 double normalised_loss(const Model& model, const data::TransitionTable& table) {
   const at::NoGradGuard no_grad;
   const at::Tensor state = nets::tensor_from(table.state, {table.size(), table.state_size});
-  const at::Tensor action = nets::tensor_from(table.action, {table.size(), data::kActionSize});
+  const at::Tensor action = nets::tensor_from(table.action, {table.size(), table.action_size});
   const at::Tensor next = nets::tensor_from(table.next_state, {table.size(), table.state_size});
   double sum = 0.0;
   for (std::int64_t first = 0; first < table.size(); first += kChunk) {
@@ -114,6 +116,7 @@ struct Chain {
 /// Runs the model open loop from every row and gathers the squared position error after each number of steps.
 std::map<int, std::optional<double>> open_loop_errors(const Model& model, const data::Dataset& dataset) {
   const auto size = static_cast<std::size_t>(data::state_size(model.info.layout));
+  const auto numbers = static_cast<std::size_t>(model.info.action_size);
   std::vector<Chain> chains;
   std::vector<double> state;
   for (const data::Episode& episode : dataset.episodes) {
@@ -133,15 +136,16 @@ std::map<int, std::optional<double>> open_loop_errors(const Model& model, const 
       kept.push_back(chains[i]);
       const auto at = state.begin() + static_cast<std::ptrdiff_t>(i * size);
       kept_state.insert(kept_state.end(), at, at + static_cast<std::ptrdiff_t>(size));
-      const auto row = static_cast<std::size_t>(chains[i].first + step - 1) * data::kActionSize;
-      action.push_back(chains[i].episode->actions[row]);
-      action.push_back(chains[i].episode->actions[row + 1]);
+      const auto row = chains[i].episode->actions.begin() +
+                       static_cast<std::ptrdiff_t>(numbers) * (chains[i].first + step - 1);
+      action.insert(action.end(), row, row + static_cast<std::ptrdiff_t>(numbers));
     }
     chains = std::move(kept);
     state = chains.empty() ? std::vector<double>{} : predict(model, kept_state, action);
     double sum = 0.0;
     for (std::size_t i = 0; i < chains.size(); ++i) {
-      const bool zero = action[2 * i] == 0.0 && action[2 * i + 1] == 0.0;
+      const double* drive = &action[i * numbers];
+      const bool zero = data::strongest(drive, model.info.action_size) == 0.0;
       const auto at = static_cast<std::ptrdiff_t>(i * size);
       if (zero) std::copy_n(kept_state.begin() + at, size, state.begin() + at);
       const auto truth = static_cast<std::size_t>(chains[i].first + step) * size;
@@ -202,6 +206,10 @@ DynamicsEvaluation evaluate_dynamics(const Model& model, const data::Dataset& da
                             std::to_string(data::state_size(model.info.layout)) + " numbers, the data hold " +
                             std::to_string(data::state_size(dataset.info.layout)));
   }
+  if (dataset.info.action_size != model.info.action_size)
+    throw common::DataError("the data and the model are of different drives: the model knows actions of " +
+                            std::to_string(model.info.action_size) + " numbers, the data hold " +
+                            std::to_string(dataset.info.action_size));
   const data::TransitionTable table = data::flatten(dataset);
   if (table.size() == 0) throw common::DataError("there is no transition with current to evaluate on");
   for (const auto& member : model.members) member->train(false);

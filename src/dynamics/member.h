@@ -14,7 +14,7 @@ namespace lodestone::dynamics {
 /// Training rows in physical units, float64.
 struct RowTensors {
   at::Tensor state;       ///< [N, S]
-  at::Tensor action;      ///< [N, 2]
+  at::Tensor action;      ///< [N, A]
   at::Tensor next_state;  ///< [N, S]
 
   std::int64_t size() const { return state.size(0); }

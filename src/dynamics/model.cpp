@@ -66,8 +66,8 @@ Model load_model(const std::string& folder) {
       throw CheckpointError(what + ": part \"" + member_part(k) + "\" is missing");
     const std::string name = what + ", " + member_part(k);
     // First, so that memory is taken only for a shape that the file fills with usable numbers.
-    inference::FoldedDynamics(part->second, model.config, model.info.layout, name);
-    const auto member = std::make_shared<Network>(model.config, model.info.layout);
+    inference::FoldedDynamics(part->second, model.config, model.info.rows(), name);
+    const auto member = std::make_shared<Network>(model.config, model.info.rows());
     member->tensors().load(nets::to_tensors(part->second), name);
     member->train(false);
     model.members.push_back(member);
@@ -75,7 +75,7 @@ Model load_model(const std::string& folder) {
   const int size = data::state_size(model.info.layout);
   model.start_states = inference::training_rows(checkpoint, "start_states", size, what);
   model.training_rows.state = inference::training_rows(checkpoint, "state", size, what);
-  model.training_rows.action = inference::training_rows(checkpoint, "action", data::kActionSize, what);
+  model.training_rows.action = inference::training_rows(checkpoint, "action", model.info.action_size, what);
   model.training_rows.next_state = inference::training_rows(checkpoint, "next_state", size, what);
   const std::int64_t rows = model.training_rows.state.shape()[0];
   if (model.training_rows.action.shape()[0] != rows || model.training_rows.next_state.shape()[0] != rows)

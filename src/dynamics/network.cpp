@@ -33,9 +33,10 @@ at::Tensor wrap_angles(const at::Tensor& angle_rad) {
   return angle_rad - 2.0 * geometry::kPi * ((angle_rad - geometry::kPi) / (2.0 * geometry::kPi)).ceil();
 }
 
-Network::Network(const DynamicsConfig& config, data::StateLayout layout) : config_(config), layout_(layout) {
-  std::int64_t width = config.inputs(layout);
-  const std::int64_t outputs = data::state_size(layout);
+Network::Network(const DynamicsConfig& config, const data::RowLayout& rows)
+    : config_(config), layout_(rows.state), action_size_(rows.action_size) {
+  std::int64_t width = config.inputs(rows);
+  const std::int64_t outputs = data::state_size(layout_);
   input_mean = tensors_.add_buffer("input_mean", at::zeros({width}));
   input_std = tensors_.add_buffer("input_std", at::ones({width}));
   output_mean = tensors_.add_buffer("output_mean", at::zeros({outputs}));
@@ -116,13 +117,13 @@ void Network::fit_normalisers(const at::Tensor& state, const at::Tensor& action,
 void Network::scale_drive(double gain) {
   const at::NoGradGuard no_grad;
   for (at::Tensor* numbers : {&input_mean, &input_std})
-    numbers->narrow(-1, numbers->size(-1) - data::kActionSize, data::kActionSize).div_(gain);
+    numbers->narrow(-1, numbers->size(-1) - action_size_, action_size_).div_(gain);
 }
 
-Members make_members(const DynamicsConfig& config, data::StateLayout layout, std::uint64_t seed) {
+Members make_members(const DynamicsConfig& config, const data::RowLayout& rows, std::uint64_t seed) {
   Members members;
   for (std::int64_t k = 0; k < config.members; ++k) {
-    members.push_back(std::make_shared<Network>(config, layout));
+    members.push_back(std::make_shared<Network>(config, rows));
     common::RandomStream random(seed, "dynamics", static_cast<std::uint64_t>(k));
     members.back()->initialise(random);
   }
@@ -147,7 +148,7 @@ at::Tensor predict_mean(const Members& members, const at::Tensor& state, const a
 }
 
 inference::FoldedDynamics fold(const Network& network) {
-  return {nets::to_arrays(network.tensors().named()), network.config(), network.layout(), "dynamics network"};
+  return {nets::to_arrays(network.tensors().named()), network.config(), network.rows(), "dynamics network"};
 }
 
 }  // namespace lodestone::dynamics

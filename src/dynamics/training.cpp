@@ -33,7 +33,7 @@ RowTensors row_tensors(const data::Dataset& dataset) {
   const data::TransitionTable table = data::flatten(dataset);
   const std::int64_t rows = table.size();
   return {nets::tensor_from(table.state, {rows, table.state_size}),
-          nets::tensor_from(table.action, {rows, data::kActionSize}),
+          nets::tensor_from(table.action, {rows, table.action_size}),
           nets::tensor_from(table.next_state, {rows, table.state_size})};
 }
 
@@ -62,12 +62,12 @@ std::int64_t repetitions(std::int64_t fresh, std::int64_t old, double rehearsal)
 
 void check_same_quantities(const data::DatasetInfo& from, const data::DatasetInfo& here,
                            const std::string& folder) {
-  if (from.layout != here.layout || from.action_unit != here.action_unit ||
-      from.action_scale != here.action_scale || from.one_axis_at_a_time != here.one_axis_at_a_time)
-    throw common::ConfigError(
-        "warm_start.from: " + folder +
-        " was trained on other quantities than these recordings (state, unit or largest "
-        "drive); learn from nothing: leave warm_start.from out");
+  if (from.layout != here.layout || from.action_size != here.action_size ||
+      from.action_unit != here.action_unit || from.action_scale != here.action_scale ||
+      from.one_axis_at_a_time != here.one_axis_at_a_time)
+    throw common::ConfigError("warm_start.from: " + folder +
+                              " was trained on other quantities than these recordings (state, size, unit or "
+                              "largest drive); learn from nothing: leave warm_start.from out");
 }
 
 /// SHA-256 of the training rows: a run resumes only on the data it began with.
@@ -98,7 +98,7 @@ class Training : public runs::ResumableWork {
     }
     const WarmStartConfig& start = config.warm_start;
     if (start.from.empty()) {
-      model_.members = make_members(config.model, dataset.info.layout, seed);
+      model_.members = make_members(config.model, dataset.info.rows(), seed);
       for (const auto& network : model_.members)
         network->fit_normalisers(train.state, train.action, train.next_state);
       remember(train);

@@ -9,17 +9,18 @@ namespace lodestone::env {
 namespace {
 
 constexpr int kStartTries = 16;
-constexpr std::int64_t kSlotNumbers = 15;
+constexpr std::int64_t kSlotNumbers = 13;  // and those of an action
 
 /// The numbers of a slot that outlive a step, in the order checkpoints hold them.
 template <class Pose, class Observation, class Number, class Gain, class Visit>
 void visit_numbers(Pose& pose, Observation& seen, Number& target_heading_rad, Gain& gain, Visit&& visit) {
   for (auto* value : {&pose.x_m, &pose.y_m, &pose.heading_rad, &seen.pose.x_m, &seen.pose.y_m,
-                      &seen.pose.heading_rad, &seen.target_m.x(), &seen.target_m.y(), &target_heading_rad,
-                      &seen.last_action.x(), &seen.last_action.y(), &seen.last_displacement_m.x(),
-                      &seen.last_displacement_m.y(), &gain.log_mean, &gain.log_sigma}) {
+                      &seen.pose.heading_rad, &seen.target_m.x(), &seen.target_m.y(), &target_heading_rad})
     visit(*value);
-  }
+  for (Eigen::Index i = 0; i < seen.last_action.size(); ++i) visit(seen.last_action[i]);
+  for (auto* value :
+       {&seen.last_displacement_m.x(), &seen.last_displacement_m.y(), &gain.log_mean, &gain.log_sigma})
+    visit(*value);
 }
 
 }  // namespace
@@ -29,9 +30,18 @@ void adopt_data(const data::DatasetInfo& info, task::TaskConfig& task, task::Enc
   action.scale = info.action_scale;
   action.unit = info.action_unit;
   action.one_axis_at_a_time = info.one_axis_at_a_time;
+  action.size = info.action_size;
+  encoder.action_size = info.action_size;
   task.dish_radius_m = info.workspace_radius_m;
   encoder.length_scale_m = info.workspace_radius_m;
   if (info.layout != data::StateLayout::kPose) encoder.heading = task::HeadingEncoding::kNone;
+}
+
+void adopt_rig(const physics::RigDescription& rig, task::TaskConfig& task, task::EncoderConfig& encoder,
+               task::ActionConfig& action) {
+  action.scale = rig.coils.max_current_A;
+  action.size = encoder.action_size = rig.drive_size();
+  task.dish_radius_m = encoder.length_scale_m = rig.dish.radius_m;
 }
 
 EpisodeBatch::EpisodeBatch(const EpisodeSettings& settings, const SensorNoise& noise, const std::string& name)
@@ -57,11 +67,12 @@ EpisodeBatch::EpisodeBatch(const EpisodeSettings& settings, const SensorNoise& n
   result_.progress.resize(slots_.size(), 1.0);
 }
 
-EnvSpec EpisodeBatch::spec() const { return {settings_.count, encoder_.size(), 2}; }
+EnvSpec EpisodeBatch::spec() const { return {settings_.count, encoder_.size(), settings_.action.size}; }
 
 void EpisodeBatch::check_actions(const std::vector<float>& actions) const {
-  LODESTONE_CHECK(actions.size() == 2 * slots_.size(),
-                  "two numbers of action for each of " + std::to_string(slots_.size()) +
+  const auto size = static_cast<std::size_t>(settings_.action.size);
+  LODESTONE_CHECK(actions.size() == size * slots_.size(),
+                  std::to_string(size) + " numbers of action for each of " + std::to_string(slots_.size()) +
                       " environments, not " + std::to_string(actions.size()) + " in all");
 }
 
@@ -88,6 +99,7 @@ void EpisodeBatch::begin(std::size_t i,
   Slot& slot = slots_[i];
   const task::TaskConfig& task = settings_.task;
   slot.seen = {};
+  slot.seen.last_action.setZero(settings_.action.size);
   slot.seen.drive_gain = gain;
   slot.step = 0;
   for (int attempt = 0; attempt < kStartTries; ++attempt) {
@@ -101,10 +113,10 @@ void EpisodeBatch::begin(std::size_t i,
   encoder_.encode(slot.seen, &result_.observation[i * columns_]);
 }
 
-geometry::Vector2 EpisodeBatch::drive(std::size_t i, const float* action) {
-  const geometry::Vector2 wanted = geometry::saturated({action[0], action[1]});
+geometry::Drive EpisodeBatch::drive(std::size_t i, const float* action) {
+  const geometry::Drive wanted = geometry::saturated(geometry::as_drive(action, settings_.action.size));
   slots_[i].seen.last_action = wanted;
-  return task::axis_drive(wanted, settings_.action);
+  return task::drive_of(wanted, settings_.action);
 }
 
 bool EpisodeBatch::finish(std::size_t i, const geometry::Pose2& next, const StepEnd& extra) {
@@ -140,6 +152,8 @@ bool EpisodeBatch::finish(std::size_t i, const geometry::Pose2& next, const Step
   return false;
 }
 
+std::int64_t EpisodeBatch::slot_numbers() const { return kSlotNumbers + settings_.action.size; }
+
 Snapshot EpisodeBatch::save() const {
   Snapshot snapshot;
   snapshot.facts["random"] = common::Json::array();
@@ -152,13 +166,13 @@ Snapshot EpisodeBatch::save() const {
     steps.insert(steps.end(), {slot.step, slot.age});
     snapshot.facts["random"].push_back(slot.random.save());
   }
-  snapshot.arrays["episodes"] = {std::move(numbers), {settings_.count, kSlotNumbers}};
+  snapshot.arrays["episodes"] = {std::move(numbers), {settings_.count, slot_numbers()}};
   snapshot.arrays["steps"] = {std::move(steps), {settings_.count, 2}};
   return snapshot;
 }
 
 void EpisodeBatch::load(const Snapshot& snapshot) {
-  const auto* number = snapshot_numbers<double>(snapshot, "episodes", {settings_.count, kSlotNumbers});
+  const auto* number = snapshot_numbers<double>(snapshot, "episodes", {settings_.count, slot_numbers()});
   const auto* step = snapshot_numbers<std::int64_t>(snapshot, "steps", {settings_.count, 2});
   if (!snapshot.facts.contains("random") || snapshot.facts.at("random").size() != slots_.size())
     throw common::CheckpointError("state of the environments: random streams are missing");
@@ -166,6 +180,7 @@ void EpisodeBatch::load(const Snapshot& snapshot) {
     Slot& slot = slots_[i];
     double heading_rad = 0.0;
     task::DriveGain gain;
+    slot.seen.last_action.setZero(settings_.action.size);
     visit_numbers(slot.pose, slot.seen, heading_rad, gain, [&](double& value) { value = *number++; });
     if (settings_.encoder.drive_gain) slot.seen.drive_gain = gain;
     if (settings_.task.goal == task::GoalKind::kPose) slot.seen.target_heading_rad = heading_rad;

@@ -42,12 +42,14 @@ MbsEnv::MbsEnv(const inference::DynamicsModel& model, const EpisodeSettings& set
       disagreement_(config.disagreement_penalty > 0.0 || config.disagreement_stop_m > 0.0),
       members_(model.members),
       state_size_(static_cast<std::size_t>(data::state_size(model.info.layout))),
+      action_size_(static_cast<std::size_t>(model.info.action_size)),
       starts_(starts_within(model, settings.task.start_radius_m(), settings.region.get())),
       episodes_(settings, {config.pose_noise_m, config.heading_noise_rad}, "mbs"),
       member_(static_cast<std::size_t>(settings.count), 0),
       drive_factor_(static_cast<std::size_t>(settings.count), 1.0),
       pool_(static_cast<std::size_t>(threads)) {
   LODESTONE_CHECK(!members_.empty(), "the ensemble has no member");
+  LODESTONE_CHECK(settings.action.size == model.info.action_size, "actions of the model's size");
   if (state_size_ == 2 && settings.encoder.heading != task::HeadingEncoding::kNone) {
     throw common::ConfigError("encoder.heading = \"" + common::name_of(settings.encoder.heading) +
                               "\", but the model's state has no heading; set it to \"none\"");
@@ -109,7 +111,7 @@ void MbsEnv::step_shard(std::size_t shard, const float* actions) {
   gather(first, last, *scratch);
   if (mean_of_all_) {
     inference::predict_mean(members_, scratch->state.data(), scratch->gathered_drive.data(),
-                            static_cast<std::int64_t>(scratch->gathered_drive.size() / 2),
+                            static_cast<std::int64_t>(scratch->gathered_drive.size() / action_size_),
                             scratch->next.data(), scratch->one_member, scratch->workspace);
   } else {
     predict(*scratch);
@@ -136,17 +138,16 @@ void MbsEnv::step_shard(std::size_t shard, const float* actions) {
 
 void MbsEnv::choose_drives(std::size_t first, std::size_t last, const float* actions, Scratch& scratch) {
   const double limit = episodes_.settings().action.scale;
-  scratch.drive.resize(2 * (last - first));
+  scratch.drive.resize(action_size_ * (last - first));
   for (std::size_t i = first; i < last; ++i) {
-    geometry::Vector2 drive = episodes_.drive(i, actions + 2 * i);
+    geometry::Drive drive = episodes_.drive(i, actions + action_size_ * i);
     if (config_.breakaway_scatter > 0.0)  // the limit is what planner and gain filter take more for, too
       drive = geometry::saturated(drive * drive_factor_[i], limit);
     common::RandomStream& random = episodes_.random(i);
     if (config_.stall_probability > 0.0 && random.uniform() < config_.stall_probability) drive.setZero();
     if (config_.ensemble == EnsembleUse::kPerStep)
       member_[i] = static_cast<std::int64_t>(random.below(members_.size()));
-    scratch.drive[2 * (i - first)] = drive.x();
-    scratch.drive[2 * (i - first) + 1] = drive.y();
+    std::copy_n(drive.data(), action_size_, &scratch.drive[action_size_ * (i - first)]);
   }
 }
 
@@ -158,8 +159,9 @@ void MbsEnv::gather(std::size_t first, std::size_t last, Scratch& scratch) const
   const bool rest_rule =
       episodes_.settings().task.zero_current_moves_nothing || config_.stall_probability > 0.0;
   const auto group_of = [&](std::size_t i) -> std::size_t {
-    const double* drive = &scratch.drive[2 * (i - first)];
-    if (rest_rule && drive[0] == 0.0 && drive[1] == 0.0) return 0;
+    const double* drive = &scratch.drive[action_size_ * (i - first)];
+    const auto is_zero = [](double number) { return number == 0.0; };
+    if (rest_rule && std::all_of(drive, drive + action_size_, is_zero)) return 0;
     return mean ? 1 : 1 + static_cast<std::size_t>(member_[i]);
   };
   std::vector<std::size_t>& start = scratch.first_of_member;
@@ -171,7 +173,7 @@ void MbsEnv::gather(std::size_t first, std::size_t last, Scratch& scratch) const
   scratch.row.resize(last - first);
   scratch.state.resize(moving * state_size_);
   scratch.next.resize(moving * state_size_);
-  scratch.gathered_drive.resize(2 * moving);
+  scratch.gathered_drive.resize(action_size_ * moving);
   for (std::size_t i = first; i < last; ++i) {
     const std::size_t place = start[group_of(i)]++;
     scratch.row[place] = i;
@@ -181,7 +183,8 @@ void MbsEnv::gather(std::size_t first, std::size_t last, Scratch& scratch) const
     state[0] = pose.x_m;
     state[1] = pose.y_m;
     if (state_size_ == 3) state[2] = pose.heading_rad;
-    std::copy_n(&scratch.drive[2 * (i - first)], 2, &scratch.gathered_drive[2 * (place - resting)]);
+    std::copy_n(&scratch.drive[action_size_ * (i - first)], action_size_,
+                &scratch.gathered_drive[action_size_ * (place - resting)]);
   }
   // Each start has moved on to its group's end: entry g is now where group g + 1 begins.
 }
@@ -196,7 +199,7 @@ void MbsEnv::predict(Scratch& scratch) {
     const std::size_t rows = scratch.first_of_member[m + 1] - resting - begin;
     if (rows == 0) continue;
     const double* state = &scratch.state[begin * state_size_];
-    const double* drive = &scratch.gathered_drive[2 * begin];
+    const double* drive = &scratch.gathered_drive[action_size_ * begin];
     double* next = &scratch.next[begin * state_size_];
     if (sample_) {
       members_[m].sample(state, drive, static_cast<std::int64_t>(rows), &scratch.random[begin], next,
@@ -209,7 +212,7 @@ void MbsEnv::predict(Scratch& scratch) {
 
 /// Root mean square distance of the members' expected positions from their mean.
 void MbsEnv::measure_disagreement(Scratch& scratch) const {
-  const std::size_t rows = scratch.gathered_drive.size() / 2;
+  const std::size_t rows = scratch.gathered_drive.size() / action_size_;
   scratch.disagreement_m.assign(rows, 0.0);
   if (rows == 0) return;
   scratch.mean_position.assign(2 * rows, 0.0);

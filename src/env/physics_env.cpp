@@ -87,7 +87,7 @@ const std::vector<float>& PhysicsEnv::reset() {
 }
 
 void PhysicsEnv::step_one(std::size_t i, const float* action) {
-  const geometry::Vector2 drive_A = episodes_.drive(i, action);
+  const geometry::Drive drive_A = episodes_.drive(i, action);
   geometry::Pose2 next = episodes_.pose(i);
   if (!drive_A.isZero(0.0)) {
     next = simulators_[simulators_.size() > 1 ? i : 0].step(
@@ -101,9 +101,10 @@ const StepResult& PhysicsEnv::step(const std::vector<float>& actions) {
   episodes_.check_actions(actions);
   const float* values = actions.data();
   const auto count = static_cast<std::size_t>(episodes_.spec().count);
-  pool_.for_each(shards(), [this, values, count](std::size_t shard) {
+  const auto size = static_cast<std::size_t>(episodes_.spec().action_size);
+  pool_.for_each(shards(), [this, values, count, size](std::size_t shard) {
     const std::size_t last = std::min(count, (shard + 1) * kPhysicsShardRows);
-    for (std::size_t i = shard * kPhysicsShardRows; i < last; ++i) step_one(i, values + 2 * i);
+    for (std::size_t i = shard * kPhysicsShardRows; i < last; ++i) step_one(i, values + size * i);
   });
   return episodes_.result();
 }

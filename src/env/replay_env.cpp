@@ -19,10 +19,14 @@ ReplayEnv::ReplayEnv(const data::Dataset& dataset, const EpisodeSettings& settin
                      const ReplayConfig& config)
     : config_(config),
       action_scale_(dataset.info.action_scale),
+      action_size_(static_cast<std::size_t>(dataset.info.action_size)),
       state_size_(static_cast<std::size_t>(data::state_size(dataset.info.layout))),
       episodes_(settings, {}, "replay"),
       stretches_(static_cast<std::size_t>(settings.count)) {
   config.validate();
+  if (settings.action.size != dataset.info.action_size)
+    throw common::ConfigError("recorded: its actions are of " + std::to_string(dataset.info.action_size) +
+                              " numbers, those of the simulator of " + std::to_string(settings.action.size));
   for (const data::Episode& episode : dataset.episodes) {
     if (config.keep_shorter || episode.length() >= config.shortest) recorded_.push_back(episode);
   }
@@ -63,16 +67,15 @@ const std::vector<float>& ReplayEnv::reset() {
 
 const StepResult& ReplayEnv::step(const std::vector<float>& actions) {
   episodes_.check_actions(actions);
-  std::vector<float> done(2 * stretches_.size());
+  std::vector<float> done(action_size_ * stretches_.size());
   for (std::size_t i = 0; i < stretches_.size(); ++i) {
     Stretch& stretch = stretches_[i];
     const data::Episode& episode = recorded_[static_cast<std::size_t>(stretch.episode)];
-    const double* drive = &episode.actions[2 * static_cast<std::size_t>(stretch.next)];
-    const geometry::Vector2 action =
-        geometry::saturated({drive[0] / action_scale_, drive[1] / action_scale_});
+    const double* drive = &episode.actions[action_size_ * static_cast<std::size_t>(stretch.next)];
+    const geometry::Drive action =
+        geometry::saturated(geometry::as_drive(drive, episodes_.settings().action.size) / action_scale_);
     episodes_.note_action(i, action);
-    done[2 * i] = static_cast<float>(action.x());
-    done[2 * i + 1] = static_cast<float>(action.y());
+    std::copy(action.begin(), action.end(), &done[action_size_ * i]);
     ++stretch.next;
     StepEnd extra;
     extra.truncated = stretch.next == stretch.end;

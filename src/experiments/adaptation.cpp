@@ -18,8 +18,9 @@ constexpr const char* kModel = "/model";
 constexpr const char* kBefore = "/model_before";
 
 /// The pulses of an episode that had current.
-std::vector<SeenPulse> pulses_of(const data::Episode& episode, data::StateLayout layout) {
-  const auto size = static_cast<std::size_t>(data::state_size(layout));
+std::vector<SeenPulse> pulses_of(const data::Episode& episode, const data::RowLayout& rows) {
+  const auto size = static_cast<std::size_t>(data::state_size(rows.state));
+  const auto numbers = static_cast<std::size_t>(rows.action_size);
   const auto pose = [&](std::size_t row) {
     const double* state = &episode.observations[row * size];
     return geometry::Pose2{state[0], state[1], size == 3 ? state[2] : 0.0};
@@ -27,7 +28,8 @@ std::vector<SeenPulse> pulses_of(const data::Episode& episode, data::StateLayout
   std::vector<SeenPulse> pulses;
   for (std::size_t t = 0; t < static_cast<std::size_t>(episode.length()); ++t) {
     if (episode.zero_current[t] != 0) continue;
-    pulses.push_back({pose(t), {episode.actions[2 * t], episode.actions[2 * t + 1]}, pose(t + 1)});
+    const double* drive = &episode.actions[numbers * t];
+    pulses.push_back({pose(t), geometry::as_drive(drive, rows.action_size), pose(t + 1)});
   }
   return pulses;
 }
@@ -72,7 +74,7 @@ task::DriveGain identify(const SimulatorSource& simulator, const control::Identi
   everywhere.place_sigma = 0.0;  // one gain for the whole rig
   control::GainFilter filter(motion_model(simulator, config), everywhere);
   for (const data::Episode& episode : recorded.episodes)
-    for (const SeenPulse& pulse : pulses_of(episode, recorded.info.layout)) filter.learn(pulse);
+    for (const SeenPulse& pulse : pulses_of(episode, recorded.info.rows())) filter.learn(pulse);
   return filter.gain();
 }
 
@@ -82,7 +84,7 @@ std::vector<std::vector<double>> explain(const SimulatorSource& simulator,
   control::MotionModel model = motion_model(simulator, config);
   std::vector<std::vector<double>> rows;
   for (const data::Episode& episode : recorded.episodes) {
-    std::vector<SeenPulse> pulses = pulses_of(episode, recorded.info.layout);
+    std::vector<SeenPulse> pulses = pulses_of(episode, recorded.info.rows());
     if (pulses.empty()) continue;
     for (SeenPulse& pulse : pulses) pulse.drive_A *= std::exp(log_drive_gain);
     model.judge(pulses, rows.emplace_back());

@@ -39,9 +39,9 @@ class WhileSeen final : public control::Controller {
  public:
   WhileSeen(control::Controller& inner, Sight& sight) : inner_(inner), sight_(sight) {}
   void reset() override { inner_.reset(); }
-  geometry::Vector2 act(const task::Observation& observation) override {
+  geometry::Drive act(const task::Observation& observation) override {
     sight_.found = sight_.lost;
-    return sight_.lost ? geometry::Vector2::Zero() : inner_.act(observation);
+    return sight_.lost ? observation.rest() : inner_.act(observation);
   }
 
  private:
@@ -52,6 +52,7 @@ class WhileSeen final : public control::Controller {
 task::ActionConfig action_config(const CollectionConfig& config) {
   task::ActionConfig action;
   action.scale = config.rig.coils.max_current_A;
+  action.size = config.rig.drive_size();
   return action;
 }
 
@@ -71,8 +72,8 @@ data::Episode episode_of(const std::vector<control::StepRecord>& steps, const ta
     const geometry::Pose2& pose = step->estimate.pose;
     episode.observations.insert(episode.observations.end(), {pose.x_m, pose.y_m, pose.heading_rad});
     if (step + 1 == gap) break;
-    const geometry::Vector2 drive_A = task::axis_drive(step->action, action);
-    episode.actions.insert(episode.actions.end(), {drive_A.x(), drive_A.y()});
+    const geometry::Drive drive_A = task::drive_of(step->action, action);
+    episode.actions.insert(episode.actions.end(), drive_A.begin(), drive_A.end());
     episode.terminations.push_back(0);
     episode.truncations.push_back(step + 2 == gap ? 1 : 0);
     episode.zero_current.push_back(drive_A.isZero(0.0) ? 1 : 0);
@@ -87,6 +88,7 @@ data::DatasetInfo dataset_info(const CollectionConfig& config) {
   info.layout = data::StateLayout::kPose;
   info.action_unit = "A";
   info.action_scale = config.rig.coils.max_current_A;
+  info.action_size = config.rig.drive_size();
   info.workspace_radius_m = config.rig.dish.radius_m;
   info.control_period_s = config.loop.period_s();
   info.seed = config.seed;

@@ -47,6 +47,10 @@ task::ActionConfig in_ampere(const DeploymentConfig& config, task::ActionConfig 
     throw common::ConfigError(what + ": its largest drive is " + std::to_string(action.scale) +
                               ", the rig takes " + std::to_string(rig.coils.max_current_A) +
                               " A at most (rig.coils.max_current_A); it was trained for another rig");
+  if (action.size != rig.drive_size())
+    throw common::ConfigError(what + ": its actions are of " + std::to_string(action.size) +
+                              " numbers, this rig's drive is of " + std::to_string(rig.drive_size()) +
+                              "; it was trained for another rig");
   return action;
 }
 
@@ -57,10 +61,11 @@ void warn_of_another_rig(const DeploymentConfig& config, const common::Json& tra
   if (!trained_for.is_object()) return;
   const common::Json here = common::config_to_json<physics::RigDescription>(config.rig);
   const common::Json then = physics::completed_rig(trained_for);
-  if (then["drive"]["kind"] != here["drive"]["kind"])
-    throw common::ConfigError(
-        what + ": its drives are those of rig.drive.kind = " + then["drive"]["kind"].dump() +
-        ", this rig has " + here["drive"]["kind"].dump() + "; it was trained for another rig");
+  for (const char* key : {"kind", "field_numbers"})
+    if (then["drive"][key] != here["drive"][key])
+      throw common::ConfigError(what + ": its drives are those of rig.drive." + key + " = " +
+                                then["drive"][key].dump() + ", this rig has " + here["drive"][key].dump() +
+                                "; it was trained for another rig");
   std::string differs;
   for (const char* part : {"coils", "drive", "amplifier", "needle", "dish", "fluid", "friction", "supply_V",
                            "supply_resistance_ohm"})
@@ -90,7 +95,7 @@ std::shared_ptr<control::RigIdentifier> identifier_of(const ControllerSource& so
 /// What the configuration puts around every controller.
 std::unique_ptr<control::Controller> decorated(std::unique_ptr<control::Controller> controller,
                                                const DeploymentConfig& config, double scale_A) {
-  controller = control::decorate(std::move(controller), config.decorators);
+  controller = control::decorate(std::move(controller), config.decorators, physics::CoilDrive(config.rig));
   if (config.turn.current_A > 0.0)
     controller =
         std::make_unique<control::TurnInPlace>(std::move(controller), config.turn, config.rig, scale_A);
@@ -230,6 +235,7 @@ ControllerSource baseline_source(const DeploymentConfig& config, const Simulator
   ControllerSource source;
   source.name = "baseline";
   source.action.scale = config.rig.coils.max_current_A;
+  source.action.size = config.rig.drive_size();
   source.identify = identified_by(config, simulator);
   source.make = [config](std::uint64_t) {
     return decorated(std::make_unique<control::GainCorrection>(

@@ -62,7 +62,7 @@ class RandomDrive final : public control::Controller {
  public:
   explicit RandomDrive(common::RandomStream random) : random_(random) {}
   void reset() override {}
-  geometry::Vector2 act(const task::Observation&) override {
+  geometry::Drive act(const task::Observation&) override {
     const geometry::Vector2 drive(random_.uniform(-1.0, 1.0), random_.uniform(-1.0, 1.0));
     return drive.cwiseSign().cwiseProduct(drive.cwiseAbs() * 0.7 + geometry::Vector2(0.3, 0.3));
   }

@@ -18,9 +18,9 @@ class Bringing final : public control::Controller {
     inner_.reset();
     there_ = false;
   }
-  geometry::Vector2 act(const task::Observation& observation) override {
+  geometry::Drive act(const task::Observation& observation) override {
     there_ = (observation.pose.position_m() - target_m_).norm() <= within_m_;
-    return there_ ? geometry::Vector2(geometry::Vector2::Zero()) : inner_.act(observation);
+    return there_ ? observation.rest() : inner_.act(observation);
   }
   bool there() const { return there_; }
 
@@ -54,7 +54,7 @@ GuidedNeedle::GuidedNeedle(const GuidedNeedleConfig& config, const rig::RigConfi
       session_(session),
       drive_(rig),
       controller_(control::decorate(std::make_unique<control::DipolePullController>(rig, config.baseline),
-                                    config.decorators)),
+                                    config.decorators, drive_)),
       refusals_(rig.dish.radius_m),
       looked_s_(session.clock().now_s()),
       pulse_ends_s_(looked_s_) {}
@@ -111,10 +111,16 @@ void GuidedNeedle::pulse(const rig::CoilPulse& pulse) {
 
 void GuidedNeedle::rest() { session_.clock().sleep_until(pulse_ends_s_ + config_.loop.rest_s); }
 
-std::optional<PulseMotion> GuidedNeedle::push(const geometry::Vector2& drive_A) {
+std::optional<PulseMotion> GuidedNeedle::push_along(const geometry::Vector2& direction_A) {
+  const std::optional<geometry::Pose2> at = here();
+  if (!at) return std::nullopt;
+  return push(drive_.along(direction_A, at->position_m()));
+}
+
+std::optional<PulseMotion> GuidedNeedle::push(const geometry::Drive& drive_A) {
   const std::optional<geometry::Pose2> before = here();
   if (!before) return std::nullopt;
-  pulse(pulse_of(drive_A, before->position_m()));
+  pulse({drive_.current_A(drive_A, before->position_m()), config_.loop.pulse_s});
   rest();
   const std::optional<geometry::Pose2> after = here();
   if (!after) return std::nullopt;
@@ -127,6 +133,7 @@ bool GuidedNeedle::bring_to(const geometry::Vector2& target_m, double within_m) 
   UntilBrought reference(target_m, bringing);
   task::ActionConfig action;
   action.scale = rig_.coils.max_current_A;
+  action.size = rig_.drive_size();
   control::ControlLoop loop(config_.loop, action, session_.coils(), session_.sensor(), session_.clock(),
                             &rig_);
   const control::LoopOutcome outcome = loop.run(
@@ -138,9 +145,9 @@ bool GuidedNeedle::bring_to(const geometry::Vector2& target_m, double within_m) 
   return bringing.there();
 }
 
-rig::CoilPulse GuidedNeedle::pulse_of(const geometry::Vector2& drive_A,
-                                      const geometry::Vector2& position_m) const {
-  return {drive_.current_A(drive_A, position_m), config_.loop.pulse_s};
+rig::CoilPulse GuidedNeedle::pulse_along(const geometry::Vector2& direction_A,
+                                         const geometry::Vector2& position_m) const {
+  return {drive_.current_A(drive_.along(direction_A, position_m), position_m), config_.loop.pulse_s};
 }
 
 }  // namespace lodestone::experiments

@@ -281,12 +281,13 @@ bool Qualification::repeat_pulse_at_end() { return repeat_pulse(state_.late); }
 bool Qualification::repeat_pulse(std::vector<PulseMotion>& pulses) {
   if (state_.pieces >= kSameTries || pulses.size() >= kSamePulses) return false;
   const geometry::Vector2 start_m(kStartAt * config_.rig.dish.radius_m, 0.0);
-  geometry::Vector2 drive_A = pull_.drive_A({config_.rig.breakaway_N(), 0.0}, start_m);
-  if (drive_A.isZero(0.0)) drive_A = geometry::Vector2(config_.test_current_A, 0.0);
+  geometry::Drive drive_A = pull_.drive_A({config_.rig.breakaway_N(), 0.0}, start_m);
+  if (drive_A.isZero(0.0))
+    drive_A = physics::CoilDrive(config_.rig).along({config_.test_current_A, 0.0}, start_m);
   drive_A *= std::min(1.0, largest_A() / drive_A.cwiseAbs().maxCoeff());
   const geometry::Vector2 across_A(0.0, std::min(kAlignedBy_A, largest_A()));
   if (!needle_.bring_to(start_m, kAlike_m)) return true;
-  if (!needle_.push(across_A) || !needle_.push(across_A)) return true;
+  if (!needle_.push_along(across_A) || !needle_.push_along(across_A)) return true;
   if (const std::optional<PulseMotion> motion = needle_.push(drive_A)) pulses.push_back(*motion);
   return true;
 }
@@ -312,7 +313,7 @@ bool Qualification::time_motion(double part) {
   const AxisDrive& drive = *std::max_element(kAxisDrives.begin(), kAxisDrives.end(), better);
   const double current_A = std::min(config_.test_current_A, largest_A());
   const rig::CoilPulse pulse =
-      needle_.pulse_of(current_A * geometry::Vector2(drive.x, drive.y), before->position_m());
+      needle_.pulse_along(current_A * geometry::Vector2(drive.x, drive.y), before->position_m());
   common::Clock& clock = bench_.clock();
   clock.sleep_until(clock.now_s() + part * config_.needle.look_s);
   const double start_s = clock.now_s();
@@ -330,7 +331,7 @@ bool Qualification::time_motion(double part) {
 double Qualification::weak_current_A(const geometry::Vector2& at_m) const {
   const geometry::Vector2 inwards =
       at_m.isZero(0.0) ? geometry::Vector2(1.0, 0.0) : geometry::Vector2(-at_m.normalized());
-  const geometry::Vector2 described_A = pull_.drive_A(config_.rig.breakaway_N() * inwards, at_m);
+  const geometry::Drive described_A = pull_.drive_A(config_.rig.breakaway_N() * inwards, at_m);
   double current_A = kWeakest * (described_A.isZero(0.0) ? largest_A() : described_A.cwiseAbs().maxCoeff());
   for (std::int64_t level = 0; level < state_.weak_progress.level; ++level) current_A *= kStronger;
   return current_A;
@@ -364,7 +365,8 @@ bool Qualification::push_level(const geometry::Vector2& at_m, double current_A) 
     if (!here || here->position_m().norm() > kTooFar * config_.rig.dish.radius_m)
       needle_.bring_to(at_m, kAbout_m);
     const AxisDrive& axis = kAxisDrives[static_cast<std::size_t>(i) % kAxisDrives.size()];
-    const std::optional<PulseMotion> motion = needle_.push(current_A * geometry::Vector2(axis.x, axis.y));
+    const std::optional<PulseMotion> motion =
+        needle_.push_along(current_A * geometry::Vector2(axis.x, axis.y));
     if (!motion) continue;
     WeakPulse weak;
     weak.place = static_cast<std::size_t>(state_.weak_progress.place);

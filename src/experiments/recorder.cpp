@@ -10,18 +10,20 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/geometry/drive.h"
 #include "lodestone/geometry/pose2.h"
 
 namespace lodestone::experiments {
 
 namespace {
 
-std::string heading(bool true_poses, const std::vector<std::string>& coils) {
-  std::string currents;
+std::string heading(bool true_poses, const std::vector<std::string>& coils, int action_size) {
+  std::string actions, currents;
+  for (int i = 0; i < action_size; ++i) actions += "action_" + geometry::number_name(i, action_size) + ",";
   for (const std::string& coil : coils) currents += "current_" + coil + "_A,";
   return std::string("rig,controller,task,trial,t_s,") +
          (true_poses ? "true_x_m,true_y_m,true_heading_rad," : "") +
-         "sensed,sensed_x_m,sensed_y_m,sensed_heading_rad,target_x_m,target_y_m,approach,action_x,action_y," +
+         "sensed,sensed_x_m,sensed_y_m,sensed_heading_rad,target_x_m,target_y_m,approach," + actions +
          currents + "log_drive_gain,log_drive_gain_sigma,rig_changed\n";
 }
 
@@ -74,13 +76,13 @@ void write_pose(std::ostream& out, const std::optional<geometry::Pose2>& pose) {
 }  // namespace
 
 Recorder::Recorder(const std::string& file, bool true_poses, std::int64_t keep_rows,
-                   const std::vector<std::string>& coils)
+                   const std::vector<std::string>& coils, int action_size)
     : path_(file), true_poses_(true_poses) {
+  const std::string first = heading(true_poses, coils, action_size);
   const Rows rows = read_rows(file, keep_rows);
   if (!true_poses && rows.text.size() > rows.kept_bytes)
-    set_aside(file, heading(true_poses, coils), rows.text.substr(rows.kept_bytes));
-  common::write_file_atomically(
-      file, rows.kept_bytes > 0 ? rows.text.substr(0, rows.kept_bytes) : heading(true_poses, coils));
+    set_aside(file, first, rows.text.substr(rows.kept_bytes));
+  common::write_file_atomically(file, rows.kept_bytes > 0 ? rows.text.substr(0, rows.kept_bytes) : first);
   file_.open(file, std::ios::app);
   flush();
   file_ << std::setprecision(9);
@@ -107,8 +109,8 @@ void Recorder::write_row(const TrialPlan& plan, const std::string& rig, const st
   if (true_poses_) write_pose(file_, sample.true_pose);
   file_ << (step.estimate.valid ? 1 : 0) << ',';
   write_pose(file_, step.estimate.valid ? std::optional(step.estimate.pose) : std::nullopt);
-  file_ << step.target_m.x() << ',' << step.target_m.y() << ',' << (sample.approach ? 1 : 0) << ','
-        << step.action.x() << ',' << step.action.y();
+  file_ << step.target_m.x() << ',' << step.target_m.y() << ',' << (sample.approach ? 1 : 0);
+  for (const double number : step.action) file_ << ',' << number;
   for (const double current_A : step.current_A) file_ << ',' << current_A;
   if (step.drive_gain)
     file_ << ',' << step.drive_gain->log_mean << ',' << step.drive_gain->log_sigma << ','

@@ -32,7 +32,7 @@ exports::StepFacts facts_of(const control::StepRecord& record, const std::option
     facts.heading_sigma_rad = estimate.heading_sigma_rad;
     if (target) facts.error_m = (estimate.pose.position_m() - target->position_m()).norm();
   }
-  if (!record.last) facts.action = {record.action.x(), record.action.y()};
+  if (!record.last) facts.action.assign(record.action.begin(), record.action.end());
   if (record.drive_gain) {
     facts.log_drive_gain = record.drive_gain->log_mean;
     facts.log_drive_gain_sigma = record.drive_gain->log_sigma;

@@ -64,7 +64,7 @@ class MaskedHead {
         result_(result) {}
 
   /// What one pulse did: the head before it is known, of what came after it the axis.
-  void add(const geometry::Pose2& before, const geometry::Vector2& drive_A, const geometry::Pose2& after) {
+  void add(const geometry::Pose2& before, const geometry::Drive& drive_A, const geometry::Pose2& after) {
     const physics::PerCoil current_A = drive_.current_A(drive_A, before.position_m());
     if (!field_.direction_rad(current_A, before.position_m())) return;
     tracker_.forget();
@@ -84,8 +84,8 @@ class MaskedHead {
     for (std::int64_t step = 0; step < episode.length(); ++step) {
       const auto row = static_cast<std::size_t>(step);
       const double* pose = &episode.observations[3 * row];
-      add({pose[0], pose[1], pose[2]}, {episode.actions[2 * row], episode.actions[2 * row + 1]},
-          {pose[3], pose[4], pose[5]});
+      const double* drive = &episode.actions[static_cast<std::size_t>(drive_.size()) * row];
+      add({pose[0], pose[1], pose[2]}, geometry::as_drive(drive, drive_.size()), {pose[3], pose[4], pose[5]});
     }
   }
   void add(const TrialResult& trial) {
@@ -95,8 +95,7 @@ class MaskedHead {
   }
 
  private:
-  std::vector<physics::PulseOutcome> outcomes(const geometry::Pose2& before,
-                                              const geometry::Vector2& drive_A) {
+  std::vector<physics::PulseOutcome> outcomes(const geometry::Pose2& before, const geometry::Drive& drive_A) {
     if (!identifier_) return {};
     return identifier_->outcomes(before, drive_A);
   }

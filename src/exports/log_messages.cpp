@@ -98,7 +98,8 @@ std::vector<MessageSpec> message_specs() {
         {"action_y", 8, kDouble, nullptr, FieldSpec::kOptional},
         {"log_drive_gain", 9, kDouble, nullptr, FieldSpec::kOptional},
         {"log_drive_gain_sigma", 10, kDouble, nullptr, FieldSpec::kOptional},
-        {"rig_changed", 11, kBool}}},
+        {"rig_changed", 11, kBool},
+        {"action", 12, kDouble, nullptr, FieldSpec::kRepeated}}},
   };
 }
 
@@ -322,9 +323,11 @@ std::string step_message(std::uint64_t time_ns, const StepFacts& facts) {
     fields.set("error_m", facts.error_m);
     fields.set("position_sigma_m", facts.position_sigma_m);
     fields.set("heading_sigma_rad", facts.heading_sigma_rad);
-    if (facts.action) {
-      fields.set("action_x", (*facts.action)[0]);
-      fields.set("action_y", (*facts.action)[1]);
+    if (facts.action.size() == 2) {
+      fields.set("action_x", facts.action[0]);
+      fields.set("action_y", facts.action[1]);
+    } else {
+      for (const double number : facts.action) fields.add("action", number);
     }
     fields.set("log_drive_gain", facts.log_drive_gain);
     fields.set("log_drive_gain_sigma", facts.log_drive_gain_sigma);

@@ -54,7 +54,8 @@ std::string observation_space(const std::vector<std::string>& columns,
   return box(low, high);
 }
 
-void put_episode(const TaskEpisode& episode, std::int64_t id, std::int64_t columns, data::Hdf5Image& file) {
+void put_episode(const TaskEpisode& episode, std::int64_t id, std::int64_t columns, std::int64_t numbers,
+                 data::Hdf5Image& file) {
   const std::string group = "episode_" + std::to_string(id);
   const std::int64_t steps = episode.length();
   file.add_group(group);
@@ -62,7 +63,7 @@ void put_episode(const TaskEpisode& episode, std::int64_t id, std::int64_t colum
   file.add_attribute(group, "seed", episode.seed);
   file.add_attribute(group, "total_steps", steps);
   file.add_array(group + "/observations", episode.observations, {steps + 1, columns});
-  file.add_array(group + "/actions", episode.actions, {steps, data::kActionSize});
+  file.add_array(group + "/actions", episode.actions, {steps, numbers});
   file.add_array(group + "/rewards", episode.rewards, {steps});
   file.add_flags(group + "/terminations", episode.terminations);
   file.add_flags(group + "/truncations", episode.truncations);
@@ -71,13 +72,19 @@ void put_episode(const TaskEpisode& episode, std::int64_t id, std::int64_t colum
   file.add_flags(group + "/infos/is_success", episode.success);
 }
 
+std::vector<std::string> action_columns(int action_size) {
+  std::vector<std::string> columns;
+  for (int i = 0; i < action_size; ++i) columns.push_back(data::action_column(i, action_size));
+  return columns;
+}
+
 /// What the numbers mean, for those who want to know more than Minari asks for.
 common::Json facts(const data::Dataset& dataset, const MinariSettings& settings,
                    const std::vector<std::string>& columns) {
   common::Json task = common::config_to_json(settings.task);
   task["dish_radius_m"] = settings.task.dish_radius_m;
   return {{"observation_columns", columns},
-          {"action_columns", {"drive_x", "drive_y"}},
+          {"action_columns", action_columns(dataset.info.action_size)},
           {"info_columns", {"distance_m", "is_success"}},
           {"recording", data::info_to_json(dataset.info)},
           {"task", std::move(task)},
@@ -87,12 +94,13 @@ common::Json facts(const data::Dataset& dataset, const MinariSettings& settings,
 common::Json metadata(const data::Dataset& dataset, const MinariSettings& settings,
                       const std::vector<TaskEpisode>& episodes, const MinariSummary& summary) {
   const std::vector<std::string> columns = observation_columns(dataset.info.layout, settings.task.goal);
+  const auto numbers = static_cast<std::size_t>(dataset.info.action_size);
   return {{"total_episodes", summary.episodes},
           {"total_steps", summary.steps},
           {"data_format", "hdf5"},
           {"jpeg_encoding", false},
           {"observation_space", observation_space(columns, episodes, settings.task.dish_radius_m)},
-          {"action_space", box({-1.0, -1.0}, {1.0, 1.0})},
+          {"action_space", box(std::vector<double>(numbers, -1.0), std::vector<double>(numbers, 1.0))},
           {"dataset_id", settings.id},
           {"minari_version", kMinariVersion},
           {"algorithm_name", "recorded"},
@@ -138,7 +146,7 @@ MinariSummary write_minari(const std::string& root, const data::Dataset& dataset
       static_cast<std::int64_t>(observation_columns(dataset.info.layout, settings.task.goal).size());
   data::Hdf5Image file(summary.folder + "/data/main_data.hdf5");
   for (const TaskEpisode& episode : episodes) {
-    put_episode(episode, summary.episodes, columns, file);
+    put_episode(episode, summary.episodes, columns, dataset.info.action_size, file);
     count(episode, summary);
   }
   const std::string numbers = file.bytes();

@@ -15,9 +15,8 @@ double scale_in_ampere(const inference::Policy& policy, const std::string& what)
   if (policy.rig.is_object() && policy.rig.contains("drive") &&
       policy.rig["drive"].value("kind", "opposed_pairs") != "opposed_pairs")
     throw common::ConfigError(what +
-                              ": its drives are those of a field that several coils make together "
-                              "(rig.drive.kind = field); only policies of four coils in opposed pairs can be "
-                              "exported, as the export ends in currents");
+                              ": its drives are not those of four coils in opposed pairs (rig.drive.kind); "
+                              "only policies of such can be exported, as the export ends in currents");
   if (policy.action.unit == "A") return policy.action.scale;
   const Json full_drive = policy.rig.is_object() ? policy.rig.value("full_drive_A", Json()) : Json();
   if (!full_drive.is_number() || !(full_drive > 0.0))

@@ -93,7 +93,7 @@ std::vector<GoldenEpisode> golden_episodes(const PolicyContract& contract) {
       GoldenStep golden{walk.next_inputs(), {}};
       seen = observation_of(golden.inputs, step == 0 ? nullptr : &seen, acted);
       acted = controller.act(seen);
-      const physics::PerCoil current_A = physics::opposed_pairs_A(task::axis_drive(acted, action));
+      const physics::PerCoil current_A = physics::opposed_pairs_A(task::drive_of(acted, action));
       for (std::size_t coil = 0; coil < current_A.size(); ++coil)
         golden.current_A[coil] = static_cast<float>(current_A[coil]);
       episodes[i].push_back(std::move(golden));

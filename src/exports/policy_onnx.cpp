@@ -185,7 +185,7 @@ class PolicyGraph {
     return g_.any(g_.op("Less", {apart, g_.scaled(stronger, control::StallMemory::kAlikeDrive)}), false);
   }
 
-  /// What task::axis_drive and physics::opposed_pairs_A make of an action.
+  /// What task::drive_of and physics::opposed_pairs_A make of an action.
   void current(const std::string& action) {
     std::string drive = action;
     if (policy_.action.dead_band > 0.0) {

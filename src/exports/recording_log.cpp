@@ -17,13 +17,14 @@ LoggedStep logged(const data::DatasetInfo& info, const data::Episode& episode, s
   step.sensed = geometry::Pose2{state[0], state[1], width > 2 ? state[2] : 0.0};
   step.facts.sensed = true;
   if (row == episode.length()) return step;  // nothing was done after the last
-  const double* drive = &episode.actions[static_cast<std::size_t>(row * data::kActionSize)];
-  step.facts.action = {drive[0] / info.action_scale, drive[1] / info.action_scale};
+  const geometry::Drive drive = geometry::as_drive(
+      &episode.actions[static_cast<std::size_t>(row * info.action_size)], info.action_size);
+  for (const double number : drive) step.facts.action.push_back(number / info.action_scale);
   const common::Json driven_by =
       info.rig.is_object() ? info.rig.value("drive", common::Json()) : common::Json();
   const bool pairs = !driven_by.is_object() || driven_by.value("kind", "opposed_pairs") == "opposed_pairs";
   if (info.action_unit == "A" && pairs) {  // what else a drive asks of its coils is not on record
-    step.current_A = physics::opposed_pairs_A({drive[0], drive[1]}).list();
+    step.current_A = physics::opposed_pairs_A(drive).list();
   }
   return step;
 }

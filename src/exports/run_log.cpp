@@ -103,9 +103,9 @@ LoggedStep Trajectories::step() const {
   if (!facts.sensed) facts.reason = "none was found";
   if (step.sensed && step.target)
     facts.error_m = (step.sensed->position_m() - step.target->position_m()).norm();
-  const auto x = number("action_x");
-  const auto y = number("action_y");
-  if (x && y) facts.action = {*x, *y};
+  for (const std::string& column : table_.header())
+    if (const auto value = column.rfind("action_", 0) == 0 ? number(column) : std::nullopt)
+      facts.action.push_back(*value);
   facts.log_drive_gain = number("log_drive_gain");
   facts.log_drive_gain_sigma = number("log_drive_gain_sigma");
   facts.rig_changed = number("rig_changed").value_or(0.0) != 0.0;

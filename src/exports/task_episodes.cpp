@@ -15,6 +15,7 @@ class Recorded {
   Recorded(const data::Episode& episode, const data::DatasetInfo& info)
       : episode_(episode),
         state_size_(static_cast<std::size_t>(data::state_size(info.layout))),
+        action_size_(info.action_size),
         scale_(info.action_scale) {}
 
   std::size_t steps() const { return static_cast<std::size_t>(episode_.length()); }
@@ -22,14 +23,15 @@ class Recorded {
     const double* state = &episode_.observations[row * state_size_];
     return {state[0], state[1], state_size_ == 3 ? state[2] : 0.0};
   }
-  geometry::Vector2 action(std::size_t step) const {
-    const double* drive = &episode_.actions[step * data::kActionSize];
-    return geometry::saturated(geometry::Vector2(drive[0] / scale_, drive[1] / scale_));
+  geometry::Drive action(std::size_t step) const {
+    const double* drive = &episode_.actions[step * static_cast<std::size_t>(action_size_)];
+    return geometry::saturated(geometry::as_drive(drive, action_size_) / scale_);
   }
 
  private:
   const data::Episode& episode_;
   std::size_t state_size_;
+  int action_size_;
   double scale_;
 };
 
@@ -70,7 +72,7 @@ class Judge {
     step.action = recorded.action(t);
     step.index = episode.length() + 1;
     const task::StepOutcome outcome = task::evaluate_step(task_, step);
-    episode.actions.insert(episode.actions.end(), {step.action.x(), step.action.y()});
+    episode.actions.insert(episode.actions.end(), step.action.begin(), step.action.end());
     episode.rewards.push_back(outcome.reward);
     episode.terminations.push_back(outcome.terminated ? 1 : 0);
     episode.truncations.push_back(outcome.truncated ? 1 : 0);

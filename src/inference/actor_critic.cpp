@@ -1,6 +1,7 @@
 #include "lodestone/inference/actor_critic.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -35,7 +36,10 @@ Actor::Actor(const Arrays& weights, std::int64_t observation_size, const std::ve
              std::int64_t action_size, const std::string& what, std::int64_t proposals)
     : action_size_(action_size),
       proposals_(proposals),
-      network_(layers_from(weights, observation_size, hidden, outputs(action_size, proposals), 1, what)) {}
+      network_(layers_from(weights, observation_size, hidden, outputs(action_size, proposals), 1, what)) {
+  LODESTONE_CHECK(action_size >= 1 && action_size <= geometry::kMostDrives, "an action of 1 to 16 numbers");
+  LODESTONE_CHECK(proposals == 0 || action_size == 2, "proposals of two numbers");
+}
 
 std::int64_t Actor::choose(const float* output, std::int64_t proposals) {
   const float* score = output + 3 * proposals;
@@ -63,11 +67,14 @@ void Actor::act(const float* observation, std::int64_t rows, float* action, Work
   }
 }
 
-std::vector<std::array<float, 2>> Actor::ranked(const float* observation, Workspace& workspace) const {
+std::vector<geometry::Drive> Actor::ranked(const float* observation, Workspace& workspace) const {
+  std::array<float, geometry::kMostDrives> action{};
+  const auto given = [&action, this] {
+    return geometry::as_drive(action.data(), static_cast<int>(action_size_));
+  };
   if (proposals_ == 0) {
-    std::vector<std::array<float, 2>> only(1);
-    act(observation, 1, only.front().data(), workspace);
-    return only;
+    act(observation, 1, action.data(), workspace);
+    return {given()};
   }
   std::copy_n(observation, observation_size(), network_.input(1, workspace));
   const float* output = network_.forward(1, workspace);
@@ -78,10 +85,11 @@ std::vector<std::array<float, 2>> Actor::ranked(const float* observation, Worksp
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [score](std::int64_t a, std::int64_t b) { return score[a] > score[b]; });
-  std::vector<std::array<float, 2>> actions;
+  std::vector<geometry::Drive> actions;
   for (const std::int64_t k : order) {
-    actions.push_back({0.0F, 0.0F});
-    if (k < proposals_) propose(output, k, actions.back().data());
+    action = {};
+    if (k < proposals_) propose(output, k, action.data());
+    actions.push_back(given());
   }
   return actions;
 }

@@ -90,7 +90,7 @@ DynamicsModel load_dynamics(const std::string& folder) {
     const auto part = checkpoint.parts.find(member_part(k));
     if (part == checkpoint.parts.end())
       throw CheckpointError(what + ": part \"" + member_part(k) + "\" is missing");
-    model.members.emplace_back(part->second, model.config, model.info.layout, what + ", " + member_part(k));
+    model.members.emplace_back(part->second, model.config, model.info.rows(), what + ", " + member_part(k));
   }
   const int size = data::state_size(model.info.layout);
   model.start_states = training_rows(checkpoint, "start_states", size, what).to_double();

@@ -94,13 +94,13 @@ void check_above_zero(const Numbers& spread, const std::string& name, const std:
 
 /// The linear layers of a dynamics network with every normalisation worked into them, in float64 until the
 /// end. Throws CheckpointError that begins with `what` when `weights` are not those of the shape.
-std::vector<LinearLayer> fold(const Arrays& weights, const DynamicsConfig& config, data::StateLayout layout,
-                              const std::string& what) {
+std::vector<LinearLayer> fold(const Arrays& weights, const DynamicsConfig& config,
+                              const data::RowLayout& rows, const std::string& what) {
   const auto numbers = [&](const std::string& name, const std::vector<std::int64_t>& shape) {
     return weight_at(weights, name, shape, what).to_double();
   };
   std::int64_t place = 0;  // in dynamics::Network's sequence of layers
-  std::int64_t width = config.inputs(layout);
+  std::int64_t width = config.inputs(rows);
   const Numbers input_std = numbers("input_std", {width});
   check_above_zero(input_std, "input_std", what);
   Folder folder(numbers("input_mean", {width}), input_std);
@@ -132,8 +132,8 @@ std::vector<LinearLayer> fold(const Arrays& weights, const DynamicsConfig& confi
     folder.add_relu();
     ++place;
   }
-  const std::int64_t states = data::state_size(layout);
-  add_linear(config.components > 0 ? config.mixture(layout).outputs() : states);
+  const std::int64_t states = data::state_size(rows.state);
+  add_linear(config.components > 0 ? config.mixture(rows.state).outputs() : states);
   if (config.components == 0)
     folder.affine(numbers("output_std", {states}), numbers("output_mean", {states}));
   std::vector<LinearLayer> layers = folder.layers();
@@ -149,13 +149,14 @@ std::vector<LinearLayer> fold(const Arrays& weights, const DynamicsConfig& confi
 
 }  // namespace
 
-FoldedDynamics::FoldedDynamics(const Arrays& weights, const DynamicsConfig& config, data::StateLayout layout,
-                               const std::string& what)
-    : state_size_(data::state_size(layout)),
+FoldedDynamics::FoldedDynamics(const Arrays& weights, const DynamicsConfig& config,
+                               const data::RowLayout& rows, const std::string& what)
+    : state_size_(data::state_size(rows.state)),
+      action_size_(rows.action_size),
       predicts_change_(config.predicts_change()),
-      sine_cosine_(config.sine_cosine(layout)),
-      mixture_(config.mixture(layout)),
-      layers_(fold(weights, config, layout, what)),
+      sine_cosine_(config.sine_cosine(rows.state)),
+      mixture_(config.mixture(rows.state)),
+      layers_(fold(weights, config, rows, what)),
       network_(layers_),
       output_mean_(static_cast<std::size_t>(state_size_), 0.0F),
       output_std_(static_cast<std::size_t>(state_size_), 1.0F) {
@@ -166,7 +167,7 @@ FoldedDynamics::FoldedDynamics(const Arrays& weights, const DynamicsConfig& conf
 
 void FoldedDynamics::write_features(const double* state, const double* drive, std::int64_t rows,
                                     float* out) const {
-  for (std::int64_t row = 0; row < rows; ++row, state += state_size_, drive += data::kActionSize) {
+  for (std::int64_t row = 0; row < rows; ++row, state += state_size_, drive += action_size_) {
     *out++ = static_cast<float>(state[0]);
     *out++ = static_cast<float>(state[1]);
     if (sine_cosine_) {
@@ -175,8 +176,7 @@ void FoldedDynamics::write_features(const double* state, const double* drive, st
     } else if (state_size_ == 3) {
       *out++ = static_cast<float>(state[2]);
     }
-    *out++ = static_cast<float>(drive[0]);
-    *out++ = static_cast<float>(drive[1]);
+    for (int i = 0; i < action_size_; ++i) *out++ = static_cast<float>(drive[i]);
   }
 }
 

@@ -82,6 +82,8 @@ Policy policy_from_facts(const Json& facts, const std::string& what) {
     policy.proposals = proposals_from_json(facts.value("proposals", Json(0)), what);
     policy.encoder = task::encoder_from_json(facts.at("encoder"), what);
     policy.action = task::action_from_json(facts.at("action"), what);
+    if (policy.encoder.action_size != policy.action.size || (policy.proposals > 0 && policy.action.size != 2))
+      throw CheckpointError(what + ": encoder, action and proposals are of different sizes");
     policy.goal = facts.at("goal").get<std::string>();
     policy.rig = facts.value("rig", Json());
     if (facts.contains("region")) policy.region = task::Region::from_json(facts["region"]);
@@ -99,7 +101,7 @@ Policy policy_from_facts(const Json& facts, const std::string& what) {
 }  // namespace
 
 Actor Policy::actor(const std::string& what) const {
-  return Actor(weights, task::ObservationEncoder(encoder).size(), hidden, 2, what, proposals);
+  return Actor(weights, task::ObservationEncoder(encoder).size(), hidden, action.size, what, proposals);
 }
 
 void save_policy(const std::string& folder, const Policy& policy, const Json& run_config,

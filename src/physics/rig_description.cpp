@@ -82,8 +82,12 @@ void RigDescription::validate() const {
   if (drive.kind == DriveKind::kOpposedPairs && !coils.each.empty())
     throw common::InvalidConfig(
         "drive.kind", common::name_of(drive.kind),
-        fmt::format("be field: opposed_pairs drives +x, -x, +y and -y, and coils.each lists {} others",
+        fmt::format("be field or independent: opposed_pairs drives +x, -x, +y and -y, and coils.each lists "
+                    "{} others",
                     coils.count()));
+  if (drive.kind != DriveKind::kField && drive.field_numbers != DriveConfig{}.field_numbers)
+    throw common::InvalidConfig("drive.field_numbers", drive.field_numbers,
+                                "be left out where drive.kind is " + common::name_of(drive.kind));
   for (std::size_t coil = 0; coil < coils.each.size(); ++coil)
     if (!coils.each[coil].measured() && winds_in(coils.each[coil], dish.radius_m))
       throw common::InvalidConfig(
@@ -110,6 +114,18 @@ void RigDescription::validate() const {
     throw common::InvalidConfig(
         "dish.radius_m", dish.radius_m,
         fmt::format("be below the distance of the coils' faces from the dish centre, {}", face_m));
+}
+
+int RigDescription::drive_size() const {
+  switch (drive.kind) {
+    case DriveKind::kIndependent:
+      return static_cast<int>(coils.count());
+    case DriveKind::kField:
+      return static_cast<int>(drive.field_numbers);
+    case DriveKind::kOpposedPairs:
+      break;
+  }
+  return 2;
 }
 
 CircuitConfig RigDescription::circuit(std::size_t coil) const {

@@ -68,7 +68,7 @@ void Hindsight::relabel(const std::vector<Step>& episode, ReplayBuffer& buffer) 
     judged.before = pose(step.observation);
     judged.after = pose(step.next);
     judged.goal.position_m = encoder_.position_m(episode[later].next.data());
-    judged.action = {step.action[0], step.action[1]};
+    judged.action = geometry::as_drive(step.action.data(), static_cast<int>(step.action.size()));
     judged.progress = step.progress;
     const task::StepOutcome outcome = task::evaluate_step(task_, judged);
     encoder_.retarget(judged.goal.position_m, step.observation.data());

@@ -220,7 +220,7 @@ void ModelGradientLearner::evaluate(Shard& shard, const ExpectedDistance& simula
   for (std::size_t i = 0; i < count; ++i) {
     const double factor = factor_of(shard.needles[i]);
     const geometry::Vector2 drive =
-        geometry::saturated(factor * task::axis_drive(action[i], task_.action), task_.action.scale);
+        geometry::saturated(factor * task::drive_of(action[i], task_.action), task_.action.scale);
     shard.drive[2 * i] = drive.x();
     shard.drive[2 * i + 1] = drive.y();
   }

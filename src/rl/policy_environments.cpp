@@ -89,6 +89,10 @@ std::unique_ptr<PolicyLearner> make_policy_learner(const TrainPolicyConfig& conf
   const auto seed = static_cast<std::uint64_t>(config.seed);
   if (config.method == Method::kModelGradient) {
     LODESTONE_CHECK(environments.dynamics, "dynamics for the gradient");
+    if (config.action.size != 2)
+      throw common::InvalidConfig("method", common::name_of(config.method),
+                                  "be td3 where an action has " + std::to_string(config.action.size) +
+                                      " numbers: this method proposes directions in the plane");
     const ModelGradientTask task{config.task,
                                  config.encoder,
                                  config.action,

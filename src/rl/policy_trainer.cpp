@@ -262,9 +262,7 @@ void TrainPolicyConfig::validate() const {
 }
 
 TrainPolicyConfig adopt_rig(TrainPolicyConfig config) {
-  config.action.scale = config.rig.coils.max_current_A;
-  config.task.dish_radius_m = config.rig.dish.radius_m;
-  config.encoder.length_scale_m = config.rig.dish.radius_m;
+  env::adopt_rig(config.rig, config.task, config.encoder, config.action);
   config.learned_rig = common::config_to_json(config.rig);
   return config;
 }

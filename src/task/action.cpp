@@ -1,7 +1,5 @@
 #include "lodestone/task/action.h"
 
-#include <cmath>
-
 #include "lodestone/geometry/saturation.h"
 
 namespace lodestone::task {
@@ -15,6 +13,7 @@ common::Json action_to_json(const ActionConfig& config) {
   common::Json json = common::config_to_json(config);
   json["scale"] = config.scale;
   json["unit"] = config.unit;
+  json["size"] = config.size;
   return json;
 }
 
@@ -24,18 +23,26 @@ ActionConfig action_from_json(common::Json json, const std::string& what) {
   if (!(scale > 0.0 && scale <= kLargestScale))
     throw common::ConfigError(what + ": scale = " + common::shown_json(json["scale"]) +
                               " must be above 0 and at most 1000");
-  json.erase("scale");
-  json.erase("unit");
+  const int size = json.value("size", ActionConfig{}.size);
+  if (size < 1 || size > geometry::kMostDrives)
+    throw common::ConfigError(what + ": size = " + common::shown_json(json["size"]) +
+                              " must be within 1 .. 16");
+  for (const char* key : {"scale", "unit", "size"}) json.erase(key);
   auto config = common::config_from_json<ActionConfig>(json, what);
   config.scale = scale;
   config.unit = unit;
+  config.size = size;
   return config;
 }
 
-geometry::Vector2 axis_drive(const geometry::Vector2& action, const ActionConfig& config) {
-  geometry::Vector2 drive = geometry::saturated(action);
+geometry::Drive drive_of(const geometry::Drive& action, const ActionConfig& config) {
+  geometry::Drive drive = geometry::saturated(action);
   drive *= drive.norm() < config.dead_band ? 0.0 : config.scale;
-  if (config.one_axis_at_a_time) drive[std::abs(drive[0]) >= std::abs(drive[1]) ? 1 : 0] = 0.0;
+  if (!config.one_axis_at_a_time) return drive;
+  Eigen::Index largest = 0;
+  drive.cwiseAbs().maxCoeff(&largest);
+  for (Eigen::Index i = 0; i < drive.size(); ++i)
+    if (i != largest) drive[i] = 0.0;
   return drive;
 }
 

@@ -24,6 +24,7 @@ DriveGain draw_gain_estimate(double sigma, double least_sigma, common::RandomStr
 common::Json encoder_to_json(const EncoderConfig& config) {
   common::Json json = common::config_to_json(config);
   json["length_scale_m"] = config.length_scale_m;
+  json["action_size"] = config.action_size;
   return json;
 }
 
@@ -32,9 +33,14 @@ EncoderConfig encoder_from_json(common::Json json, const std::string& what) {
   if (!(length_scale_m >= kLeastLengthScale_m && length_scale_m <= kMostLengthScale_m))
     throw common::ConfigError(what + ": length_scale_m = " + common::shown_json(json["length_scale_m"]) +
                               " must be within 0.001 .. 1");
-  json.erase("length_scale_m");
+  const int action_size = json.value("action_size", EncoderConfig{}.action_size);
+  if (action_size < 1 || action_size > geometry::kMostDrives)
+    throw common::ConfigError(what + ": action_size = " + common::shown_json(json["action_size"]) +
+                              " must be within 1 .. 16");
+  for (const char* key : {"length_scale_m", "action_size"}) json.erase(key);
   auto config = common::config_from_json<EncoderConfig>(json, what);
   config.length_scale_m = length_scale_m;
+  config.action_size = action_size;
   return config;
 }
 
@@ -52,7 +58,7 @@ int ObservationEncoder::heading_size() const {
 
 int ObservationEncoder::size() const {
   return 2 + heading_size() + (config_.target ? 2 : 0) + relative_size() + (config_.target_heading ? 2 : 0) +
-         (config_.memory ? 4 : 0) + (config_.drive_gain ? 2 : 0);
+         (config_.memory ? config_.action_size + 2 : 0) + (config_.drive_gain ? 2 : 0);
 }
 
 int ObservationEncoder::relative_size() const {
@@ -93,7 +99,9 @@ void ObservationEncoder::encode(const Observation& observation, float* out) cons
     *out++ = static_cast<float>(std::cos(turn_rad));
   }
   if (config_.memory) {
-    put(observation.last_action, 1.0);
+    const geometry::Drive& last = observation.last_action;
+    for (Eigen::Index i = 0; i < config_.action_size; ++i)
+      *out++ = i < last.size() ? static_cast<float>(last[i]) : 0.0F;
     put(observation.last_displacement_m, config_.displacement_scale_m);
   }
   if (config_.drive_gain) {

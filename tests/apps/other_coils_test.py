@@ -9,6 +9,7 @@ import tempfile
 
 program, source = sys.argv[1], pathlib.Path(sys.argv[2])
 kRigs = {"six_planar": 6, "eight_tilted": 8, "helmholtz_pair_xy": 4, "octomag": 8}
+kDrives = {"six_planar": ("kind=independent", 6), "eight_tilted": ("field_numbers=4", 4)}  # other ones than their presets'
 
 
 def run(*arguments, code=0):
@@ -65,6 +66,37 @@ with tempfile.TemporaryDirectory() as name:
         f"data={folder}/collect/transitions.h5", "--set", "training.epochs=150", "--out", folder / "dynamics")
     learned = json.loads((folder / "dynamics/evaluation.json").read_text())
     assert learned["position_rms_mm"] < 0.8 * learned["baselines"]["no_motion"]["position_rms_mm"], learned
+
+    # Other drives of the same coils: one number a coil, and a field with a pull of its own.
+    for rig, (drive, numbers) in kDrives.items():
+        folder, preset = pathlib.Path(name) / f"{rig}_{numbers}", source / f"configs/rigs/{rig}.json"
+        other = ("--rig", preset, "--set", f"rig.drive.{drive}")
+        run("collect", *other, "--config", source / "configs/quickstart/collect.json", "--set", "transitions=3000", "--sensor",
+            "simulated", "--out", folder / "collect")
+        run("train-dynamics", "--config", source / "configs/quickstart/dynamics.json", "--set",
+            f"data={folder}/collect/transitions.h5", "--set", "training.epochs=150", "--out", folder / "dynamics")
+        learned = json.loads((folder / "dynamics/evaluation.json").read_text())
+        assert learned["position_rms_mm"] < learned["baselines"]["no_motion"]["position_rms_mm"], f"{rig}: {learned}"
+        run("train-policy", "--config", source / "configs/quickstart/policy.json", *other, "--set",
+            f"dynamics={folder}/dynamics/checkpoint", "--set", "method=td3", "--set", "training.env_steps=3000", "--set",
+            "training.warm_up_steps=1000", "--set", "training.environments=64", "--out", folder / "policy")
+        common = ("deploy", *other, "--task", "centre", "--trials", 3, "--sensor", "simulated", "--set",
+                  "trials.start_radius=0.4")
+        run(*common, "--config", source / "configs/best/deploy_planner.json", "--set", f"dynamics={folder}/dynamics/checkpoint",
+            "--out", folder / "planner")
+        run(*common, "--set", f"policy={folder}/policy/checkpoint", "--out", folder / "policy_run")
+        run(*common, "--controller", "baseline", "--out", folder / "baseline")
+        found = errors_mm(folder / "baseline")
+        assert sorted(found.values())[len(found) // 2] < 8.0, f"{rig}: {found}"
+        for of in ("planner", "policy_run"):
+            with (folder / of / "trajectories.csv").open() as file:
+                columns = [column for column in next(csv.reader(file)) if column.startswith("action_")]
+            assert columns == [f"action_{i}" for i in range(numbers)], columns
+        run("report", "--run", folder / "planner")
+        run("export", "--run", folder / "planner", "--to", folder / "run.mcap")
+        text = run(*common, "--set", f"dynamics={name}/{rig}/dynamics/checkpoint", "--config",
+                   source / "configs/best/deploy_planner.json", "--out", folder / "refused", code=2)
+        assert "it was trained for another rig" in text, text
 
     # A simulator of one kind of drive is refused on another, and so is what knows only four coils.
     text = run("deploy", "--sensor", "simulated", "--config", source / "configs/best/deploy_planner.json", "--set",

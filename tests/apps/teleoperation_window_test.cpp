@@ -26,7 +26,7 @@ TEST_CASE("keys hold a drive, set its strength and end an episode") {
   experiments::CollectionConfig config;
   config.sensor.kind = "simulated";
   const std::unique_ptr<session::RigSession> bench = experiments::make_exploration_session(config);
-  apps::TeleoperationWindow window("keyboard", 15.0, 0.0425);
+  apps::TeleoperationWindow window("keyboard", physics::RigDescription{});
   experiments::Teleoperator teleoperator = window.teleoperator(*bench);
   const task::Observation nothing;
   CHECK(teleoperator.controller->act(nothing).isZero());

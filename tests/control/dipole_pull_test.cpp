@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "control/controller_conformance.h"
+#include "other_rigs.h"
 #include "paper_rig.h"
 
 using namespace lodestone;
@@ -30,6 +31,32 @@ TEST_CASE("the simulator's pull points where it is asked to") {
       CHECK((got - wanted).norm() < 2e-3 * wanted.norm());
     }
   }
+}
+
+TEST_CASE("whatever drives the coils, the baseline pulls where it is asked to") {
+  for (const physics::DriveKind kind : {physics::DriveKind::kIndependent, physics::DriveKind::kField})
+    for (const int numbers : {2, 3, 4}) {
+      physics::RigDescription rig = tests::ring_rig(8, 0.0, true);
+      rig.drive.kind = kind;
+      if (kind == physics::DriveKind::kField) rig.drive.field_numbers = numbers;
+      const control::DipolePull model(rig);
+      for (const double angle : {0.3, 1.2, 2.5, -2.0, -0.4}) {
+        const Vector2 wanted = 2e-4 * Vector2(std::cos(angle), std::sin(angle));
+        const Vector2 position(0.004, -0.003);
+        const geometry::Drive drive_A = model.drive_A(wanted, position);
+        CHECK(drive_A.size() == rig.drive_size());
+        CHECK((model.pull_N(drive_A, position) - wanted).norm() < 0.05 * wanted.norm());
+      }
+      control::DipolePullController controller(rig, {});
+      task::Observation observation;
+      observation.last_action = geometry::Drive::Zero(rig.drive_size());
+      observation.target_m = {0.01, 0.0};
+      const geometry::Drive action = controller.act(observation);
+      REQUIRE(action.size() == rig.drive_size());
+      CHECK(model.pull_N(rig.coils.max_current_A * action, {0.0, 0.0}).x() > 0.0);
+      observation.target_m = {0.0, 0.0};
+      CHECK(controller.act(observation) == observation.rest());
+    }
 }
 
 TEST_CASE("the baseline keeps the contract") {

@@ -19,7 +19,7 @@ class ByHeading final : public control::Controller {
  public:
   explicit ByHeading(std::function<Vector2(double)> drive) : drive_(std::move(drive)) {}
   void reset() override { asked = 0; }
-  Vector2 act(const task::Observation& observation) override {
+  geometry::Drive act(const task::Observation& observation) override {
     ++asked;
     return drive_(observation.pose.heading_rad);
   }

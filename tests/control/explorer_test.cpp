@@ -6,6 +6,7 @@
 #include "control/controller_conformance.h"
 #include "control/fakes.h"
 #include "lodestone/control/explorer.h"
+#include "other_rigs.h"
 #include "paper_rig.h"
 
 using namespace lodestone;
@@ -130,6 +131,36 @@ TEST_CASE("the explorer mixes levels, single axes and some zero rows") {
   CHECK(single > kSteps / 10);
   CHECK(high > kSteps / 10);
   CHECK(low > kSteps / 10);
+}
+
+TEST_CASE("of coils that are driven one by one, each is tried alone and with others, as its driver can") {
+  physics::RigDescription rig = tests::ring_rig(6);
+  rig.drive.kind = physics::DriveKind::kIndependent;
+  rig.coils.each[2].bipolar = true;
+  control::ExplorerConfig config;
+  config.self_reset = false;
+  control::Explorer explorer(config, rig, common::RandomStream(1, "explorer"));
+  common::RandomStream random(5, "poses");
+  geometry::Drive most = geometry::Drive::Zero(6), least = geometry::Drive::Zero(6);
+  int alone = 0, together = 0;
+  for (int i = 0; i < 600; ++i) {
+    const geometry::Drive action = explorer.act(
+        observed_at({random.uniform(-0.03, 0.03), random.uniform(-0.03, 0.03), random.uniform(-3.1, 3.1)}));
+    REQUIRE(action.size() == 6);
+    most = most.cwiseMax(action);
+    least = least.cwiseMin(action);
+    const auto on = (action.array() != 0.0).count();
+    alone += on == 1 ? 1 : 0;
+    together += on == 6 ? 1 : 0;
+  }
+  CHECK(most.minCoeff() > 0.8);
+  CHECK(least[2] < -0.8);
+  CHECK(least[0] == 0.0);
+  CHECK(alone > 60);
+  CHECK(together > 60);
+  control::Explorer other(config, rig, common::RandomStream(2, "explorer"));
+  other.restore(explorer.save());
+  CHECK(other.act(observed_at({})) == explorer.act(observed_at({})));
 }
 
 TEST_CASE("weak pulses are as many as asked for, over decades, and none is weaker than the weakest") {

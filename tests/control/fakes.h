@@ -92,19 +92,19 @@ class ScriptedSensor final : public control::PoseSensor {
 /// Controller made of a function; keeps what it saw.
 class FunctionController final : public control::Controller {
  public:
-  explicit FunctionController(std::function<geometry::Vector2(const task::Observation&)> function)
+  explicit FunctionController(std::function<geometry::Drive(const task::Observation&)> function)
       : function_(std::move(function)) {}
   void reset() override { seen.clear(); }
-  geometry::Vector2 act(const task::Observation& observation) override {
+  geometry::Drive act(const task::Observation& observation) override {
     seen.push_back(observation);
     return function_(observation);
   }
   std::vector<task::Observation> seen;
 
  private:
-  std::function<geometry::Vector2(const task::Observation&)> function_;
+  std::function<geometry::Drive(const task::Observation&)> function_;
 };
 
-inline geometry::Vector2 nan_action() { return {std::numeric_limits<double>::quiet_NaN(), 0.0}; }
+inline geometry::Drive nan_action() { return {std::numeric_limits<double>::quiet_NaN(), 0.0}; }
 
 }  // namespace lodestone::tests

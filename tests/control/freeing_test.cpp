@@ -23,7 +23,7 @@ std::int64_t pulses_to_free(rig::VirtualRig& rig, const geometry::Pose2& start) 
   while ((rig.true_pose().position_m() - start.position_m()).norm() < kMoved_m) {
     ++pulses;
     if (freeing.failed()) break;
-    const Vector2 drive_A = task::axis_drive(freeing.next(rig.true_pose()), tests::paper_action());
+    const Vector2 drive_A = task::drive_of(freeing.next(rig.true_pose()), tests::paper_action());
     rig.coils().apply({physics::opposed_pairs_A(drive_A), 0.1});
     rig.clock().sleep_until(rig.clock().now_s() + 0.3);
   }

@@ -13,7 +13,7 @@ class Constant final : public control::Controller {
  public:
   explicit Constant(task::Observation& told) : told_(told) {}
   void reset() override {}
-  Vector2 act(const task::Observation& observation) override {
+  geometry::Drive act(const task::Observation& observation) override {
     told_ = observation;
     return {0.4, -0.2};
   }

@@ -40,6 +40,26 @@ TEST_CASE("in a world it knows, the planner goes straight to the target and stay
   CHECK(planner.act(observation).isZero(0.0));  // nothing beats lying still
 }
 
+TEST_CASE("a planner of four numbers finds the two that move the needle") {
+  const auto of_four = std::make_shared<const control::LearnedSimulator>(
+      env::tests::linear_model(data::StateLayout::kPose, {kGain_m}, {0.0}, 4));
+  control::PlannerConfig config;
+  config.candidates = 96;
+  control::Planner planner(of_four, config, 1);
+  planner.reset();
+  task::Observation observation;
+  observation.last_action = geometry::Drive::Zero(4);
+  observation.pose = {0.012, -0.01, 0.3};
+  observation.target_m = {-0.004, 0.006};
+  for (int step = 0; step < 15; ++step) {
+    const geometry::Drive action = planner.act(observation);
+    REQUIRE(action.size() == 4);
+    observation.pose.x_m += 10.0 * kGain_m * action[2];
+    observation.pose.y_m += 10.0 * kGain_m * action[3];
+  }
+  CHECK((observation.pose.position_m() - observation.target_m).norm() < 0.0015);
+}
+
 TEST_CASE("in a world it knows, the planner is where a moving target is when that is there") {
   control::PlannerConfig config;
   config.goal_radius_m = 0.0;

@@ -39,6 +39,51 @@ void replace_array(const std::string& path, const char* name, hid_t type, std::v
 
 }  // namespace
 
+TEST_CASE("actions of any size come back from the journal and from the file") {
+  const tests::TemporaryFolder folder;
+  for (const int numbers : {1, 3, 16}) {
+    data::Dataset dataset = tests::random_dataset(3, 5);
+    dataset.info.action_size = numbers;
+    for (data::Episode& episode : dataset.episodes) {
+      episode.actions.resize(episode.terminations.size() * static_cast<std::size_t>(numbers));
+      for (std::size_t i = 0; i < episode.actions.size(); ++i)
+        episode.actions[i] = 0.01 * static_cast<double>(i);
+    }
+    const std::string path = folder / ("of_" + std::to_string(numbers) + ".h5");
+    {
+      data::JournalWriter journal(data::journal_beside(path), dataset.info, data::AfterDamage::kRefuse);
+      for (const data::Episode& episode : dataset.episodes) journal.write(episode);
+    }
+    for (int folded = 0; folded < 2; ++folded) {
+      const data::Dataset back = data::read_dataset(path);
+      CHECK(back.info.action_size == numbers);
+      REQUIRE(back.episodes.size() == dataset.episodes.size());
+      for (std::size_t e = 0; e < dataset.episodes.size(); ++e)
+        CHECK(back.episodes[e].actions == dataset.episodes[e].actions);
+      const data::TransitionTable table = data::flatten(back, true);
+      CHECK(table.action_size == numbers);
+      CHECK(static_cast<std::int64_t>(table.action.size()) == numbers * table.size());
+      data::fold_journal(path);
+    }
+  }
+}
+
+TEST_CASE("recordings of other drives do not fit together, nor one whose size is impossible") {
+  const tests::TemporaryFolder folder;
+  data::write_dataset(folder / "two.h5", tests::random_dataset(2, 3));
+  data::Dataset one = tests::random_dataset(2, 3);
+  one.info.action_size = 1;
+  for (data::Episode& episode : one.episodes) episode.actions.resize(episode.terminations.size());
+  data::write_dataset(folder / "one.h5", one);
+  CHECK_THROWS_WITH(data::read_recordings(folder / "two.h5," + (folder / "one.h5")), Contains("size"));
+  common::Json json = data::info_to_json(one.info);
+  json["action_size"] = 17;
+  CHECK_THROWS_WITH(data::info_from_json(json, "a.journal"),
+                    Contains("action_size is 17, must be within 1 and 16"));
+  json.erase("action_size");  // from before there were others
+  CHECK(data::info_from_json(json, "a.journal").action_size == 2);
+}
+
 TEST_CASE("a dataset comes back from its file bit for bit") {
   const tests::TemporaryFolder folder;
   data::Dataset dataset = tests::random_dataset(12, 7);

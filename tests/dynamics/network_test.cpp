@@ -74,6 +74,27 @@ TEST_CASE("the folded network agrees with the network", "[unit]") {
   }
 }
 
+TEST_CASE("a network takes as many numbers of drive as the rig has", "[unit]") {
+  const at::NoGradGuard no_grad;
+  const DynamicsConfig config = config_of(DynamicsForm::kDelta, false);
+  const data::RowLayout layout(data::StateLayout::kPose, 6);
+  CHECK(config.inputs(layout) == 4 + 6);
+  const auto network = make_members(config, layout, 5).front();
+  network->train(false);
+  at::manual_seed(3);
+  const at::Tensor state = at::rand({20, 3}, at::kDouble), action = at::rand({20, 6}, at::kDouble);
+  const inference::FoldedDynamics folded = fold(*network);
+  CHECK(folded.action_size() == 6);
+  inference::FoldedDynamics::Workspace workspace;
+  at::Tensor next = at::empty_like(state);
+  folded.predict(state.data_ptr<double>(), action.data_ptr<double>(), 20, next.data_ptr<double>(), workspace);
+  CHECK((next - network->forward(state, action)).abs().max().item<double>() < 1e-5);
+  const at::Tensor before = network->input_std.clone();
+  network->scale_drive(2.0);
+  CHECK(at::equal(network->input_std.narrow(0, 4, 6) * 2.0, before.narrow(0, 4, 6)));
+  CHECK(at::equal(network->input_std.narrow(0, 0, 4), before.narrow(0, 0, 4)));
+}
+
 TEST_CASE("normalisers are part of the network", "[unit]") {
   const Rows rows = sample_rows(data::StateLayout::kPose, 2000, 4);
   for (const auto form : {DynamicsForm::kPaper, DynamicsForm::kDelta}) {

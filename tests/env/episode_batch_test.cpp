@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "env/sample_settings.h"
+#include "other_rigs.h"
 
 namespace lodestone::env {
 namespace {
@@ -112,6 +113,42 @@ TEST_CASE("drives are bounded actions in the unit of the scale", "[unit]") {
   CHECK(drive.x() == Approx(5.0));
   CHECK(drive.y() == Approx(-10.0));
   CHECK_THROWS_AS(episodes.check_actions({0.0F}), common::LogicFault);
+}
+
+TEST_CASE("actions of any size are bounded, remembered, and kept in a snapshot", "[unit]") {
+  EpisodeSettings settings = tests::plain_settings(2);
+  settings.action.size = settings.encoder.action_size = 5;
+  settings.encoder.memory = true;
+  settings.action.scale = 10.0;
+  EpisodeBatch episodes = begun(settings);
+  CHECK(episodes.spec().action_size == 5);
+  CHECK(episodes.spec().observation_size == 4 + 5 + 2);
+  const float action[5] = {0.5F, -3.0F, 0.0F, 0.25F, 1.0F};
+  CHECK(episodes.drive(0, action) == geometry::Drive{5.0, -10.0, 0.0, 2.5, 10.0});
+  episodes.finish(0, episodes.pose(0));
+  CHECK(episodes.observation()[5] == -1.0F);
+  EpisodeBatch other = begun(settings);
+  other.load(episodes.save());
+  CHECK(other.observation() == episodes.observation());
+  CHECK_NOTHROW(episodes.check_actions(std::vector<float>(10)));
+  CHECK_THROWS_AS(episodes.check_actions(std::vector<float>(4)), common::LogicFault);
+}
+
+TEST_CASE("the rig says what an action means, and the data how many numbers it has", "[unit]") {
+  physics::RigDescription rig = lodestone::tests::ring_rig(6);
+  rig.drive.kind = physics::DriveKind::kIndependent;
+  EpisodeSettings settings;
+  adopt_rig(rig, settings.task, settings.encoder, settings.action);
+  CHECK(settings.action.size == 6);
+  CHECK(settings.encoder.action_size == 6);
+  CHECK(settings.action.scale == rig.coils.max_current_A);
+  CHECK(settings.task.dish_radius_m == rig.dish.radius_m);
+  data::DatasetInfo info;
+  info.workspace_radius_m = 0.03;
+  info.action_size = 3;
+  adopt_data(info, settings.task, settings.encoder, settings.action);
+  CHECK(settings.action.size == 3);
+  CHECK(settings.encoder.action_size == 3);
 }
 
 TEST_CASE("an environment's random numbers are those of its stream, wherever it stands in a batch",

@@ -68,17 +68,20 @@ inline inference::DynamicsModel empty_linear_model(data::StateLayout layout, std
 }
 
 /// An ensemble whose member k moves the robot by exactly `gain_m[k]` metres per unit of drive along each axis
-/// and turns it by `turn_rad[k]` a step: a learned simulator with a known answer.
+/// and turns it by `turn_rad[k]` a step: a learned simulator with a known answer. Of a drive of more than two
+/// numbers it is the last two that do.
 inline inference::DynamicsModel linear_model(data::StateLayout layout, const std::vector<double>& gain_m,
-                                             const std::vector<double>& turn_rad) {
+                                             const std::vector<double>& turn_rad, int action_size = 2) {
   inference::DynamicsModel model = empty_linear_model(layout, gain_m.size());
+  model.info.action_size = action_size;
   const std::int64_t states = data::state_size(layout);
   for (std::size_t k = 0; k < gain_m.size(); ++k) {
-    inference::Arrays weights = passing_drive_on(model.config.inputs(layout), states, states, 0, gain_m[k]);
+    inference::Arrays weights =
+        passing_drive_on(model.config.inputs(model.info.rows()), states, states, 0, gain_m[k]);
     std::vector<float> bias(static_cast<std::size_t>(states));
     if (layout == data::StateLayout::kPose) bias[2] = static_cast<float>(turn_rad[k]);
     weights["layers.2.bias"] = {std::move(bias), {states}};
-    model.members.emplace_back(weights, model.config, layout, "linear model");
+    model.members.emplace_back(weights, model.config, model.info.rows(), "linear model");
   }
   return model;
 }

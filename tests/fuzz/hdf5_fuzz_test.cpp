@@ -56,9 +56,9 @@ void replace_array(hid_t file, tests::Spoiler& spoiler) {
 
 /// The same with an attribute of the root.
 void replace_attribute(hid_t file, tests::Spoiler& spoiler) {
-  const std::vector<const char*> names = {
-      "format",         "layout",           "action_unit", "action_scale",
-      "format_version", "control_period_s", "rig",         "workspace_radius_m"};
+  const std::vector<const char*> names = {"format",           "layout",      "action_unit",
+                                          "action_scale",     "action_size", "format_version",
+                                          "control_period_s", "rig",         "workspace_radius_m"};
   const hsize_t length = spoiler.below(300);
   const hid_t space = H5Screate_simple(static_cast<int>(spoiler.below(2)), &length, nullptr);
   const OddType type(spoiler);

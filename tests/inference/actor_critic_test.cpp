@@ -110,8 +110,8 @@ TEST_CASE("of an actor's proposals the one with the highest score is given, and 
     actor.act(observation.data(), 1, action, workspace);
     const auto ranked = actor.ranked(observation.data(), workspace);
     CHECK(ranked.size() == kProposals + 1);
-    CHECK(ranked.front() == std::array<float, 2>{action[0], action[1]});
-    CHECK(std::count(ranked.begin(), ranked.end(), std::array<float, 2>{}) ==
+    CHECK(ranked.front() == lodestone::geometry::as_drive(action, 2));
+    CHECK(std::count_if(ranked.begin(), ranked.end(), [](const auto& one) { return one.isZero(0.0); }) ==
           1);  // rests somewhere among them
     if (best == kProposals) {
       CHECK(action[0] == 0.0F);

@@ -1,6 +1,7 @@
 #include "lodestone/physics/field_allocation.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -72,6 +73,36 @@ double pull_error(const RigDescription& rig, bool at_centre) {
 TEST_CASE("away from the centre, the currents are those for where the needle is") {
   for (const RigDescription& rig : {tests::ring_rig(6), tests::ring_rig(8, 0.03)})
     CHECK(pull_error(rig, false) < 0.6 * pull_error(rig, true));
+}
+
+TEST_CASE("a field and a pull of their own: backwards, and across the needle") {
+  const RigDescription rig = tests::ring_rig(8, 0.03, true);
+  const FieldAllocation allocation(rig);
+  const CoilArray coils = coils_of(rig);
+  const double full_N = rig.needle.moment_A_m2 * allocation.pull_T_per_m();
+  for (double angle_rad = 0.02; angle_rad < 6.28; angle_rad += 0.2) {
+    const Vector2 axis = along(angle_rad), aside(-axis.y(), axis.x());
+    for (const Vector2& wanted :
+         {Vector2(-0.3 * axis), Vector2(0.3 * aside), Vector2(0.2 * (axis - aside))}) {
+      const PerCoil current_A = allocation.current_A(0.5 * axis, wanted, kCentre);
+      const Vector2 pull = pull_N(rig, coils, current_A, kCentre, angle_rad);
+      CHECK((pull - full_N * wanted).norm() < 0.1 * full_N);
+      const Vector2 field_T = coils.field_T(current_A, kCentre);
+      CHECK(field_T.dot(axis) > 0.0);
+      CHECK(std::abs(field_T.dot(aside)) < 0.2 * field_T.dot(axis));
+    }
+  }
+  CHECK(allocation.current_A(Vector2(0.0, 0.0), Vector2(0.0, 0.0), kCentre) == PerCoil{});
+}
+
+TEST_CASE("coils that are driven one by one do what they can where they lack a direction") {
+  RigDescription rig = tests::ring_rig(6);
+  rig.coils.each.resize(2);
+  rig.drive.kind = DriveKind::kIndependent;
+  const FieldAllocation allocation(rig);
+  double most_A = 0.0;
+  for (const double current_A : allocation.current_A(0.0, kCentre)) most_A = std::max(most_A, current_A);
+  CHECK(most_A > 0.0);
 }
 
 TEST_CASE("outside the dish a needle is given what it is given at the wall") {

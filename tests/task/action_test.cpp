@@ -9,20 +9,34 @@ using lodestone::geometry::Vector2;
 
 TEST_CASE("an action of more than 1 is one of 1") {
   const ActionConfig config = lodestone::tests::paper_action();
-  CHECK(axis_drive({0.5, -2.0}, config) == Vector2(7.5, -15.0));
+  CHECK(drive_of({0.5, -2.0}, config) == Vector2(7.5, -15.0));
+}
+
+TEST_CASE("an action may have any number of numbers, and says how many") {
+  ActionConfig config = lodestone::tests::paper_action();
+  config.size = 4;
+  CHECK(drive_of({0.5, -2.0, 0.0, 0.1}, config) == lodestone::geometry::Drive{7.5, -15.0, 0.0, 1.5});
+  config.one_axis_at_a_time = true;
+  CHECK(drive_of({0.5, -2.0, 0.0, 0.1}, config) == lodestone::geometry::Drive{0.0, -15.0, 0.0, 0.0});
+  lodestone::common::Json json = action_to_json(config);
+  CHECK(action_from_json(json, "test").size == 4);
+  json["size"] = 17;
+  CHECK_THROWS_WITH(action_from_json(json, "test"), Catch::Contains("size = 17 must be within 1 .. 16"));
+  json.erase("size");  // from before there were other drives
+  CHECK(action_from_json(json, "test").size == 2);
 }
 
 TEST_CASE("a weak action falls into the dead band") {
   ActionConfig config = lodestone::tests::paper_action();
   config.dead_band = 0.1;
-  CHECK(axis_drive({0.06, -0.06}, config) == Vector2(0.0, 0.0));
-  CHECK(axis_drive({0.05, -0.2}, config) == Vector2(0.75, -3.0));  // the weak axis gives the direction
+  CHECK(drive_of({0.06, -0.06}, config) == Vector2(0.0, 0.0));
+  CHECK(drive_of({0.05, -0.2}, config) == Vector2(0.75, -3.0));  // the weak axis gives the direction
 }
 
 TEST_CASE("a device that drives one axis at a time gets the larger component") {
   ActionConfig config = lodestone::tests::paper_action();
   config.one_axis_at_a_time = true;
   config.scale = 100.0;
-  CHECK(axis_drive({0.3, -0.4}, config) == Vector2(0.0, -40.0));
-  CHECK(axis_drive({0.5, 0.4}, config) == Vector2(50.0, 0.0));
+  CHECK(drive_of({0.3, -0.4}, config) == Vector2(0.0, -40.0));
+  CHECK(drive_of({0.5, 0.4}, config) == Vector2(50.0, 0.0));
 }

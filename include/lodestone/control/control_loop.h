@@ -50,9 +50,9 @@ struct StepRecord {
   double time_s = 0.0;  ///< since the start of the run
   PoseEstimate estimate;
   geometry::Vector2 target_m = geometry::Vector2::Zero();
-  geometry::Vector2 action = geometry::Vector2::Zero();   ///< as given, clipped to [-1, 1]
-  geometry::Vector2 drive_A = geometry::Vector2::Zero();  ///< in A of the rig's drive (physics::CoilDrive),
-  physics::PerCoil current_A;                             ///< and what that asks of the coils
+  geometry::Drive action = geometry::Drive::Zero(2);   ///< as given, clipped to [-1, 1]
+  geometry::Drive drive_A = geometry::Drive::Zero(2);  ///< in A of the rig's drive (physics::CoilDrive),
+  physics::PerCoil current_A;                          ///< and what that asks of the coils
   bool either_way =
       false;  ///< head and tail were not told apart, and the controller asked for this whichever is which
   bool probe = false;                         ///< the needle was not seen, and this looked for it
@@ -101,7 +101,7 @@ class ControlLoop {
   void rest_until(double time_s);
   void pulse(const StepRecord& record);
   /// `at_m`: where the needle is, or was when it was last seen.
-  void drive(StepRecord& record, const geometry::Vector2& drive_A, const geometry::Vector2& at_m) const;
+  void drive(StepRecord& record, const geometry::Drive& drive_A, const geometry::Vector2& at_m) const;
   void look_for_it(StepRecord& record, const geometry::Vector2& at_m);
   [[noreturn]] void throw_interrupted();
   void follow(Controller& controller, Reference& reference, const Observer& observer, LoopOutcome& outcome);

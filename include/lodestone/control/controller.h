@@ -13,8 +13,8 @@ class Controller {
   virtual ~Controller() = default;
   /// Forgets the episode before (memory, adaptive gains).
   virtual void reset() = 0;
-  /// Action in [-1, 1]^2.
-  virtual geometry::Vector2 act(const task::Observation& observation) = 0;
+  /// Action in [-1, 1]^k, of as many numbers as the rig's drive has.
+  virtual geometry::Drive act(const task::Observation& observation) = 0;
   /// One that knows what this one knows, to be asked what it would do without this one's taking note. Nothing
   /// from those that only act on what is seen for sure.
   virtual std::unique_ptr<Controller> clone() const { return nullptr; }

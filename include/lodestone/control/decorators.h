@@ -4,6 +4,7 @@
 
 #include "lodestone/control/controller.h"
 #include "lodestone/control/inner_controller.h"
+#include "lodestone/physics/coil_drive.h"
 
 namespace lodestone::control {
 
@@ -56,17 +57,20 @@ struct DecoratorConfig {
 /// that turns the needle.
 class AdaptiveGain final : public Controller {
  public:
-  AdaptiveGain(std::unique_ptr<Controller> inner, const DecoratorConfig& config);
+  /// `drive`: what an action's direction is.
+  AdaptiveGain(std::unique_ptr<Controller> inner, const DecoratorConfig& config,
+               const physics::CoilDrive& drive = {});
   void reset() override;
-  geometry::Vector2 act(const task::Observation& observation) override;
+  geometry::Drive act(const task::Observation& observation) override;
   std::unique_ptr<Controller> clone() const override { return inner_.clone_of(*this); }
   double gain() const { return gain_; }
 
  private:
-  geometry::Vector2 dithered(const geometry::Vector2& action) const;
+  geometry::Drive dithered(const geometry::Drive& action) const;
 
   InnerController inner_;
   DecoratorConfig config_;
+  physics::CoilDrive drive_;
   double gain_ = 1.0;
   int full_stalls_ = 0;  // steps in a row that the full command did not move the needle
   bool full_ = false;    // the last command was the full one
@@ -81,7 +85,7 @@ class Hold final : public Controller {
   Hold(std::unique_ptr<Controller> inner, const DecoratorConfig& config)
       : inner_(std::move(inner)), config_(config) {}
   void reset() override { inner_->reset(); }
-  geometry::Vector2 act(const task::Observation& observation) override;
+  geometry::Drive act(const task::Observation& observation) override;
   std::unique_ptr<Controller> clone() const override { return inner_.clone_of(*this); }
 
  private:
@@ -96,7 +100,7 @@ class Lead final : public Controller {
   Lead(std::unique_ptr<Controller> inner, const DecoratorConfig& config)
       : inner_(std::move(inner)), lead_s_(config.lead_s) {}
   void reset() override { inner_->reset(); }
-  geometry::Vector2 act(const task::Observation& observation) override;
+  geometry::Drive act(const task::Observation& observation) override;
   std::unique_ptr<Controller> clone() const override { return inner_.clone_of(*this); }
 
  private:
@@ -105,6 +109,7 @@ class Lead final : public Controller {
 };
 
 /// Lead around hold around adaptive gain around `controller`, each only where the configuration turns it on.
-std::unique_ptr<Controller> decorate(std::unique_ptr<Controller> controller, const DecoratorConfig& config);
+std::unique_ptr<Controller> decorate(std::unique_ptr<Controller> controller, const DecoratorConfig& config,
+                                     const physics::CoilDrive& drive = {});
 
 }  // namespace lodestone::control

@@ -46,13 +46,13 @@ class DipolePull {
  public:
   explicit DipolePull(const physics::RigDescription& rig);
 
-  /// Pull (N) of axis drives (A) on a needle that has turned into the field: moment times the gradient of the
+  /// Pull (N) of a drive (A) on a needle that has turned into the field: moment times the gradient of the
   /// field's magnitude.
-  geometry::Vector2 pull_N(const geometry::Vector2& axis_drive_A, const geometry::Vector2& position_m) const;
+  geometry::Vector2 pull_N(const geometry::Drive& drive_A, const geometry::Vector2& position_m) const;
 
-  /// Axis drives (A) that pull along `force_N`. The pull is proportional to the drives, so the search is over
-  /// their ratio only. Where no ratio pulls exactly that way, the closest one.
-  geometry::Vector2 drive_A(const geometry::Vector2& force_N, const geometry::Vector2& position_m) const;
+  /// The drive (A) that pulls along `force_N`. The pull is proportional to the drive, so the search is over
+  /// its direction only (physics::CoilDrive::along). Where none pulls exactly that way, the closest one.
+  geometry::Drive drive_A(const geometry::Vector2& force_N, const geometry::Vector2& position_m) const;
 
  private:
   double moment_A_m2_;
@@ -73,7 +73,7 @@ class DipolePullController final : public Controller {
         friction_N_(config.friction_share * rig.breakaway_N()),
         scale_A_(rig.coils.max_current_A) {}
   void reset() override { disturbance_N_ = 0.0; }
-  geometry::Vector2 act(const task::Observation& observation) override;
+  geometry::Drive act(const task::Observation& observation) override;
   std::unique_ptr<Controller> clone() const override { return std::make_unique<DipolePullController>(*this); }
 
  private:

@@ -11,8 +11,8 @@ namespace lodestone::control {
 /// for drives within 30 degrees of each other whichever end it is, the weaker of the two. Nothing where they
 /// differ, where either is none, or from a controller that has no clone; the controller takes no note of
 /// being asked.
-std::optional<geometry::Vector2> act_either_way(const Controller& controller,
-                                                const task::Observation& observation,
-                                                const task::ActionConfig& action);
+std::optional<geometry::Drive> act_either_way(const Controller& controller,
+                                              const task::Observation& observation,
+                                              const task::ActionConfig& action);
 
 }  // namespace lodestone::control

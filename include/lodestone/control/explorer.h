@@ -38,19 +38,20 @@ struct ExplorerConfig {
             {0.0, 1.0});
     v.field("cell_m", cell_m, "m", "side of a cell of the visit counts", {1e-4, 1.0});
     v.field("heading_bins", heading_bins, "", "heading bins of the visit counts", {1, 360});
-    v.field("level_bins", level_bins, "", "current levels per axis and sign of the visit counts", {1, 100});
+    v.field("level_bins", level_bins, "", "levels of each number of the drive, per sign, of the visit counts",
+            {1, 100});
     v.field("candidates", candidates, "", "random actions the least visited is chosen from", {1, 10000});
     v.field("single_axis_fraction", single_axis_fraction, "",
-            "fraction of candidates that drive one axis only", {0.0, 1.0});
+            "fraction of candidates of which one number only is not zero", {0.0, 1.0});
     v.retired("single_axis_share", "single_axis_fraction");
     v.retired("zero_share", "zero_fraction");
     v.field("zero_fraction", zero_fraction, "", "fraction of steps without current", {0.0, 1.0});
-    v.field("min_drive", min_drive, "", "smallest axis drive, as a fraction of the largest current",
+    v.field("min_drive", min_drive, "", "smallest number of a drive, as a fraction of the largest",
             {0.0, 1.0});
     v.field("weak_fraction", weak_fraction, "",
             "fraction of candidates that are weakened, as fine motion near a goal needs them", {0.0, 1.0});
     v.field("weakest_drive", weakest_drive, "",
-            "their stronger axis is log-uniform from this fraction of the largest current to all of it",
+            "their largest number is log-uniform from this fraction of the largest current to all of it",
             {1e-4, 0.9});
     v.field("steering", steering, "", "weight of steering towards places seldom visited; 0 is off",
             {0.0, 100.0});
@@ -77,7 +78,7 @@ class Explorer final : public Controller {
 
   /// A new episode of a needle that lies where it lay.
   void reset() override;
-  geometry::Vector2 act(const task::Observation& observation) override;
+  geometry::Drive act(const task::Observation& observation) override;
 
   /// Where the operator puts the needle for the next episode: the least visited of some random places, any
   /// heading.
@@ -97,21 +98,23 @@ class Explorer final : public Controller {
   /// wall before a coil.
   bool stuck() const { return still_steps_ >= (crowded_ ? 1 : config_.stuck_steps); }
   void see(const geometry::Vector2& position_m);
-  geometry::Vector2 decide(const geometry::Pose2& pose);
-  void keep_count(const geometry::Pose2& pose, const geometry::Vector2& action);
-  geometry::Vector2 draw_action();
+  geometry::Drive decide(const geometry::Pose2& pose);
+  void keep_count(const geometry::Pose2& pose, const geometry::Drive& action);
+  geometry::Drive draw_action();
   std::int64_t cell_of(const geometry::Vector2& position_m) const;
   std::int64_t heading_of(double heading_rad) const;
-  std::int64_t level_of(const geometry::Vector2& action) const;
-  double cost(const geometry::Pose2& pose, const geometry::Vector2& action) const;
+  std::int64_t level_of(const geometry::Drive& action) const;
+  double cost(const geometry::Pose2& pose, const geometry::Drive& action) const;
   double mean_visits() const;
 
   ExplorerConfig config_;
   double dish_radius_m_;
+  physics::CoilDrive drive_;
   common::RandomStream random_;
   Freeing freeing_;
-  std::int64_t side_ = 0;                        // cells along a side of the grid
-  std::int64_t levels_ = 0;                      // bins of one axis drive, signs and zero included
+  std::int64_t side_ = 0;           // cells along a side of the grid
+  std::int64_t levels_ = 0;         // bins of one number of a drive, signs and zero included
+  std::int64_t action_levels_ = 0;  // of a whole one: of both of two numbers, else of the largest of them
   std::vector<std::int64_t> at_position_;        // [cell]
   std::vector<std::int64_t> at_pose_;            // [cell, heading]
   std::vector<std::int64_t> level_at_position_;  // [cell, level]

@@ -43,8 +43,8 @@ class Freeing {
 
   /// The needle is free, or has been placed elsewhere.
   void reset();
-  /// The next pulse, as an action in [-1, 1]^2, for a needle that the one before has not freed.
-  geometry::Vector2 next(const geometry::Pose2& pose);
+  /// The next pulse, as an action, for a needle that the one before has not freed.
+  geometry::Drive next(const geometry::Pose2& pose);
   /// The pulses are used up.
   bool failed() const { return pulses_ >= config_.max_pulses; }
 
@@ -53,6 +53,8 @@ class Freeing {
   void restore(const common::Json& state);
 
  private:
+  /// As two numbers (physics::CoilDrive::along), each.
+  geometry::Vector2 next_direction(const geometry::Pose2& pose);
   geometry::Vector2 pull(const geometry::Pose2& pose, double from_centre_rad, double force_N) const;
   geometry::Vector2 turn(const geometry::Pose2& pose, double by_rad) const;
 

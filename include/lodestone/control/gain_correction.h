@@ -15,7 +15,7 @@ class GainCorrection final : public Controller {
  public:
   explicit GainCorrection(std::unique_ptr<Controller> inner) : inner_(std::move(inner)) {}
   void reset() override { inner_->reset(); }
-  geometry::Vector2 act(const task::Observation& observation) override;
+  geometry::Drive act(const task::Observation& observation) override;
   std::unique_ptr<Controller> clone() const override { return inner_.clone_of(*this); }
 
  private:

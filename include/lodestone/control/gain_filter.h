@@ -24,13 +24,12 @@ class GainFilter {
   void reset();
   /// A pulse is being given: what is to be known of it before its motion is seen is worked out now, which is
   /// most of what learn() has to do.
-  void expect(const geometry::Pose2& before, const geometry::Vector2& drive_A);
+  void expect(const geometry::Pose2& before, const geometry::Drive& drive_A);
   /// One more pulse, expected or not.
   void learn(const SeenPulse& pulse);
 
   /// Where a pulse takes the needle on a rig of the likeliest gain.
-  std::vector<physics::PulseOutcome> outcomes(const geometry::Pose2& before,
-                                              const geometry::Vector2& drive_A);
+  std::vector<physics::PulseOutcome> outcomes(const geometry::Pose2& before, const geometry::Drive& drive_A);
 
   /// Mean and spread of the logarithm.
   task::DriveGain gain() const;
@@ -45,11 +44,11 @@ class GainFilter {
   void move_on();
 
   MotionModel model_;
-  std::vector<double> factor_;               // of the grid
-  std::vector<double> weight_;               // of its points; they sum to 1
-  std::vector<geometry::Vector2> imagined_;  // drives in A at every factor,
-  MotionModel::Prediction predicted_;        // and what they do
-  std::optional<geometry::Vector2> expected_A_;
+  std::vector<double> factor_;             // of the grid
+  std::vector<double> weight_;             // of its points; they sum to 1
+  std::vector<geometry::Drive> imagined_;  // drives in A at every factor,
+  MotionModel::Prediction predicted_;      // and what they do
+  std::optional<geometry::Drive> expected_A_;
   std::vector<double> says_;    // of the points, what the last pulse says
   std::vector<double> kernel_;  // by distance in points, what a new place makes of one
 };

@@ -46,7 +46,7 @@ class GoalSeeker final : public Controller {
 
   void reset() override;
   /// The observation's own target is replaced by the seeker's.
-  geometry::Vector2 act(const task::Observation& observation) override;
+  geometry::Drive act(const task::Observation& observation) override;
 
   /// The controller does not get the needle to move, until the next reset().
   bool stuck() const { return still_pulses_ >= config_.stuck_pulses; }

@@ -19,6 +19,7 @@ struct LearnedSimulator {
     action.scale = model.info.action_scale;
     action.unit = model.info.action_unit;
     action.one_axis_at_a_time = model.info.one_axis_at_a_time;
+    action.size = model.info.action_size;
   }
 
   std::vector<inference::FoldedDynamics> members;

@@ -11,10 +11,10 @@
 
 namespace lodestone::control {
 
-/// One pulse as it was seen: the pose before it, the drive of the axes in A, and the pose after it.
+/// One pulse as it was seen: the pose before it, the drive in A, and the pose after it.
 struct SeenPulse {
   geometry::Pose2 before;
-  geometry::Vector2 drive_A = geometry::Vector2::Zero();
+  geometry::Drive drive_A = geometry::Drive::Zero(2);
   geometry::Pose2 after;
 };
 
@@ -34,12 +34,10 @@ class MotionModel {
     std::size_t pulses = 0;
     std::vector<std::vector<float>> output;  ///< of each member of the ensemble
   };
-  void predict(const geometry::Pose2& before, const std::vector<geometry::Vector2>& drives_A,
-               Prediction& out);
+  void predict(const geometry::Pose2& before, const std::vector<geometry::Drive>& drives_A, Prediction& out);
   /// Where a pulse takes a needle, as one mixture over the ensemble; none where the simulator knows no
   /// headings.
-  std::vector<physics::PulseOutcome> outcomes(const geometry::Pose2& before,
-                                              const geometry::Vector2& drive_A);
+  std::vector<physics::PulseOutcome> outcomes(const geometry::Pose2& before, const geometry::Drive& drive_A);
   /// As below, of one motion by each of these pulses.
   void judge(const Prediction& predicted, const geometry::Pose2& after, std::vector<double>& out);
 
@@ -47,11 +45,12 @@ class MotionModel {
   /// which lies anywhere in the dish; outliers are mixed in by their share. Writes `out` [N], all above 0.
   void judge(const std::vector<SeenPulse>& pulses, std::vector<double>& out);
   /// A pose after the pulse, by a member of the ensemble that is drawn, too; no outlier.
-  geometry::Pose2 draw(const geometry::Pose2& before, const geometry::Vector2& drive_A,
+  geometry::Pose2 draw(const geometry::Pose2& before, const geometry::Drive& drive_A,
                        common::RandomStream& random);
 
  private:
-  geometry::Vector2 drive_of(const geometry::Vector2& drive_A) const;
+  /// Puts the simulator's drive at `out`, as many numbers as it has.
+  void write_drive(const geometry::Drive& drive_A, double* out) const;
   template <class Density>
   void judge_by(std::size_t count, const Density& density, std::vector<double>& out);
 

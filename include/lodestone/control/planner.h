@@ -52,11 +52,11 @@ class Planner final : public Controller {
  public:
   Planner(std::shared_ptr<const LearnedSimulator> model, const PlannerConfig& config, std::uint64_t seed);
   void reset() override;
-  geometry::Vector2 act(const task::Observation& observation) override;
+  geometry::Drive act(const task::Observation& observation) override;
   std::unique_ptr<Controller> clone() const override { return std::make_unique<Planner>(*this); }
 
  private:
-  using Sequence = std::vector<geometry::Vector2>;  // [horizon]
+  using Sequence = std::vector<geometry::Drive>;  // [horizon]
 
   /// Mean cost in mm of every candidate over the particles.
   void evaluate_candidates(const task::Observation& observation);

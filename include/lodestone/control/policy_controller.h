@@ -23,7 +23,7 @@ class PolicyController final : public Controller {
   explicit PolicyController(const inference::Policy& policy);
   void reset() override;
   /// Throws LogicFault when the network answers with something that is not a finite number.
-  geometry::Vector2 act(const task::Observation& observation) override;
+  geometry::Drive act(const task::Observation& observation) override;
   std::unique_ptr<Controller> clone() const override { return std::make_unique<PolicyController>(*this); }
 
  private:

@@ -43,12 +43,12 @@ class Recovery {
   void reset();
   /// The needle is seen.
   void seen(const geometry::Pose2& pose);
-  /// The axis drives in A to be tried at a step at which it is not, the n-th in a row; nothing: wait.
-  std::optional<geometry::Vector2> next_probe();
+  /// The drive in A to be tried at a step at which it is not, the n-th in a row; nothing: wait.
+  std::optional<geometry::Drive> next_probe();
 
  private:
-  geometry::Vector2 turn(std::int64_t index) const;
-  std::optional<geometry::Vector2> pull() const;
+  geometry::Drive turn(std::int64_t index) const;
+  std::optional<geometry::Drive> pull() const;
 
   RecoveryConfig config_;
   DrivenField field_;

@@ -21,12 +21,11 @@ class RigIdentifier {
 
   void reset();
   /// A pulse is being given: as GainFilter. Decisions need not wait for it.
-  void expect(const geometry::Pose2& before, const geometry::Vector2& drive_A) {
+  void expect(const geometry::Pose2& before, const geometry::Drive& drive_A) {
     filter_.expect(before, drive_A);
   }
   /// Where it takes the needle, as far as the rig is known.
-  std::vector<physics::PulseOutcome> outcomes(const geometry::Pose2& before,
-                                              const geometry::Vector2& drive_A) {
+  std::vector<physics::PulseOutcome> outcomes(const geometry::Pose2& before, const geometry::Drive& drive_A) {
     return filter_.outcomes(before, drive_A);
   }
   /// One more pulse.

@@ -20,15 +20,15 @@ class StallMemory {
   /// Takes a pulse in; true where it moved nothing, and one like it had done so here before.
   bool repeats(const SeenPulse& pulse);
   /// Whether one like this has moved nothing from here.
-  bool stalls(const geometry::Pose2& from, const geometry::Vector2& drive_A) const;
+  bool stalls(const geometry::Pose2& from, const geometry::Drive& drive_A) const;
 
  private:
-  bool known(const geometry::Vector2& drive_A) const;
+  bool known(const geometry::Drive& drive_A) const;
   bool at_place(const geometry::Pose2& pose) const;
 
   double still_m_, still_rad_;
-  geometry::Pose2 place_;                     // where the needle came to lie
-  std::vector<geometry::Vector2> stalled_A_;  // drives that moved nothing there
+  geometry::Pose2 place_;                   // where the needle came to lie
+  std::vector<geometry::Drive> stalled_A_;  // drives that moved nothing there
 };
 
 }  // namespace lodestone::control

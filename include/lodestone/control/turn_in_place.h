@@ -49,10 +49,11 @@ class TurnInPlace final : public Controller {
   TurnInPlace(std::unique_ptr<Controller> inner, const TurnConfig& config, const physics::RigDescription& rig,
               double scale_A);
   void reset() override;
-  geometry::Vector2 act(const task::Observation& observation) override;
+  geometry::Drive act(const task::Observation& observation) override;
   std::unique_ptr<Controller> clone() const override { return inner_.clone_of(*this); }
 
-  /// Axis drives of size 1 whose field at `position_m` points along `heading_rad`, as nearly as any does.
+  /// Two numbers of size 1 (physics::CoilDrive::along) whose field at `position_m` points along
+  /// `heading_rad`, as nearly as any does.
   geometry::Vector2 drive_along(double heading_rad, const geometry::Vector2& position_m) const;
 
  private:

@@ -12,7 +12,7 @@ namespace lodestone::data {
 struct CoverageConfig {
   std::int64_t position_cells = 10;  ///< cells along a diameter
   std::int64_t heading_cells = 8;    ///< over the full turn; 1 for a sphere
-  std::int64_t drive_levels = 3;     ///< equal steps of max(|x|, |y|) / action_scale from 0 to 1
+  std::int64_t drive_levels = 3;     ///< equal steps of the strongest number / action_scale from 0 to 1
 
   template <class Visitor>
   void visit(Visitor& v) {

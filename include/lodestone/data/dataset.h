@@ -8,16 +8,14 @@
 
 namespace lodestone::data {
 
-/// Actions are always two signed axis drives: positive means the + coil of that axis, negative the - coil.
-constexpr int kActionSize = 2;
-
 /// A position further away is no glitch of a camera but garbage.
 constexpr double kFarthestGlitch_m = 1e3;
 
-/// One stretch of pulses without a reset in between. All arrays are row-major.
+/// One stretch of pulses without a reset in between. All arrays are row-major; S numbers a state, A an
+/// action.
 struct Episode {
   std::vector<double> observations;        ///< [T + 1, S]
-  std::vector<double> actions;             ///< [T, 2] in the dataset's action unit (A, or percent of range)
+  std::vector<double> actions;             ///< [T, A] in the dataset's action unit (A, or percent of range)
   std::vector<std::uint8_t> terminations;  ///< [T] 1: the episode ended by itself here
   std::vector<std::uint8_t> truncations;   ///< [T] 1: it was cut here
   std::vector<std::uint8_t> zero_current;  ///< [T] 1: nothing was applied (kept, but not for training)
@@ -46,13 +44,17 @@ Episode first_steps(const Episode& episode, std::int64_t steps);
 /// Flat rows of every transition: what training and baselines use.
 struct TransitionTable {
   int state_size = 0;
+  int action_size = 2;
   std::vector<double> state;          ///< [N, S]
-  std::vector<double> action;         ///< [N, 2]
+  std::vector<double> action;         ///< [N, A]
   std::vector<double> next_state;     ///< [N, S]
   std::vector<std::int64_t> episode;  ///< [N] index of the episode a row comes from
 
   std::int64_t size() const { return static_cast<std::int64_t>(episode.size()); }
 };
+
+/// The largest of the numbers of an action, whatever their signs.
+double strongest(const double* action, int action_size);
 
 /// All rows, or only those with current (`with_zero_current` = false).
 TransitionTable flatten(const Dataset& dataset, bool with_zero_current = false);

@@ -7,7 +7,7 @@
 namespace lodestone::data {
 
 /// HDF5 with all episodes as one batch, one behind the other: datasets `steps` and `placements` [E],
-/// `checksums` [E, 32], `observations` [N+E, S] (of each episode one more than steps), `actions` [N, 2],
+/// `checksums` [E, 32], `observations` [N+E, S] (of each episode one more than steps), `actions` [N, A],
 /// `terminations`, `truncations` and `zero_current` [N]; attributes on the root name layout, units, scales,
 /// seed and rig parameters (JSON). Recorded steps that cannot be lie in a group `impossible` of the same
 /// form, where there are any. Files of earlier versions, with a group for each episode, are read, too.

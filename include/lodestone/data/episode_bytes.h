@@ -12,8 +12,8 @@ namespace lodestone::data {
 /// its checksum is taken of.
 std::string to_bytes(const Episode& episode);
 
-/// Nothing when so many bytes make no episode.
-std::optional<Episode> from_bytes(std::string_view bytes, StateLayout layout);
+/// Nothing when so many bytes make no episode of a dataset.
+std::optional<Episode> from_bytes(std::string_view bytes, const RowLayout& layout);
 
 /// 128 bits of a SHA-256, as hex digits.
 constexpr std::size_t kChecksumDigits = 32;

@@ -9,7 +9,7 @@
 namespace lodestone::data {
 
 /// k-nearest-neighbour regression of transitions: the baseline every dynamics network has to beat.
-/// Features are position, sine and cosine of the heading where there is one, and the two drives, each divided
+/// Features are position, sine and cosine of the heading where there is one, and the drives, each divided
 /// by its standard deviation over the table. The prediction is the state plus the mean change of the
 /// neighbours (heading change wrapped). A k-d tree finds them exactly; equal distances go to the lower row.
 class NearestNeighbours {
@@ -20,7 +20,7 @@ class NearestNeighbours {
   NearestNeighbours(NearestNeighbours&&) noexcept;
   NearestNeighbours& operator=(NearestNeighbours&&) noexcept;
 
-  /// state [N, S], action [N, 2] -> next state [N, S]. Throws DataError when the sizes disagree.
+  /// state [N, S], action [N, A] -> next state [N, S]. Throws DataError when the sizes disagree.
   std::vector<double> predict(const std::vector<double>& state, const std::vector<double>& action) const;
 
   /// Rows of the table nearest to one query, nearest first.

@@ -30,7 +30,7 @@ struct MobilityCell {
 struct Mobility {
   double workspace_radius_m = 0.0;
   double cell_m = 0.0;
-  double strong_A = 0.0;            ///< pulses of at least so much along an axis count, in the dataset's unit
+  double strong_A = 0.0;  ///< pulses of which a number is at least so much count, in the dataset's unit
   std::vector<MobilityCell> cells;  ///< squares whose centre lies in the dish, also those without a pulse
 
   template <class Visitor>

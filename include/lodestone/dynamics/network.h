@@ -17,12 +17,12 @@ using inference::DynamicsConfig;
 
 /// One network with its normalisers as buffers: batch normalisation of the input (and ReLU, where
 /// `input_relu` says so), then for each hidden layer linear, batch normalisation and ReLU, then linear.
-/// Parameters and buffers are float32. Input [N, S] state (x_m, y_m[, heading_rad]) and [N, 2] drives in the
+/// Parameters and buffers are float32. Input [N, S] state (x_m, y_m[, heading_rad]) and [N, A] drives in the
 /// dataset's unit; output [N, S] next state: the mean where a distribution is predicted. Section IV-B1.
 class Network {
  public:
   /// Weights are zero until initialise() or tensors().load().
-  Network(const DynamicsConfig& config, data::StateLayout layout);
+  Network(const DynamicsConfig& config, const data::RowLayout& rows);
   Network(const Network&) = delete;
   Network& operator=(const Network&) = delete;
 
@@ -37,7 +37,7 @@ class Network {
   inference::MixtureLayout mixture() const { return config_.mixture(layout_); }
   /// The layers alone: normalised_input() -> [N, S], or [N, mixture().outputs()].
   at::Tensor layers(const at::Tensor& input) const;
-  /// What layers() take, [N, 4..6] float32: features less their mean, by their standard deviation.
+  /// What layers() take, [N, inputs] float32: features less their mean, by their standard deviation.
   at::Tensor normalised_input(const at::Tensor& state, const at::Tensor& action) const;
   /// Expected output, and what it should be: both [N, S] float32.
   at::Tensor normalised_output(const at::Tensor& state, const at::Tensor& action) const;
@@ -50,17 +50,19 @@ class Network {
 
   const DynamicsConfig& config() const { return config_; }
   data::StateLayout layout() const { return layout_; }
+  data::RowLayout rows() const { return {layout_, action_size_}; }
   nets::Parameters& tensors() { return tensors_; }
   const nets::Parameters& tensors() const { return tensors_; }
 
   at::Tensor input_mean, input_std, output_mean, output_std;  ///< buffers
 
  private:
-  /// Raw network input from physical quantities, [N, 4..6].
+  /// Raw network input from physical quantities, [N, inputs].
   at::Tensor features(const at::Tensor& state, const at::Tensor& action) const;
 
   DynamicsConfig config_;
   data::StateLayout layout_;
+  int action_size_;
   bool training_ = true;
   nets::Parameters tensors_;
   std::vector<nets::Linear> linear_;
@@ -70,7 +72,7 @@ class Network {
 using Members = std::vector<std::shared_ptr<Network>>;
 
 /// Networks of an ensemble with fresh weights; member k draws from stream ("dynamics", k) of `seed`.
-Members make_members(const DynamicsConfig& config, data::StateLayout layout, std::uint64_t seed);
+Members make_members(const DynamicsConfig& config, const data::RowLayout& rows, std::uint64_t seed);
 
 /// Mean of the members' next states [N, S] (headings averaged on the circle). Evaluation mode, no gradient.
 at::Tensor predict_mean(const Members& members, const at::Tensor& state, const at::Tensor& action);

@@ -12,7 +12,9 @@
 #include "lodestone/common/random.h"
 #include "lodestone/data/dataset_info.h"
 #include "lodestone/env/vec_env.h"
+#include "lodestone/geometry/drive.h"
 #include "lodestone/geometry/pose2.h"
+#include "lodestone/physics/rig_description.h"
 #include "lodestone/task/action.h"
 #include "lodestone/task/observation.h"
 #include "lodestone/task/task.h"
@@ -32,10 +34,14 @@ struct EpisodeSettings {
       0;  ///< steps of one environment over which the success radius shrinks; 0: it has
 };
 
-/// Fills in what the data that a simulator was learned from say of the rig: its reach, the drive that an
-/// action of 1 means, the one-axis rule, and that there is no heading.
+/// Fills in what the data that a simulator was learned from say of the rig: its reach, the numbers of
+/// an action, the drive that 1 means, the one-axis rule, and that there is no heading.
 void adopt_data(const data::DatasetInfo& info, task::TaskConfig& task, task::EncoderConfig& encoder,
                 task::ActionConfig& action);
+
+/// The same of a rig as it is described, in A.
+void adopt_rig(const physics::RigDescription& rig, task::TaskConfig& task, task::EncoderConfig& encoder,
+               task::ActionConfig& action);
 
 /// What an environment adds to the task's own rules.
 struct StepEnd {
@@ -63,17 +69,17 @@ class EpisodeBatch {
   common::RandomStream& random(std::size_t i) { return slots_[i].random; }
   const geometry::Pose2& pose(std::size_t i) const { return slots_[i].pose; }
 
-  /// Throws LogicFault unless `actions` are [N, 2].
+  /// Throws LogicFault unless `actions` are [N, A].
   void check_actions(const std::vector<float>& actions) const;
 
   /// A new episode in environment i. Start and goal are drawn again (a few times at most) when the start
   /// already counts as reached and reaching ends an episode. `gain`: what the policy is told of the rig.
   void begin(std::size_t i, const std::function<geometry::Pose2(common::RandomStream&)>& draw_start,
              const std::optional<task::DriveGain>& gain = {});
-  /// Signed axis drives for two numbers in [-1, 1]; remembers the action.
-  geometry::Vector2 drive(std::size_t i, const float* action);
+  /// The drive of A numbers in [-1, 1]; remembers the action.
+  geometry::Drive drive(std::size_t i, const float* action);
   /// Remembers an action that something else chose, in [-1, 1].
-  void note_action(std::size_t i, const geometry::Vector2& action) { slots_[i].seen.last_action = action; }
+  void note_action(std::size_t i, const geometry::Drive& action) { slots_[i].seen.last_action = action; }
   /// The robot came to `next`: writes reward, ends and final observation. True when the episode ended: the
   /// caller then calls begin().
   bool finish(std::size_t i, const geometry::Pose2& next, const StepEnd& extra = {});
@@ -94,6 +100,8 @@ class EpisodeBatch {
   };
 
   geometry::Pose2 sense(Slot& slot) const;
+  /// Numbers of a slot that outlive a step.
+  std::int64_t slot_numbers() const;
   /// Of the training: how far the success radius has shrunk for this environment.
   double progress(const Slot& slot) const;
 

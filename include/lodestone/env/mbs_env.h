@@ -86,7 +86,7 @@ class MbsEnv final : public VecEnv {
   /// Rows of a shard that move, gathered by ensemble member.
   struct Scratch {
     std::vector<std::size_t> row;  ///< environment of each gathered row
-    std::vector<double> drive;     ///< [shard, 2], in the order of environments
+    std::vector<double> drive;     ///< [shard, A], in the order of environments
     std::vector<double> state, gathered_drive, next, one_member, mean_position;
     std::vector<double> disagreement_m;  ///< of each gathered row; empty unless it is wanted
     std::vector<common::RandomStream*> random;
@@ -110,6 +110,7 @@ class MbsEnv final : public VecEnv {
   bool disagreement_;
   std::vector<inference::FoldedDynamics> members_;
   std::size_t state_size_;
+  std::size_t action_size_;
   std::vector<geometry::Pose2> starts_;
   EpisodeBatch episodes_;
   std::vector<std::int64_t> member_;  ///< [N] who predicts

@@ -57,6 +57,7 @@ class ReplayEnv final : public VecEnv {
 
   ReplayConfig config_;
   double action_scale_;
+  std::size_t action_size_;
   std::size_t state_size_;
   std::vector<data::Episode> recorded_;  // those that are long enough
   EpisodeBatch episodes_;

@@ -62,14 +62,16 @@ class GuidedNeedle {
   void rest();
   /// A pulse of the loop's length, its rest, and what it did; nothing where the needle was not seen before or
   /// after it. Throws HardwareError.
-  std::optional<PulseMotion> push(const geometry::Vector2& drive_A);
+  std::optional<PulseMotion> push(const geometry::Drive& drive_A);
+  /// The same of two numbers, as physics::CoilDrive::along.
+  std::optional<PulseMotion> push_along(const geometry::Vector2& direction_A);
 
   /// Drives it there, in at most 15 s. Returns whether it came so near. Throws HardwareError where the run
   /// was stopped: no pose for long, or the supervisor.
   bool bring_to(const geometry::Vector2& target_m, double within_m);
 
   /// The coils' part of a drive for a needle at a place.
-  rig::CoilPulse pulse_of(const geometry::Vector2& drive_A, const geometry::Vector2& position_m) const;
+  rig::CoilPulse pulse_along(const geometry::Vector2& direction_A, const geometry::Vector2& position_m) const;
   const RefusalMap& refusals() const { return refusals_; }
   /// Goes on counting from there. Throws DataError.
   void restore_refusals(const RefusalCounts& counts) { refusals_.restore(counts); }

@@ -18,7 +18,7 @@ class Recorder {
   /// trial is driven again as it was. `coils`: what the columns of their currents call them. Throws IoError,
   /// and DataError when there are fewer rows.
   Recorder(const std::string& file, bool true_poses, std::int64_t keep_rows = 0,
-           const std::vector<std::string>& coils = {"px", "mx", "py", "my"});
+           const std::vector<std::string>& coils = {"px", "mx", "py", "my"}, int action_size = 2);
   /// A step of a trial that is under way, which is on its way to the disk when this returns. Throws IoError.
   void write(const TrialPlan& plan, const std::string& rig, const std::string& controller,
              const TrialSample& sample);

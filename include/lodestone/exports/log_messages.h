@@ -51,7 +51,7 @@ struct StepFacts {
   std::string reason;             ///< why not
   std::optional<double> error_m;  ///< from the needle to its target
   std::optional<double> position_sigma_m, heading_sigma_rad;
-  std::optional<std::array<double, 2>> action;                 ///< in [-1, 1]
+  std::vector<double> action;                                  ///< in [-1, 1]; none where nothing was done
   std::optional<double> log_drive_gain, log_drive_gain_sigma;  ///< as identified
   bool rig_changed = false;
 };

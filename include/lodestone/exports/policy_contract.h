@@ -35,7 +35,7 @@ constexpr float kMostStrength = 1.4142136F;
 constexpr float kLeastDirection = 1e-6F;
 
 /// How other programs call a policy, whatever the format: pose, target and what it remembers, in metres and
-/// radians, to currents in ampere. `current` is what task::axis_drive and physics::opposed_pairs_A make of
+/// radians, to currents in ampere. `current` is what task::drive_of and physics::opposed_pairs_A make of
 /// what control::PolicyController says.
 class PolicyContract {
  public:

@@ -14,7 +14,7 @@ struct TaskEpisode {
   std::int64_t seed = 0;  ///< its goal was drawn by it
   task::Goal goal;
   std::vector<double> observations;        ///< [T + 1, O], see observation_columns()
-  std::vector<double> actions;             ///< [T, 2] in [-1, 1]
+  std::vector<double> actions;             ///< [T, A] in [-1, 1]
   std::vector<double> rewards;             ///< [T]
   std::vector<std::uint8_t> terminations;  ///< [T]
   std::vector<std::uint8_t> truncations;   ///< [T]

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "lodestone/geometry/drive.h"
 #include "lodestone/inference/dense_network.h"
 
 namespace lodestone::inference {
@@ -27,9 +27,9 @@ class Actor {
   /// `observation` [rows, D] -> `action` [rows, A] in [-1, 1].
   void act(const float* observation, std::int64_t rows, float* action, Workspace& workspace) const;
   /// All that an actor with proposals would do at one observation, from the highest score down: its
-  /// proposals, and resting, (0, 0). Of another one its only action. Throws LogicFault when the network
+  /// proposals, and resting, zero. Of another one its only action. Throws LogicFault when the network
   /// answers with something that is not a finite number.
-  std::vector<std::array<float, 2>> ranked(const float* observation, Workspace& workspace) const;
+  std::vector<geometry::Drive> ranked(const float* observation, Workspace& workspace) const;
 
   /// Numbers of the last layer.
   static std::int64_t outputs(std::int64_t action_size, std::int64_t proposals) {

@@ -25,7 +25,7 @@ struct DynamicsModel {
 DynamicsModel load_dynamics(const std::string& folder);
 
 /// What all members together expect, their mean: writes `next` [rows, S] for `state` [rows, S] and `drive`
-/// [rows, 2] in the dataset's unit. Headings are averaged as turns from the present one, which no cut of the
+/// [rows, A] in the dataset's unit. Headings are averaged as turns from the present one, which no cut of the
 /// circle can split. `one_member` is scratch. `next` must not be `state`.
 void predict_mean(const std::vector<FoldedDynamics>& members, const double* state, const double* drive,
                   std::int64_t rows, double* next, std::vector<double>& one_member,

@@ -51,8 +51,8 @@ struct DynamicsConfig {
   bool sine_cosine(data::StateLayout layout) const {
     return predicts_change() && layout == data::StateLayout::kPose;
   }
-  std::int64_t inputs(data::StateLayout layout) const {
-    return data::state_size(layout) + data::kActionSize + (sine_cosine(layout) ? 1 : 0);
+  std::int64_t inputs(const data::RowLayout& rows) const {
+    return data::state_size(rows.state) + rows.action_size + (sine_cosine(rows.state) ? 1 : 0);
   }
   MixtureLayout mixture(data::StateLayout layout) const { return {components, data::state_size(layout)}; }
 };

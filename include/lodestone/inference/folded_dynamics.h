@@ -31,10 +31,10 @@ class FoldedDynamics {
 
   /// `weights` as a checkpoint holds them: "input_mean", ..., "layers.0.weight", ... Throws CheckpointError
   /// that begins with `what` when they do not fit the shape.
-  FoldedDynamics(const Arrays& weights, const DynamicsConfig& config, data::StateLayout layout,
+  FoldedDynamics(const Arrays& weights, const DynamicsConfig& config, const data::RowLayout& rows,
                  const std::string& what);
 
-  /// `state` [rows, S] (x_m, y_m[, heading_rad]) and `drive` [rows, 2] in the dataset's unit, row-major;
+  /// `state` [rows, S] (x_m, y_m[, heading_rad]) and `drive` [rows, A] in the dataset's unit, row-major;
   /// writes `next` [rows, S] (may be `state`), headings in (-pi, pi]. A row's result does not depend on the
   /// others.
   void predict(const double* state, const double* drive, std::int64_t rows, double* next,
@@ -66,6 +66,7 @@ class FoldedDynamics {
                                    Workspace& workspace) const;
 
   int state_size() const { return state_size_; }
+  int action_size() const { return action_size_; }
   /// A distribution over changes is predicted, not a single value.
   bool distribution() const { return mixture_.components > 0; }
 
@@ -74,7 +75,7 @@ class FoldedDynamics {
   const std::vector<LinearLayer>& layers() const { return layers_; }
   const MixtureLayout& mixture() const { return mixture_; }
   const std::vector<float>& output_unit() const { return output_std_; }
-  /// What the layers take of `state` [rows, S] and `drive` [rows, 2]: [rows, 4 .. 6], the drive last.
+  /// What the layers take of `state` [rows, S] and `drive` [rows, A]: [rows, inputs], the drive last.
   void write_features(const double* state, const double* drive, std::int64_t rows, float* out) const;
   /// Next states from rows of normalised numbers (already in physical units where no mixture is predicted).
   void write_next(const double* state, const float* output, std::int64_t rows, double* next) const;
@@ -89,6 +90,7 @@ class FoldedDynamics {
                         Workspace& workspace) const;
 
   int state_size_;
+  int action_size_;
   bool predicts_change_;
   bool sine_cosine_;
   MixtureLayout mixture_;  // no components: a single value

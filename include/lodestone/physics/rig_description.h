@@ -52,6 +52,8 @@ struct RigDescription {
   /// Throws ConfigError when parts do not fit together.
   void validate() const;
 
+  /// Numbers of an action: what drives the coils.
+  int drive_size() const;
   /// Electrical and thermal side of one coil.
   CircuitConfig circuit(std::size_t coil) const;
   /// Pull that just moves the needle where friction is at its mean, N.

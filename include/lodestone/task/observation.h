@@ -8,6 +8,7 @@
 
 #include "lodestone/common/config.h"
 #include "lodestone/common/random.h"
+#include "lodestone/geometry/drive.h"
 #include "lodestone/geometry/pose2.h"
 
 namespace lodestone::task {
@@ -36,9 +37,12 @@ struct Observation {
   std::vector<TargetAhead>
       ahead;  ///< of a target that moves, one for each of the next steps; empty: it stays
   std::optional<double> target_heading_rad;                           ///< where the task wants one
-  geometry::Vector2 last_action = geometry::Vector2::Zero();          ///< in [-1, 1]^2; zero after a reset
+  geometry::Drive last_action = geometry::Drive::Zero(2);             ///< in [-1, 1]^k; zero after a reset
   geometry::Vector2 last_displacement_m = geometry::Vector2::Zero();  ///< sensed motion since the last action
   std::optional<DriveGain> drive_gain;                                ///< where the rig is identified
+
+  /// The action of the rig's drive that is no pulse.
+  geometry::Drive rest() const { return geometry::Drive::Zero(last_action.size()); }
 
   /// Where the target will be when so many more pulses are over, as far ahead as is known.
   const geometry::Vector2& target_after_m(std::size_t pulses) const {
@@ -88,10 +92,12 @@ struct EncoderConfig {
 
   /// Lengths are divided by it. No key: it is the dish radius, as TaskConfig::dish_radius_m.
   double length_scale_m = 0.0;
+  /// Numbers of an action. No key: as ActionConfig::size.
+  int action_size = 2;
 };
 
-/// An encoder as checkpoints hold it, length scale included, and back. Throws ConfigError naming `what`, and
-/// what nlohmann-json throws where the scale is missing.
+/// An encoder as checkpoints hold it, length scale and action size included, and back. Throws ConfigError
+/// naming `what`, and what nlohmann-json throws where the scale is missing.
 common::Json encoder_to_json(const EncoderConfig& config);
 EncoderConfig encoder_from_json(common::Json json, const std::string& what);
 
@@ -100,7 +106,7 @@ class ObservationEncoder {
   explicit ObservationEncoder(const EncoderConfig& config) : config_(config) {}
 
   /// Numbers per observation: 2 + heading (0, 1, 2) + target 2 + relative target (2, 3) + target heading 2 +
-  /// memory 4 + drive gain 2.
+  /// memory (action + 2) + drive gain 2.
   int size() const;
   /// Writes size() numbers in the order position, heading, target, relative target, turn to the target
   /// heading, last action, displacement, drive gain.

@@ -101,8 +101,8 @@ struct Step {
   geometry::Pose2 before;
   geometry::Pose2 after;
   Goal goal;
-  geometry::Vector2 action = geometry::Vector2::Zero();  ///< in [-1, 1]^2
-  std::int64_t index = 1;                                ///< within the episode, from 1
+  geometry::Drive action = geometry::Drive::Zero(2);  ///< in [-1, 1]^k
+  std::int64_t index = 1;                             ///< within the episode, from 1
   double progress = 1.0;  ///< of the training, 0 to 1: how far the success radius has shrunk
 };
 
