@@ -19,8 +19,8 @@
 namespace lodestone::rig {
 namespace {
 
-// With less than this in every coil nothing that rests can start to move: it is a hundredth of the break-away
-// current at the centre, and an eighth of that at the mouth of a coil.
+// With less than this in every coil, and fluid at rest, nothing that rests can start to move: it is a
+// hundredth of the break-away current at the centre, and an eighth of that at the mouth of a coil.
 constexpr double kQuiet_A = 0.02;
 
 // A rig that keeps pace with a clock is looked at so often.
