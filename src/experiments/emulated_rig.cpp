@@ -9,7 +9,7 @@ EmulatedRig make_emulated_rig(const rig::RigConfig& rig, std::uint64_t seed,
   std::shared_ptr<const imaging::SceneRenderer> renderer;
   if (scene != nullptr) {
     imaging::SceneConfig of_rig = *scene;
-    of_rig.bench = rig::bench_of(rig);
+    of_rig.bench = rig::rendered_bench_of(rig);
     renderer = std::make_shared<const imaging::SceneRenderer>(imaging::draw_scene(of_rig, scene_seed));
   }
   EmulatedRig made{std::make_unique<emulation::LiveBench>(rig, seed, renderer), rig};

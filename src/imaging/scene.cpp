@@ -88,6 +88,7 @@ Scene draw_scene(const SceneConfig& config, std::uint64_t seed) {
   scene.bubbles = count(config.bubbles);
   scene.scratches = count(config.scratches);
   scene.stains = count(config.stains);
+  scene.obstacle_grey = config.obstacle_grey.draw(random);
   return scene;
 }
 

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "distractors.h"
+#include "obstacles.h"
 
 namespace lodestone::imaging {
 
@@ -238,6 +239,7 @@ SceneLayers paint_layers(const Scene& scene) {
   layers.over = cv::Mat::zeros(layers.under.size(), CV_8UC3);
   layers.over_alpha = cv::Mat::zeros(layers.under.size(), CV_8U);
   draw_distractors(scene, random, layers);
+  draw_obstacles(scene, layers);
   blur(layers.under, scene.blur_px);
   blur(layers.over, scene.blur_px);
   blur(layers.over_alpha, scene.blur_px);

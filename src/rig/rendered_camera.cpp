@@ -33,6 +33,13 @@ imaging::BenchGeometry bench_of(const physics::RigDescription& rig) {
   return bench;
 }
 
+imaging::BenchGeometry rendered_bench_of(const VirtualRigConfig& rig) {
+  imaging::BenchGeometry bench = bench_of(rig);
+  for (const physics::ObstacleConfig& obstacle : rig.simulation.obstacles)
+    bench.obstacles_m.push_back(obstacle.outline_m());
+  return bench;
+}
+
 RenderedCamera::RenderedCamera(VirtualRig& rig, std::shared_ptr<const imaging::SceneRenderer> renderer,
                                common::RandomStream noise, common::Clock* clock)
     : rig_(rig),

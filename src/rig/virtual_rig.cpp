@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -18,8 +19,8 @@
 namespace lodestone::rig {
 namespace {
 
-// With less than this in every coil nothing that rests can start to move: it is a hundredth of the break-away
-// current at the centre, and an eighth of that at the mouth of a coil.
+// With less than this in every coil, and fluid at rest, nothing that rests can start to move: it is a
+// hundredth of the break-away current at the centre, and an eighth of that at the mouth of a coil.
 constexpr double kQuiet_A = 0.02;
 
 // A rig that keeps pace with a clock is looked at so often.
@@ -38,11 +39,19 @@ struct VirtualRig::State {
         fields(std::move(shared)),
         field(fields, hidden.coils),
         map(truth.friction, truth.dish.radius_m, seed),
-        motion(truth.needle, truth.fluid, truth.friction, truth.dish),
+        motion(truth.needle, truth.fluid, truth.friction, truth.dish, physics::Flow(config.simulation.flow),
+               physics::Obstacles(config.simulation.obstacles)),
         scatter(seed, "pulse_friction"),
         amplifier(truth) {
     for (std::size_t coil = 0; coil < config.coils.count(); ++coil)
       circuits.emplace_back(truth.circuit(coil));
+    const std::optional<geometry::Pose2> start = motion.free_near({});
+    if (!start)
+      throw common::ConfigError(
+          fmt::format("virtual rig: simulation.obstacles leave no place in the dish for a needle of {} m "
+                      "(needle.length_m); take some away",
+                      truth.needle.length_m));
+    needle.pose = *start;
   }
 
   /// A little of the friction is drawn anew for every pulse (how the needle happens to lie).
@@ -191,6 +200,22 @@ class VirtualRig::VirtualClock final : public common::Clock {
   VirtualRig& rig_;
 };
 
+void VirtualRigConfig::validate() const {
+  RigDescription::validate();
+  for (std::size_t i = 0; i < simulation.obstacles.size(); ++i) {
+    const physics::ObstacleConfig& obstacle = simulation.obstacles[i];
+    obstacle.validate();
+    if (obstacle.reach_m() <= dish.radius_m) continue;
+    const std::string key = fmt::format("simulation.obstacles[{}].", i);
+    const std::string must = fmt::format(
+        "keep the obstacle inside the dish, {} m about its centre (dish.radius_m)", dish.radius_m);
+    if (obstacle.shape == physics::ObstacleShape::kPolygon)
+      throw common::InvalidConfig(key + "corners_m", obstacle.corners_m, must);
+    throw common::InvalidConfig(key + "centre_m", obstacle.centre_m,
+                                fmt::format("{}, with its radius_m of {}", must, obstacle.radius_m));
+  }
+}
+
 VirtualRig::VirtualRig(const VirtualRigConfig& config, std::uint64_t seed,
                        std::shared_ptr<const physics::CoilFields> fields) {
   config.coils.validate();
@@ -246,10 +271,13 @@ void VirtualRig::place(const geometry::Pose2& pose) {
                     "within {} m of the centre",
                     pose.x_m, pose.y_m, pose.heading_rad, state_->config.dish.radius_m));
   }
+  const std::optional<geometry::Pose2> there = state_->motion.free_near(pose);
+  if (!there)
+    throw common::DataError("virtual rig: simulation.obstacles leave the needle no place; take some away");
   const std::lock_guard<std::mutex> lock(state_->mutex);
   state_->needle = physics::NeedleState{};
-  state_->needle.pose = pose;
-  state_->needle.pose.heading_rad = geometry::wrap_angle(pose.heading_rad);
+  state_->needle.pose = *there;
+  state_->needle.pose.heading_rad = geometry::wrap_angle(there->heading_rad);
 }
 
 void VirtualRig::keep_pace_with(common::Clock& wall) {
@@ -319,7 +347,7 @@ bool VirtualRig::run(double duration_s, std::unique_lock<std::mutex>& lock,
   }
   for (int step = 0; step < steps; ++step) {
     physics::PerCoil current(coils);
-    bool quiet = !state.fields->has_background();
+    bool quiet = !state.fields->has_background() && !state.motion.fluid_moves();
     for (std::size_t i = 0; i < coils; ++i) {
       current[i] = settled[i] + excess[i];
       excess[i] *= decay[i];
@@ -329,7 +357,7 @@ bool VirtualRig::run(double duration_s, std::unique_lock<std::mutex>& lock,
     if (at_rest && state.wall == nullptr) break;
     if (!at_rest)
       state.motion.step(state.needle, state.field, state.magnetising_A(current), state.map,
-                        state.friction_scale, step_s);
+                        state.friction_scale, step_s, start_s + step * step_s);
     if (state.wall == nullptr || (step + 1) % steps_at_once != 0 || step + 1 == steps) continue;
     state.now_s = start_s + (step + 1) * step_s;
     const bool go_on = pace(lock, interruption);
@@ -382,7 +410,9 @@ void VirtualRig::restore(const common::Json& json) {
     needle.velocity_y_m_s = velocity[1];
     needle.spin_rad_s = velocity[2];
     needle.stuck = json.at("stuck").get<bool>();
-    if (!fits(needle.pose)) throw common::DataError("virtual rig state: the needle lies outside the dish");
+    if (!state.motion.free_at(needle.pose))
+      throw common::DataError(fits(needle.pose) ? "virtual rig state: the needle lies in an obstacle"
+                                                : "virtual rig state: the needle lies outside the dish");
     const auto coils = json.at("coils").get<std::vector<std::array<double, 3>>>();
     if (coils.size() != state.circuits.size())
       throw common::DataError(

@@ -86,14 +86,18 @@ void RigSensor::restore(const std::string& state) {
 
 Sensing::Sensing(const SensingConfig& config, const rig::VirtualRigConfig& rig) : config_(config) {
   config_.scene.bench = rig::bench_of(rig);
+  rendered_bench_ = rig::rendered_bench_of(rig);
   if (by_camera()) segmenter_ = vision::Segmenter::load(config.segmenter);
 }
 
 SeenBench Sensing::new_bench(std::uint64_t seed) const {
   SeenBench bench;
   bench.seed = seed;
-  if (by_camera())
-    bench.renderer = std::make_shared<const imaging::SceneRenderer>(imaging::draw_scene(config_.scene, seed));
+  if (by_camera()) {
+    imaging::SceneConfig scene = config_.scene;
+    scene.bench = rendered_bench_;
+    bench.renderer = std::make_shared<const imaging::SceneRenderer>(imaging::draw_scene(scene, seed));
+  }
   return bench;
 }
 

@@ -125,6 +125,23 @@ TEST_CASE("what moves during the exposure is smeared") {
   CHECK(cv::sum(smeared)[0] == Approx(cv::sum(sharp)[0]).epsilon(0.03));
 }
 
+TEST_CASE("an obstacle is in the image, and in no label") {
+  imaging::Scene scene = scene_with(0.0);
+  const imaging::SceneRenderer bare(scene);
+  scene.bench.obstacles_m = {{{-0.02, 0.0}, {-0.01, 0.0}, {-0.01, 0.01}, {-0.02, 0.01}}};
+  const imaging::SceneRenderer with_obstacle(scene);
+  common::RandomStream a(1, "frame"), b(1, "frame");
+  const imaging::RenderedFrame before = bare.render({{kPose}}, a, true);
+  const imaging::RenderedFrame after = with_obstacle.render({{kPose}}, b, true);
+  CHECK(cv::norm(before.needle_mask, after.needle_mask, cv::NORM_INF) == 0.0);
+  CHECK(cv::norm(before.tape_mask, after.tape_mask, cv::NORM_INF) == 0.0);
+  cv::Mat difference;
+  cv::absdiff(before.image, after.image, difference);
+  const double pixel_m = scene.camera.pixel_size_m();
+  const double area_m2 = cv::countNonZero(difference.reshape(1) > 20) / 3.0 * pixel_m * pixel_m;
+  CHECK((area_m2 > 70e-6 && area_m2 < 130e-6));
+}
+
 TEST_CASE("a needle out of the view leaves nothing") {
   const imaging::SceneRenderer renderer(scene_with(0.0));
   common::RandomStream random(1, "frame");

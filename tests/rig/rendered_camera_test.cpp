@@ -44,6 +44,35 @@ TEST_CASE("an image takes its exposure on the rig's clock and shows where the ne
   CHECK(cv::countNonZero(difference.reshape(1) > 40) > 1000);
 }
 
+TEST_CASE("obstacles that the virtual rig hides are in its camera's images alone") {
+  rig::VirtualRigConfig config;
+  physics::ObstacleConfig obstacle;
+  obstacle.centre_m = {0.0, 0.02};
+  obstacle.radius_m = 5e-3;
+  config.simulation.obstacles = {obstacle};
+  CHECK(rig::bench_of(config).obstacles_m.empty());
+  const imaging::BenchGeometry bench = rig::rendered_bench_of(config);
+  REQUIRE(bench.obstacles_m.size() == 1);
+  for (const geometry::Vector2& point_m : bench.obstacles_m[0])
+    CHECK((point_m - geometry::Vector2(0.0, 0.02)).norm() == Approx(5e-3));
+  CHECK(bench.dish_radius_m == config.dish.radius_m);
+
+  imaging::SceneConfig scenes = tests::paper_scenes();
+  scenes.stains = scenes.threads = scenes.bubbles = {0.0, 0.0};
+  scenes.glare = {0.0, 0.0};
+  scenes.bench = bench;
+  const auto renderer = std::make_shared<const imaging::SceneRenderer>(imaging::draw_scene(scenes, 1));
+  rig::VirtualRig rig(config, 1);
+  rig::RenderedCamera camera(rig, renderer, common::RandomStream(1, "noise"));
+  const cv::Mat image = camera.grab(1.0).image;
+  const auto brightness_at = [&](double x_m, double y_m) {
+    const Eigen::Vector2d pixel = renderer->scene().camera.project_floor({x_m, y_m});
+    const cv::Rect around(static_cast<int>(pixel.x()) - 5, static_cast<int>(pixel.y()) - 5, 10, 10);
+    return cv::mean(image(around))[1];
+  };
+  CHECK(brightness_at(0.0, 0.02) < 0.6 * brightness_at(0.0, -0.02));
+}
+
 TEST_CASE("the bench in the image has the rig's sizes") {
   rig::VirtualRigConfig config;
   config.needle.length_m = 0.018;

@@ -51,5 +51,7 @@ TEST_CASE("a bench is seen the same under one seed, and otherwise under another"
 TEST_CASE("the scene is of the rig's own size") {
   rig::VirtualRigConfig large;
   large.dish.radius_m = 0.05;
+  large.simulation.obstacles.emplace_back();
   CHECK(Sensing(simulated(), large).bench().dish_radius_m == 0.05);
+  CHECK(Sensing(simulated(), large).bench().obstacles_m.empty());  // of which no description tells
 }

@@ -24,6 +24,9 @@ struct BenchGeometry {
   double tape_length_m = 0.0;  ///< bright tape at the head
   double fluid_depth_m = 0.0;  ///< that the floor is seen through; 0: as if there were none
   double refractive_index = 1.0;
+  /// Outlines of solid bodies on the floor, corner by corner. No description tells of them: a bench that is
+  /// looked for in images has none.
+  std::vector<std::vector<geometry::Vector2>> obstacles_m;
 };
 
 }  // namespace lodestone::imaging

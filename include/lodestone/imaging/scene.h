@@ -60,6 +60,7 @@ struct SceneConfig {
   common::Range bubbles{0.0, 8.0};
   common::Range scratches{0.0, 10.0};
   common::Range stains{0.0, 3.0};
+  common::Range obstacle_grey{0.05, 0.2};
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -89,6 +90,8 @@ struct SceneConfig {
     v.field("bubbles", bubbles, "", "number of bubbles", {0.0, 200.0});
     v.field("scratches", scratches, "", "number of scratches of the dish", {0.0, 200.0});
     v.field("stains", stains, "", "number of blood-like stains on the floor", {0.0, 50.0});
+    v.field("obstacle_grey", obstacle_grey, "",
+            "brightness of the obstacles that a virtual rig has, 1 is white", {0.0, 1.0});
   }
 };
 
@@ -120,6 +123,7 @@ struct Scene {
   int bubbles = 0;
   int scratches = 0;
   int stains = 0;
+  double obstacle_grey = 0.1;
 };
 
 /// The same seed always gives the same scene.

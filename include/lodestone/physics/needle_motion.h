@@ -1,9 +1,14 @@
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "lodestone/geometry/pose2.h"
 #include "lodestone/physics/coil_array.h"
+#include "lodestone/physics/flow.h"
 #include "lodestone/physics/friction_map.h"
 #include "lodestone/physics/needle.h"
+#include "lodestone/physics/obstacles.h"
 
 namespace lodestone::physics {
 
@@ -49,18 +54,31 @@ struct NeedleState {
 /// exact for a pure force, a pure torque and a torque with a force across, and within 3 % otherwise. What the
 /// field lifts, the floor does not carry: friction is less by its share of the weight, and none where it is
 /// all of it (a needle that leaves the floor is out of the model).
+///
+/// In fluid that moves, drag is that of the velocity relative to it, cell by cell with the coefficients of
+/// the whole rod (resistive-force theory: Gray and Hancock, J. Exp. Biol. 32, 1955), so that the mean flow
+/// along the rod carries it and what differs along the rod turns it; a needle at rest is held against that
+/// drag, too. Wall and obstacles stop it alike: inelastically, with the friction of the wall.
 class NeedleMotion {
  public:
   NeedleMotion(const NeedleConfig& needle, const FluidConfig& fluid, const FrictionConfig& friction,
-               const DishConfig& dish);
+               const DishConfig& dish, const Flow& flow = Flow(), const Obstacles& obstacles = Obstacles());
 
-  /// Advances by `step_s` under constant currents. `friction_scale` multiplies the map (scatter between
-  /// pulses).
+  /// Advances by `step_s` from `time_s` on under constant currents. `friction_scale` multiplies the map
+  /// (scatter between pulses). A needle that was clear of the obstacles still is.
   void step(NeedleState& state, const CoilArray& coils, const PerCoil& current_A, const FrictionMap& map,
-            double friction_scale, double step_s) const;
+            double friction_scale, double step_s, double time_s = 0.0) const;
 
+  /// Whether the fluid can set a needle in motion that rests.
+  bool fluid_moves() const { return !flow_.still(); }
   /// Whether both ends of the needle are inside the wall.
   bool fits(const geometry::Pose2& pose) const;
+  /// Whether it fits, and no obstacle reaches into it.
+  bool free_at(const geometry::Pose2& pose) const;
+  /// The pose itself where the needle is free there, else the nearest place to within a millimetre where it
+  /// is, with the same heading, or where there is none with one that is turned by as few steps of 30 degrees
+  /// as possible. Nothing where the whole dish has no such place.
+  std::optional<geometry::Pose2> free_near(const geometry::Pose2& pose) const;
   /// Whether static friction holds a resting needle against a load.
   bool holds(const geometry::Pose2& pose, const Wrench& load, const FrictionMap& map,
              double friction_scale) const;
@@ -70,6 +88,7 @@ class NeedleMotion {
   struct BodyVelocity;
   struct Axes;
   struct Resistance;
+  struct Stream;
   struct Contact;
 
   double carried_share(double lift_N) const;
@@ -77,19 +96,29 @@ class NeedleMotion {
   void cell_factors(const geometry::Pose2& pose, const Axes& axes, const FrictionMap& map, double scale,
                     double* factors) const;
   bool holds(const BodyVelocity& load, const double* factors) const;
-  Resistance resistance(const BodyVelocity& velocity, const double* factors) const;
-  bool kick(BodyVelocity& velocity, const BodyVelocity& load, const double* factors, bool held,
-            double step_s) const;
+  Stream stream_at(const geometry::Pose2& pose, const Axes& axes, double time_s) const;
+  Resistance resistance(const BodyVelocity& velocity, const double* factors, const Stream& stream) const;
+  BodyVelocity dragged(const BodyVelocity& load, const Resistance& resisting, const Stream& stream) const;
+  bool kick(BodyVelocity& velocity, const BodyVelocity& load, const double* factors, const Stream& stream,
+            bool held, double step_s) const;
   bool near_wall(const geometry::Pose2& pose) const;
-  int find_contacts(const NeedleState& state, const Axes& axes, double step_s, Contact* contacts) const;
+  Capsule capsule_at(const geometry::Pose2& pose, const Axes& axes) const;
+  void find_at_wall(const NeedleState& state, const Axes& axes, double step_s,
+                    std::vector<Contact>& contacts) const;
+  void find_at_obstacles(const NeedleState& state, const Axes& axes, double step_s,
+                         std::vector<Contact>& contacts) const;
   void settle(Contact& contact, NeedleState& state, double& change) const;
-  void wall_impulses(NeedleState& state, const Axes& axes, double step_s) const;
+  void contact_impulses(NeedleState& state, const Axes& axes, double step_s) const;
+  void advance(NeedleState& state, double time_s) const;
   void keep_inside(geometry::Pose2& pose) const;
+  bool keep_clear(geometry::Pose2& pose) const;
 
   NeedleConfig needle_;
   FluidConfig fluid_;
   FrictionConfig friction_;
   DishConfig dish_;
+  Flow flow_;
+  Obstacles obstacles_;
   RodDrag drag_;
   double cell_position_m_[kCells];
   double cell_load_N_;

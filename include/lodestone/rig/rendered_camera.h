@@ -13,8 +13,10 @@
 
 namespace lodestone::rig {
 
-/// Sizes of what a camera over this rig sees.
+/// Sizes of what a camera over this rig sees, as far as its description tells.
 imaging::BenchGeometry bench_of(const physics::RigDescription& rig);
+/// The same with the obstacles that the virtual rig hides: for those who render it, and nobody else.
+imaging::BenchGeometry rendered_bench_of(const VirtualRigConfig& rig);
 
 /// The virtual rig's own camera. An image takes the scene's exposure on the rig's clock, and what moves
 /// meanwhile is smeared; its stamp is the middle of the exposure.

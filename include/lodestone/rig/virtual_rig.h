@@ -4,12 +4,15 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "lodestone/common/clock.h"
 #include "lodestone/common/config.h"
 #include "lodestone/common/random.h"
 #include "lodestone/geometry/pose2.h"
 #include "lodestone/physics/coil_fields.h"
+#include "lodestone/physics/flow.h"
+#include "lodestone/physics/obstacles.h"
 #include "lodestone/physics/per_coil.h"
 #include "lodestone/physics/rig_description.h"
 #include "lodestone/rig/coils.h"
@@ -25,6 +28,8 @@ struct SimulationConfig {
   double step_s = 0.5e-3;            // D: longest integration step; see the convergence test
   double core_share = 0.0;           // D: the coils have no cores, or none that saturate
   double core_saturation_A = 5.0;    // D
+  physics::FlowConfig flow;          // D: the fluid rests
+  std::vector<physics::ObstacleConfig> obstacles;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -43,6 +48,11 @@ struct SimulationConfig {
     v.field("core_saturation_A", core_saturation_A, "A",
             "current at which such a core gives 76 % (tanh 1) of what it would, had it not begun to saturate",
             {1e-3, 1000.0});
+    v.group("flow", flow, "how the fluid moves; no description tells of it");
+    v.list(
+        "obstacles", obstacles, physics::ObstacleConfig{},
+        "solid bodies in the dish, of which no description tells: shape (disc or polygon) with centre_m and "
+        "radius_m, or corners_m; the needle meets them as it meets the wall");
   }
 };
 
@@ -55,16 +65,21 @@ struct VirtualRigConfig : physics::RigDescription {
     RigDescription::visit(v);
     v.group("simulation", simulation, "the virtual rig that stands in for this one");
   }
+  /// Throws ConfigError when parts of the description do not fit together, or an obstacle is none or not in
+  /// the dish.
+  void validate() const;
 };
 
 /// Stands in for the real rig: its coils, a needle in a dish, and a clock that advances the physics when
 /// slept on. What the description does not say is drawn from the seed: the friction map, the scatter from
-/// pulse to pulse, and how far the rig is from its description (HiddenDeviation). Safe to use from any
-/// thread: who looks or stops waits at most until a stretch of constant current has been computed.
+/// pulse to pulse, and how far the rig is from its description (HiddenDeviation). Fluid that moves goes by
+/// the rig's clock. Safe to use from any thread: who looks or stops waits at most until a stretch of constant
+/// current has been computed.
 class VirtualRig {
  public:
   /// `fields`: shared with other rigs of the same coils and dish; made here when null. The needle lies at the
-  /// centre along +x. Throws ConfigError; LogicFault when the fields are of other coils or too small.
+  /// centre along +x, or as place() would lay it there. Throws ConfigError, also when obstacles leave no
+  /// place for it; LogicFault when the fields are of other coils or too small.
   VirtualRig(const VirtualRigConfig& config, std::uint64_t seed,
              std::shared_ptr<const physics::CoilFields> fields = nullptr);
   ~VirtualRig();
@@ -83,9 +98,10 @@ class VirtualRig {
   /// the power stage's own.
   void drive(const physics::PerCoil& duty, double supply_V);
 
-  /// The operator places the needle, at rest. Throws DataError when an end would lie outside the wall.
+  /// The operator places the needle, at rest: where an obstacle is in the way at the nearest free place
+  /// (physics::NeedleMotion::free_near). Throws DataError when an end would lie outside the wall.
   void place(const geometry::Pose2& pose);
-  /// Whether the needle lies wholly inside the wall at this pose.
+  /// Whether the needle lies wholly inside the wall at this pose. Of obstacles it does not tell.
   bool fits(const geometry::Pose2& pose) const;
 
   /// Where the needle really is. For scoring and for the simulated pose sensor only: controllers and training

@@ -111,7 +111,8 @@ class Sensing {
   const imaging::BenchGeometry& bench() const { return config_.scene.bench; }
 
  private:
-  SensingConfig config_;
+  SensingConfig config_;  // with the bench as it is described
+  imaging::BenchGeometry rendered_bench_;
   std::shared_ptr<const vision::Segmenter> segmenter_;
 };
 
