@@ -129,8 +129,7 @@ void check_in_dish(const physics::RigDescription& rig, const geometry::Vector2& 
       " = (%.1f, %.1f) mm lies outside the dish: its radius is %.1f mm, and the middle of the needle "
       "stays %.1f mm from the wall",
       1e3 * point_m.x(), 1e3 * point_m.y(), 1e3 * rig.dish.radius_m,
-      1e3 * (rig.dish.radius_m -
-             std::sqrt(std::pow(rig.dish.radius_m, 2) - std::pow(0.5 * rig.needle.length_m, 2))));
+      1e3 * (rig.dish.radius_m - rig.reach_m()));
   throw common::ConfigError(key + text);
 }
 
