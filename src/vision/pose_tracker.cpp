@@ -239,6 +239,8 @@ std::vector<Rod> PoseTracker::in_the_dish(const std::vector<Rod>& candidates) co
   std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(inside), [&](const Rod& rod) {
     return rig_.fits(rod.pose, kBeyondWall_m + 3.0 * std::sqrt(noise_m2(rod).trace()));
   });
+  if (rig_.needle.is_sphere())  // whoever sees it may say anything of a heading: it has none
+    for (Rod& rod : inside) rod.pose.heading_rad = rod.covariance(2, 2) = 0.0;
   return inside;
 }
 
@@ -366,7 +368,7 @@ Track PoseTracker::see(const Sighting& sighting) {
     on_trial_ = needle;
     trial_ = 1.0;
   }
-  if (repeated)  // the tape of the look before counts, too
+  if (repeated && !rig_.needle.is_sphere())  // the tape of the look before counts, too
     heading_.see(before->pose.heading_rad, std::sqrt(before->covariance(2, 2)), before->tape_log_odds);
   track.located = true;
   track.pose = needle.pose;
@@ -374,6 +376,10 @@ Track PoseTracker::see(const Sighting& sighting) {
   track.pose.y_m = places_.front().mean_m.y();
   track.covariance = needle.covariance;
   track.covariance.topLeftCorner<2, 2>() = places_.front().covariance_m2;
+  if (rig_.needle.is_sphere()) {
+    track.seen = true;
+    return track;
+  }
   track.covariance(2, 2) = std::max(needle.covariance(2, 2), kFloor_rad * kFloor_rad);
   double head =
       heading_.see(needle.pose.heading_rad, std::sqrt(track.covariance(2, 2)), needle.tape_log_odds);
