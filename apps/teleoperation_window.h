@@ -17,6 +17,7 @@ struct PilotView {
   geometry::Vector2 drive = geometry::Vector2::Zero();  ///< as held now, -1 to 1
   double max_current_A = 15.0;
   double dish_radius_m = 0.0;
+  bool sphere = false;               ///< shown without a heading
   std::vector<std::int64_t> visits;  ///< per cell of a square grid over the dish, row by row from -y
   std::int64_t steps = 0;
   std::int64_t episodes = 0;
@@ -32,7 +33,7 @@ cv::Mat paint_pilot_view(const PilotView& view);
 class TeleoperationWindow {
  public:
   /// Throws HardwareError when there is no display, or no gamepad where one is asked for.
-  TeleoperationWindow(const std::string& by, double max_current_A, double dish_radius_m);
+  TeleoperationWindow(const std::string& by, double max_current_A, double dish_radius_m, bool sphere = false);
   ~TeleoperationWindow();
   TeleoperationWindow(const TeleoperationWindow&) = delete;
   TeleoperationWindow& operator=(const TeleoperationWindow&) = delete;

@@ -12,6 +12,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/geometry/angle.h"
 #include "lodestone/geometry/saturation.h"
+#include "lodestone/task/without_heading.h"
 #include "stepped_loop.h"
 
 namespace lodestone::python {
@@ -41,6 +42,7 @@ RigEnvironmentConfig read_config(const std::string& text) {
   config.action.scale = config.rig.coils.max_current_A;
   config.task.dish_radius_m = config.rig.dish.radius_m;
   config.encoder.length_scale_m = config.rig.dish.radius_m;
+  if (config.rig.needle.is_sphere()) task::leave_out_heading(config.task, config.encoder, "a sphere");
   return config;
 }
 

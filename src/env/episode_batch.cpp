@@ -4,6 +4,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/geometry/saturation.h"
+#include "lodestone/task/without_heading.h"
 
 namespace lodestone::env {
 namespace {
@@ -31,7 +32,8 @@ void adopt_data(const data::DatasetInfo& info, task::TaskConfig& task, task::Enc
   action.one_axis_at_a_time = info.one_axis_at_a_time;
   task.dish_radius_m = info.workspace_radius_m;
   encoder.length_scale_m = info.workspace_radius_m;
-  if (info.layout != data::StateLayout::kPose) encoder.heading = task::HeadingEncoding::kNone;
+  if (info.layout != data::StateLayout::kPose)
+    task::leave_out_heading(task, encoder, "what the simulator was learned from");
 }
 
 EpisodeBatch::EpisodeBatch(const EpisodeSettings& settings, const SensorNoise& noise, const std::string& name)

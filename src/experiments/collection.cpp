@@ -62,14 +62,20 @@ control::ControlLoopConfig loop_config(const CollectionConfig& config) {
   return loop;
 }
 
+data::StateLayout layout_of(const CollectionConfig& config) {
+  return config.rig.needle.is_sphere() ? data::StateLayout::kPosition : data::StateLayout::kPose;
+}
+
 /// The pulses up to the first pose that is missing: a gap in a recording is no transition.
-data::Episode episode_of(const std::vector<control::StepRecord>& steps, const task::ActionConfig& action) {
+data::Episode episode_of(const std::vector<control::StepRecord>& steps, const task::ActionConfig& action,
+                         data::StateLayout layout) {
   const auto gap = std::find_if(steps.begin(), steps.end(),
                                 [](const control::StepRecord& step) { return !step.estimate.valid; });
   data::Episode episode;
   for (auto step = steps.begin(); step != gap; ++step) {
     const geometry::Pose2& pose = step->estimate.pose;
-    episode.observations.insert(episode.observations.end(), {pose.x_m, pose.y_m, pose.heading_rad});
+    episode.observations.insert(episode.observations.end(), {pose.x_m, pose.y_m});
+    if (layout == data::StateLayout::kPose) episode.observations.push_back(pose.heading_rad);
     if (step + 1 == gap) break;
     const geometry::Vector2 drive_A = task::axis_drive(step->action, action);
     episode.actions.insert(episode.actions.end(), {drive_A.x(), drive_A.y()});
@@ -84,7 +90,7 @@ data::Episode episode_of(const std::vector<control::StepRecord>& steps, const ta
 
 data::DatasetInfo dataset_info(const CollectionConfig& config) {
   data::DatasetInfo info;
-  info.layout = data::StateLayout::kPose;
+  info.layout = layout_of(config);
   info.action_unit = "A";
   info.action_scale = config.rig.coils.max_current_A;
   info.workspace_radius_m = config.rig.dish.radius_m;
@@ -163,7 +169,7 @@ data::Episode Collection::next_episode(std::int64_t max_steps) {
       ++placements;
       note(exports::LogLevel::kInfo, "the operator has placed the needle");
     }
-    data::Episode episode = episode_of(run(max_steps).steps, action());
+    data::Episode episode = episode_of(run(max_steps).steps, action(), layout_of(config_));
     if (episode.length() == 0) continue;
     episode.placements = placements;
     note(exports::LogLevel::kInfo, "an episode of " + std::to_string(episode.length()) + " steps has ended");

@@ -7,6 +7,7 @@
 #include "lodestone/common/log.h"
 #include "lodestone/control/gain_correction.h"
 #include "lodestone/control/policy_controller.h"
+#include "lodestone/experiments/heading_need.h"
 #include "lodestone/geometry/angle.h"
 #include "lodestone/physics/viscosity.h"
 #include "lodestone/task/task.h"
@@ -173,6 +174,7 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
 
 SimulatorSource load_simulator(const DeploymentConfig& config, const std::string& folder) {
   const inference::DynamicsModel model = inference::load_dynamics(folder);
+  refuse_heading(config.rig, model, folder);
   warn_of_another_rig(config, model.info.rig, folder);
   SimulatorSource source;
   source.simulator = std::make_shared<const control::LearnedSimulator>(model);
@@ -186,6 +188,7 @@ SimulatorSource load_simulator(const DeploymentConfig& config, const std::string
 
 ControllerSource policy_source(const DeploymentConfig& config, const inference::Policy& policy,
                                const std::string& what, const SimulatorSource* simulator) {
+  refuse_heading(config.rig, policy, what);
   warn_of_another_rig(config, policy.rig, what);
   ControllerSource source;
   source.name = "policy";

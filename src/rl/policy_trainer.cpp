@@ -19,6 +19,7 @@
 #include "lodestone/rl/td3.h"
 #include "lodestone/runs/curves.h"
 #include "lodestone/runs/resumable_run.h"
+#include "lodestone/task/without_heading.h"
 
 namespace lodestone::rl {
 namespace {
@@ -266,6 +267,7 @@ TrainPolicyConfig adopt_rig(TrainPolicyConfig config) {
   config.task.dish_radius_m = config.rig.dish.radius_m;
   config.encoder.length_scale_m = config.rig.dish.radius_m;
   config.learned_rig = common::config_to_json(config.rig);
+  if (config.rig.needle.is_sphere()) task::leave_out_heading(config.task, config.encoder, "a sphere");
   return config;
 }
 
