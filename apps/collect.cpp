@@ -98,9 +98,10 @@ std::unique_ptr<experiments::Collection> make_live_session(const CollectConfig& 
                                                    collection.rig.dish.radius_m,
                                                    collection.rig.needle.is_sphere());
   std::unique_ptr<session::RigSession> bench =
-      collection.rig.real() ? session::make_bench_session(collection.rig, collection.sensor,
-                                                          collection.safety, terminal_operator(), out)
-                            : experiments::make_exploration_session(collection, 0, true);
+      collection.rig.real()
+          ? session::make_bench_session(collection.rig, collection.sensor, collection.safety,
+                                        terminal_operator(collection.rig), out)
+          : experiments::make_exploration_session(collection, 0, true);
   std::optional<experiments::Teleoperator> teleoperator;
   if (window) teleoperator = window->teleoperator(*bench);
   if (config.by == "policy") teleoperator = policy_teleoperator(config, 0);

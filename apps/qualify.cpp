@@ -36,7 +36,8 @@ std::unique_ptr<session::RigSession> open_bench(const QualificationConfig& confi
                 "needle, which lies in the dish, is driven about.",
                 config.minutes, std::min(config.safety.max_current_A, config.rig.coils.max_current_A));
   if (!confirm(question, options.yes)) throw common::Interrupted("qualify: stopped; nothing was measured");
-  return session::make_bench_session(config.rig, config.sensor, config.safety, terminal_operator(), folder);
+  return session::make_bench_session(config.rig, config.sensor, config.safety, terminal_operator(config.rig),
+                                     folder);
 }
 
 void qualify(const QualifyOptions& given) {
