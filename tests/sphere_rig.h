@@ -6,15 +6,15 @@ namespace lodestone::tests {
 
 /// What lies in the dish of configs/rigs/sphere.json.
 inline physics::NeedleConfig sphere() {
-  physics::NeedleConfig sphere;
-  sphere.shape = physics::NeedleShape::kSphere;
-  sphere.length_m = sphere.diameter_m = 3e-3;
-  sphere.chain_m = 1.5e-3;
-  sphere.moment_A_m2 = 2.74e-3;
-  sphere.mass_kg = 117.5e-6;
-  sphere.net_weight_N = 1.008e-3;
-  sphere.inertia_kg_m2 = 1.06e-10;
-  return sphere;
+  physics::NeedleConfig needle;
+  needle.shape = physics::NeedleShape::kSphere;
+  needle.length_m = needle.diameter_m = 3e-3;
+  needle.chain_m = 1.5e-3;
+  needle.moment_A_m2 = 2.74e-3;
+  needle.mass_kg = 117.5e-6;
+  needle.net_weight_N = 1.008e-3;
+  needle.inertia_kg_m2 = 1.06e-10;
+  return needle;
 }
 
 /// The paper's coils and dish with it.

@@ -154,6 +154,7 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
         task::draw_in_disc(config.trials.start_radius * config.rig.dish.radius_m, random);
     plan.start = {start_m.x(), start_m.y(), random.uniform(-geometry::kPi, geometry::kPi)};
   } while (!fits(plan.start) || (region != nullptr && !region->contains(plan.start.position_m())));
+  if (config.rig.needle.is_sphere()) plan.start.heading_rad = 0.0;
   const auto draw = [&] {
     return task::draw_in_disc(config.trials.goal_radius * config.rig.dish.radius_m, random);
   };

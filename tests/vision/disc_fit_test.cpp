@@ -1,5 +1,6 @@
 #include "lodestone/vision/disc_fit.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <opencv2/core.hpp>

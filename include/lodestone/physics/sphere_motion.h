@@ -36,17 +36,17 @@ FreeMomentPull free_moment_pull(const NeedleConfig& needle, const geometry::Vect
 
 /// A magnetised sphere on the floor of a dish. Its place is all its state at rest.
 ///
-/// The moment lies along the field at every time: what turns it there, moment times field, is hundreds of
-/// times what friction and fluid could hold against it wherever coils can move the sphere, and takes
-/// milliseconds. That torque also keeps it from rolling along the field, as rolling would turn the moment out
-/// of it: along the field the sphere slides, with Coulomb friction as a needle has it. Turning about its
-/// moment costs nothing: across the field it rolls, without slipping. Where moment times field is less than
-/// the torque of friction, as after a pulse, nothing holds the moment, and it rolls in every direction.
-/// What resists rolling is the torque `rolling_arm_m` times what the floor carries. The inertia of rolling,
-/// and what sliding gives up to it, are in. To Stokes' drag beside the floor comes that of inertia, 0.15
-/// Re^0.687 of it in free fluid (Schiller and Naumann, 1933). The wall stops the sphere a radius before it,
-/// inelastically, with friction. The same scheme as NeedleMotion: drift, kick, drift, with resistance
-/// implicit, so that rest is exact. What the field lifts, the floor does not carry, as there.
+/// The moment lies along the field at every time: what turns it there, moment times field, is many times what
+/// friction and fluid could hold against it wherever coils can move the sphere, and takes milliseconds. That
+/// torque also keeps it from rolling along the field, as rolling would turn the moment out of it: along the
+/// field the sphere slides, with Coulomb friction as a needle has it. Turning about its moment costs nothing:
+/// across the field it rolls, without slipping. Where moment times field is less than the torque of friction,
+/// as after a pulse, nothing holds the moment, and it rolls in every direction. What resists rolling is the
+/// torque `rolling_arm_m` times what the floor carries. The inertia of rolling, and what sliding gives up to
+/// it, are in. To Stokes' drag beside the floor comes that of inertia, 0.15 Re^0.687 of it in free fluid
+/// (Schiller and Naumann, 1933). The wall stops the sphere a radius before it, inelastically, with friction.
+/// The same scheme as NeedleMotion: drift, kick, drift, with resistance implicit, so that rest is exact. What
+/// the field lifts, the floor does not carry, as there.
 class SphereMotion {
  public:
   SphereMotion(const NeedleConfig& needle, const FluidConfig& fluid, const FrictionConfig& friction,
