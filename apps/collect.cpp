@@ -93,10 +93,7 @@ std::unique_ptr<experiments::Collection> make_live_session(const CollectConfig& 
         "run it in a terminal at the bench, set explorer.self_reset=true, try it with rig.backend=virtual, "
         "or "
         "record in your own way and use `lodestone import`");
-  if (config.by_hand())
-    window = std::make_unique<TeleoperationWindow>(config.by, collection.rig.coils.max_current_A,
-                                                   collection.rig.dish.radius_m,
-                                                   collection.rig.needle.is_sphere());
+  if (config.by_hand()) window = std::make_unique<TeleoperationWindow>(config.by, collection.rig);
   std::unique_ptr<session::RigSession> bench =
       collection.rig.real()
           ? session::make_bench_session(collection.rig, collection.sensor, collection.safety,

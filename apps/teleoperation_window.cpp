@@ -186,14 +186,13 @@ struct TeleoperationWindow::State final : public control::Controller {
   std::array<bool, 4> held{};
 };
 
-TeleoperationWindow::TeleoperationWindow(const std::string& by, double max_current_A, double dish_radius_m,
-                                         bool sphere)
+TeleoperationWindow::TeleoperationWindow(const std::string& by, const physics::RigDescription& rig)
     : state_(std::make_unique<State>()) {
   State& state = *state_;
   state.by_gamepad = by == "gamepad";
-  state.view.max_current_A = max_current_A;
-  state.view.dish_radius_m = dish_radius_m;
-  state.view.sphere = sphere;
+  state.view.max_current_A = rig.coils.max_current_A;
+  state.view.dish_radius_m = rig.dish.radius_m;
+  state.view.sphere = rig.needle.is_sphere();
   state.view.visits.assign(static_cast<std::size_t>(kPilotGrid) * kPilotGrid, 0);
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C is the program's
   if (SDL_Init(SDL_INIT_VIDEO | SDL_INIT_GAMECONTROLLER) != 0) State::fail("no display");

@@ -33,7 +33,7 @@ cv::Mat paint_pilot_view(const PilotView& view);
 class TeleoperationWindow {
  public:
   /// Throws HardwareError when there is no display, or no gamepad where one is asked for.
-  TeleoperationWindow(const std::string& by, double max_current_A, double dish_radius_m, bool sphere = false);
+  TeleoperationWindow(const std::string& by, const physics::RigDescription& rig);
   ~TeleoperationWindow();
   TeleoperationWindow(const TeleoperationWindow&) = delete;
   TeleoperationWindow& operator=(const TeleoperationWindow&) = delete;

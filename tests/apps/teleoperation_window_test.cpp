@@ -26,7 +26,7 @@ TEST_CASE("keys hold a drive, set its strength and end an episode") {
   experiments::CollectionConfig config;
   config.sensor.kind = "simulated";
   const std::unique_ptr<session::RigSession> bench = experiments::make_exploration_session(config);
-  apps::TeleoperationWindow window("keyboard", 15.0, 0.0425);
+  apps::TeleoperationWindow window("keyboard", physics::RigDescription{});
   experiments::Teleoperator teleoperator = window.teleoperator(*bench);
   const task::Observation nothing;
   CHECK(teleoperator.controller->act(nothing).isZero());
@@ -72,4 +72,11 @@ TEST_CASE("what the teleoperator sees is painted: map, needle and currents") {
   CHECK(cv::countNonZero(differs(cv::Rect(8, 8, 640, 512))) > 300000);   // the image
   CHECK(cv::countNonZero(differs(cv::Rect(664, 30, 280, 280))) > 800);   // the map
   CHECK(cv::countNonZero(differs(cv::Rect(664, 350, 280, 60))) > 1000);  // the currents
+  view.dish_radius_m = 0.0425;
+  const cv::Mat arrow = apps::paint_pilot_view(view);
+  view.sphere = true;  // a point instead
+  cv::absdiff(apps::paint_pilot_view(view), arrow, differs);
+  cv::cvtColor(differs, differs, cv::COLOR_BGR2GRAY);
+  CHECK(cv::countNonZero(differs(cv::Rect(664, 30, 280, 280))) > 20);
+  CHECK(cv::countNonZero(differs(cv::Rect(8, 8, 640, 512))) == 0);
 }
