@@ -72,7 +72,7 @@ TEST_CASE("episodes are whole, within bounds, and marked where no current flowed
   CHECK(collection.next_episode(1).length() == 1);
 }
 
-TEST_CASE("of a sphere there is a recording of places, without headings, and a few weak pulses move it") {
+TEST_CASE("of a sphere there is a recording of places, without headings") {
   experiments::CollectionConfig config = simulated();
   config.rig.needle = tests::sphere();
   CHECK(experiments::dataset_info(config).layout == data::StateLayout::kPosition);
