@@ -66,7 +66,7 @@ void adapt(const AdaptOptions& options) {
   experiments::AdaptationRun work(config, run, [&] {
     if (!collection.rig.real()) return experiments::make_exploration_session(collection);
     return session::make_bench_session(collection.rig, collection.sensor, collection.safety,
-                                       terminal_operator(), run.path());
+                                       terminal_operator(collection.rig), run.path());
   });
   const runs::Adaptation result = work.run();
   run.finish();

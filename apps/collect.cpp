@@ -9,6 +9,7 @@
 #include "lodestone/control/policy_controller.h"
 #include "lodestone/data/dataset_file.h"
 #include "lodestone/experiments/collection_run.h"
+#include "lodestone/experiments/heading_need.h"
 #include "lodestone/experiments/seeking.h"
 #include "lodestone/nets/blas.h"
 #include "models.h"
@@ -62,6 +63,7 @@ using experiments::Sessions;
 /// The policy that was trained on the first round drives the second one.
 experiments::Teleoperator policy_teleoperator(const CollectConfig& config, std::int64_t session) {
   const inference::Policy policy = inference::load_policy(config.policy);
+  experiments::refuse_heading(config.collection.rig, policy, config.policy);
   if (policy.goal != "point")
     throw common::ConfigError(config.policy + " was trained for goal \"" + policy.goal +
                               "\"; exploring needs a policy for points");
@@ -98,9 +100,10 @@ std::unique_ptr<experiments::Collection> make_live_session(const CollectConfig& 
         "record in your own way and use `lodestone import`");
   if (config.by_hand()) window = std::make_unique<TeleoperationWindow>(config.by, collection.rig);
   std::unique_ptr<session::RigSession> bench =
-      collection.rig.real() ? session::make_bench_session(collection.rig, collection.sensor,
-                                                          collection.safety, terminal_operator(), out)
-                            : experiments::make_exploration_session(collection, 0, true);
+      collection.rig.real()
+          ? session::make_bench_session(collection.rig, collection.sensor, collection.safety,
+                                        terminal_operator(collection.rig), out)
+          : experiments::make_exploration_session(collection, 0, true);
   std::optional<experiments::Teleoperator> teleoperator;
   if (window) teleoperator = window->teleoperator(*bench);
   if (config.by == "policy") teleoperator = policy_teleoperator(config, 0);

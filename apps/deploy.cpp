@@ -80,8 +80,9 @@ void print_summary(const DeploymentJob& job, const runs::DeploymentSummary& summ
 void drive(const DeployConfig& config, const DeploymentJob& job, runs::RunFolder& run) {
   std::unique_ptr<session::RigSession> rig;
   if (config.deployment.rig.real())
-    rig = session::make_bench_session(config.deployment.rig, config.deployment.sensor,
-                                      config.deployment.safety, terminal_operator(), run.path());
+    rig =
+        session::make_bench_session(config.deployment.rig, config.deployment.sensor, config.deployment.safety,
+                                    terminal_operator(config.deployment.rig), run.path());
   run.begin();
   experiments::TrialFolders folders;
   if (config.deployment.record.enabled) common::make_folders(folders.videos = run.file("videos"));

@@ -34,7 +34,8 @@ std::unique_ptr<session::RigSession> open_bench(const QualificationConfig& confi
                 "needle, which lies in the dish, is driven about.",
                 config.minutes, std::min(config.safety.max_current_A, config.rig.coils.max_current_A));
   if (!confirm(question, options.yes)) throw common::Interrupted("qualify: stopped; nothing was measured");
-  return session::make_bench_session(config.rig, config.sensor, config.safety, terminal_operator(), folder);
+  return session::make_bench_session(config.rig, config.sensor, config.safety, terminal_operator(config.rig),
+                                     folder);
 }
 
 /// Writes the page from what lies in the run's folder, and says what it says.

@@ -145,7 +145,8 @@ void conform(const BenchOptions& options) {
          failed);
   }
   if (!driver.sensor.empty())
-    show(driver.sensor, session::check_sensor_driver(opener(driver.sensor, "rig.driver.sensor"), driver),
+    show(driver.sensor,
+         session::check_sensor_driver(opener(driver.sensor, "rig.driver.sensor"), driver, config.rig.needle),
          failed);
   if (camera)
     show(config.rig.camera.source,

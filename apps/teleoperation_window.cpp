@@ -56,6 +56,10 @@ void paint_map(cv::Mat& canvas, const PilotView& view, int left, int top) {
   cv::circle(canvas, {left + kMapSide / 2, top + kMapSide / 2}, kMapSide / 2, kDim, 1, cv::LINE_AA);
   if (view.step.estimate.valid) {
     const geometry::Pose2& pose = view.step.estimate.pose;
+    if (view.sphere) {
+      cv::circle(canvas, place(pose.position_m()), 6, kText, cv::FILLED, cv::LINE_AA);
+      return;
+    }
     const geometry::Vector2 half(0.008 * std::cos(pose.heading_rad), 0.008 * std::sin(pose.heading_rad));
     cv::arrowedLine(canvas, place(pose.position_m() - half), place(pose.position_m() + half), kText, 2,
                     cv::LINE_AA, 0, 0.35);
@@ -190,6 +194,7 @@ TeleoperationWindow::TeleoperationWindow(const std::string& by, const physics::R
   state.view.max_current_A = rig.coils.max_current_A;
   state.view.dish_radius_m = rig.dish.radius_m;
   state.drive = physics::CoilDrive(rig);
+  state.view.sphere = rig.needle.is_sphere();
   state.view.visits.assign(static_cast<std::size_t>(kPilotGrid) * kPilotGrid, 0);
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C is the program's
   if (SDL_Init(SDL_INIT_VIDEO | SDL_INIT_GAMECONTROLLER) != 0) State::fail("no display");

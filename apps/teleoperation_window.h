@@ -17,6 +17,7 @@ struct PilotView {
   geometry::Vector2 drive = geometry::Vector2::Zero();  ///< as held now, -1 to 1
   double max_current_A = 15.0;
   double dish_radius_m = 0.0;
+  bool sphere = false;               ///< shown without a heading
   std::vector<std::int64_t> visits;  ///< per cell of a square grid over the dish, row by row from -y
   std::int64_t steps = 0;
   std::int64_t episodes = 0;

@@ -28,16 +28,17 @@ bool confirm(const std::string& question, bool yes) {
   return !answer.empty() && (answer[0] == 'y' || answer[0] == 'Y');
 }
 
-session::AskedOperator::Ask terminal_operator() {
+session::AskedOperator::Ask terminal_operator(const physics::RigDescription& rig) {
   if (!has_operator()) return {};
-  return [](const geometry::Pose2& pose) {
+  return [sphere = rig.needle.is_sphere()](const geometry::Pose2& pose) {
     // A key from before the question answers nothing: hands may still be in the dish. What follows the
     // first byte of an arrow key would stop the run.
     tcflush(STDIN_FILENO, TCIFLUSH);
-    std::printf(
-        "\nPlace the needle near x = %.0f mm, y = %.0f mm, its taped end towards %.0f degrees, take your "
-        "hands away and press any key. ",
-        1e3 * pose.x_m, 1e3 * pose.y_m, pose.heading_rad * 180.0 / 3.14159265358979323846);
+    std::printf("\nPlace the %s near x = %.0f mm, y = %.0f mm, ", sphere ? "sphere" : "needle",
+                1e3 * pose.x_m, 1e3 * pose.y_m);
+    if (!sphere)
+      std::printf("its taped end towards %.0f degrees, ", pose.heading_rad * 180.0 / 3.14159265358979323846);
+    std::printf("take your hands away and press any key. ");
     std::fflush(stdout);
     char key = 0;
     if (read(STDIN_FILENO, &key, 1) != 1) throw common::HardwareError("nobody answers at the terminal");

@@ -14,7 +14,7 @@ bool has_operator();
 bool confirm(const std::string& question, bool yes);
 
 /// Asks whoever sits at the terminal to place the needle; empty where nobody does.
-session::AskedOperator::Ask terminal_operator();
+session::AskedOperator::Ask terminal_operator(const physics::RigDescription& rig);
 
 /// The terminal as a walk through the wiring talks to it.
 class TerminalDialogue final : public session::Dialogue {

@@ -148,7 +148,7 @@ void propose(const segmentation::FramesConfig& config, const segmentation::Frame
                     [](const segmentation::FrameLabel& label) { return label.pose.has_value(); });
   common::log_info("the needle was told in " + std::to_string(found) + " of " +
                    std::to_string(labels.labels.size()) + " images" +
-                   (labels.taped ? "" : "; its ends look alike, so that it has no tape"));
+                   (labels.taped || bench.sphere ? "" : "; its ends look alike, so that it has no tape"));
   common::log_info("open " + out +
                    "/labels.html, look through the labels on it, save labels.json, and go on with");
   common::log_info("  " + go_on);

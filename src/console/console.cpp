@@ -374,7 +374,7 @@ struct Console::State {
     Goal goal;
     goal.task = "point";
     goal.target_m = map.to_dish(go.to);
-    if (go.towards) {
+    if (go.towards && !parts.bench.config.rig.needle.is_sphere()) {
       const Vector2 along_m = map.to_dish(*go.towards) - goal.target_m;
       goal.heading_rad = std::atan2(along_m.y(), along_m.x());
     }

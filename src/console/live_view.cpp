@@ -93,11 +93,13 @@ Json LiveView::pose(const BenchState& state, const std::optional<ImageMap>& map)
   const Vector2 middle_m = seen.pose.position_m();
   pose["x_mm"] = geometry::kMmPerM * middle_m.x();
   pose["y_mm"] = geometry::kMmPerM * middle_m.y();
-  pose["heading_deg"] = geometry::kDegPerRad * seen.pose.heading_rad;
+  const bool sphere = rig_.needle.is_sphere();
+  if (!sphere) pose["heading_deg"] = geometry::kDegPerRad * seen.pose.heading_rad;
   pose["sigma_mm"] = geometry::kMmPerM * seen.position_sigma_m;
   if (!map) return pose;
   const Vector2 half_m = 0.5 * rig_.needle.length_m * unit(seen.pose.heading_rad);
   pose["middle"] = map->json(middle_m);
+  if (sphere) return pose;
   pose["head"] = map->json(Vector2(middle_m + half_m));
   pose["tail"] = map->json(Vector2(middle_m - half_m));
   return pose;

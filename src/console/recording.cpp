@@ -36,7 +36,7 @@ const std::vector<std::string> kColumns = {
 
 std::string cell(const std::optional<double>& value) { return value ? fmt::format("{:.6g}", *value) : ""; }
 
-std::string row(const BenchSample& sample, double start_s) {
+std::string row(const BenchSample& sample, double start_s, bool sphere) {
   const auto& pose = sample.pose;
   const auto& target_m = sample.target_m;
   const auto of = [](const auto& known, auto&& value) {
@@ -46,7 +46,7 @@ std::string row(const BenchSample& sample, double start_s) {
       sample.time_s - start_s,
       of(pose, [](const auto& p) { return 1e3 * p.x_m; }),
       of(pose, [](const auto& p) { return 1e3 * p.y_m; }),
-      of(pose, [](const auto& p) { return geometry::kDegPerRad * p.heading_rad; }),
+      sphere ? std::nullopt : of(pose, [](const auto& p) { return geometry::kDegPerRad * p.heading_rad; }),
       of(target_m, [](const auto& t) { return 1e3 * t.x(); }),
       of(target_m, [](const auto& t) { return 1e3 * t.y(); }),
       sample.error_mm};
@@ -130,7 +130,7 @@ struct Recording::State {
     if (state.sample && state.samples != samples) {
       samples = state.samples;
       if (!start_s) start_s = state.sample->time_s;
-      rows << row(*state.sample, *start_s) << std::endl;
+      rows << row(*state.sample, *start_s, source.bench.sphere) << std::endl;
       if (!rows) throw common::IoError(file + ".csv cannot be written: the disk is full");
     }
     if (!frame || !start_s) return;  // film and rows begin together

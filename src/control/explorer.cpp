@@ -17,6 +17,7 @@ Explorer::Explorer(const ExplorerConfig& config, const physics::RigDescription& 
       drive_(rig),
       random_(std::move(random)),
       freeing_(config.freeing, rig) {
+  if (rig.needle.is_sphere()) config_.heading_bins = 1;
   side_ = static_cast<std::int64_t>(std::ceil(2.0 * dish_radius_m_ / config_.cell_m));
   levels_ = 2 * config_.level_bins + 1;
   const auto cells = static_cast<std::size_t>(side_ * side_);

@@ -26,7 +26,8 @@ Freeing::Freeing(const FreeingConfig& config, const physics::RigDescription& rig
       field_(rig),
       pull_(rig),
       breakaway_N_(rig.breakaway_N()),
-      max_current_A_(rig.coils.max_current_A) {}
+      max_current_A_(rig.coils.max_current_A),
+      turns_(rig.needle.is_sphere() ? 0 : 2) {}
 
 void Freeing::reset() { pulses_ = full_ = 0; }
 
@@ -43,7 +44,7 @@ geometry::Vector2 Freeing::next_direction(const geometry::Pose2& pose) {
   // A round: the straight pull, those to both sides, a turn to each.
   const double dither_rad = config_.dither_deg * geometry::kRadPerDeg;
   const std::int64_t pulls = 1 + 2 * static_cast<std::int64_t>(kWidestDither_rad / dither_rad + 1e-9);
-  const std::int64_t at = full_++ % (pulls + 2);
+  const std::int64_t at = full_++ % (pulls + turns_);
   if (at >= pulls) return turn(pose, at == pulls ? kTurnLead_rad : -kTurnLead_rad);
   return pull(pose, static_cast<double>(alternating(at)) * dither_rad, force_N);
 }

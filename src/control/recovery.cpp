@@ -13,7 +13,9 @@ constexpr std::int64_t kStepsPerProbe =
 }  // namespace
 
 Recovery::Recovery(const RecoveryConfig& config, const physics::RigDescription& rig)
-    : config_(config), field_(rig), pull_(rig) {}
+    : config_(config), field_(rig), pull_(rig) {
+  if (rig.needle.is_sphere()) config_.turning_probes = 0;  // it looks the same
+}
 
 void Recovery::reset() {
   last_.reset();

@@ -4,6 +4,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/geometry/saturation.h"
+#include "lodestone/task/without_heading.h"
 
 namespace lodestone::env {
 namespace {
@@ -34,7 +35,8 @@ void adopt_data(const data::DatasetInfo& info, task::TaskConfig& task, task::Enc
   encoder.action_size = info.action_size;
   task.dish_radius_m = info.workspace_radius_m;
   encoder.length_scale_m = info.workspace_radius_m;
-  if (info.layout != data::StateLayout::kPose) encoder.heading = task::HeadingEncoding::kNone;
+  if (info.layout != data::StateLayout::kPose)
+    task::leave_out_heading(task, encoder, "what the simulator was learned from");
 }
 
 void adopt_rig(const physics::RigDescription& rig, task::TaskConfig& task, task::EncoderConfig& encoder,
@@ -42,6 +44,7 @@ void adopt_rig(const physics::RigDescription& rig, task::TaskConfig& task, task:
   action.scale = rig.coils.max_current_A;
   action.size = encoder.action_size = rig.drive_size();
   task.dish_radius_m = encoder.length_scale_m = rig.dish.radius_m;
+  if (rig.needle.is_sphere()) task::leave_out_heading(task, encoder, "a sphere");
 }
 
 EpisodeBatch::EpisodeBatch(const EpisodeSettings& settings, const SensorNoise& noise, const std::string& name)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lodestone/common/error.h"
 #include "lodestone/geometry/angle.h"
 
 namespace lodestone::env {
@@ -31,6 +32,9 @@ PhysicsEnv::PhysicsEnv(const EpisodeSettings& settings, const physics::RigDescri
                   physics::PlainSimulator(rig, config.simulator)),
       episodes_(settings, {config.pose_noise_m, config.heading_noise_rad}, "physics"),
       pool_(static_cast<std::size_t>(threads)) {
+  if (rig.needle.is_sphere() && settings.encoder.heading != task::HeadingEncoding::kNone)
+    throw common::ConfigError("encoder.heading = \"" + common::name_of(settings.encoder.heading) +
+                              "\", but a sphere has no heading; set it to \"none\"");
   reset();
 }
 

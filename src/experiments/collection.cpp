@@ -63,14 +63,20 @@ control::ControlLoopConfig loop_config(const CollectionConfig& config) {
   return loop;
 }
 
+data::StateLayout layout_of(const CollectionConfig& config) {
+  return config.rig.needle.is_sphere() ? data::StateLayout::kPosition : data::StateLayout::kPose;
+}
+
 /// The pulses up to the first pose that is missing: a gap in a recording is no transition.
-data::Episode episode_of(const std::vector<control::StepRecord>& steps, const task::ActionConfig& action) {
+data::Episode episode_of(const std::vector<control::StepRecord>& steps, const task::ActionConfig& action,
+                         data::StateLayout layout) {
   const auto gap = std::find_if(steps.begin(), steps.end(),
                                 [](const control::StepRecord& step) { return !step.estimate.valid; });
   data::Episode episode;
   for (auto step = steps.begin(); step != gap; ++step) {
     const geometry::Pose2& pose = step->estimate.pose;
-    episode.observations.insert(episode.observations.end(), {pose.x_m, pose.y_m, pose.heading_rad});
+    episode.observations.insert(episode.observations.end(), {pose.x_m, pose.y_m});
+    if (layout == data::StateLayout::kPose) episode.observations.push_back(pose.heading_rad);
     if (step + 1 == gap) break;
     const geometry::Drive drive_A = task::drive_of(step->action, action);
     episode.actions.insert(episode.actions.end(), drive_A.begin(), drive_A.end());
@@ -85,7 +91,7 @@ data::Episode episode_of(const std::vector<control::StepRecord>& steps, const ta
 
 data::DatasetInfo dataset_info(const CollectionConfig& config) {
   data::DatasetInfo info;
-  info.layout = data::StateLayout::kPose;
+  info.layout = layout_of(config);
   info.action_unit = "A";
   info.action_scale = config.rig.coils.max_current_A;
   info.action_size = config.rig.drive_size();
@@ -165,7 +171,7 @@ data::Episode Collection::next_episode(std::int64_t max_steps) {
       ++placements;
       note(exports::LogLevel::kInfo, "the operator has placed the needle");
     }
-    data::Episode episode = episode_of(run(max_steps).steps, action());
+    data::Episode episode = episode_of(run(max_steps).steps, action(), layout_of(config_));
     if (episode.length() == 0) continue;
     episode.placements = placements;
     note(exports::LogLevel::kInfo, "an episode of " + std::to_string(episode.length()) + " steps has ended");

@@ -7,6 +7,7 @@
 #include "lodestone/common/log.h"
 #include "lodestone/control/gain_correction.h"
 #include "lodestone/control/policy_controller.h"
+#include "lodestone/experiments/heading_need.h"
 #include "lodestone/geometry/angle.h"
 #include "lodestone/physics/viscosity.h"
 #include "lodestone/task/task.h"
@@ -134,8 +135,7 @@ void check_in_dish(const physics::RigDescription& rig, const geometry::Vector2& 
       " = (%.1f, %.1f) mm lies outside the dish: its radius is %.1f mm, and the middle of the needle "
       "stays %.1f mm from the wall",
       1e3 * point_m.x(), 1e3 * point_m.y(), 1e3 * rig.dish.radius_m,
-      1e3 * (rig.dish.radius_m -
-             std::sqrt(std::pow(rig.dish.radius_m, 2) - std::pow(0.5 * rig.needle.length_m, 2))));
+      1e3 * (rig.dish.radius_m - rig.reach_m()));
   throw common::ConfigError(key + text);
 }
 
@@ -159,6 +159,7 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
         task::draw_in_disc(config.trials.start_radius * config.rig.dish.radius_m, random);
     plan.start = {start_m.x(), start_m.y(), random.uniform(-geometry::kPi, geometry::kPi)};
   } while (!fits(plan.start) || (region != nullptr && !region->contains(plan.start.position_m())));
+  if (config.rig.needle.is_sphere()) plan.start.heading_rad = 0.0;
   const auto draw = [&] {
     return task::draw_in_disc(config.trials.goal_radius * config.rig.dish.radius_m, random);
   };
@@ -179,6 +180,7 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
 
 SimulatorSource load_simulator(const DeploymentConfig& config, const std::string& folder) {
   const inference::DynamicsModel model = inference::load_dynamics(folder);
+  refuse_heading(config.rig, model, folder);
   warn_of_another_rig(config, model.info.rig, folder);
   SimulatorSource source;
   source.simulator = std::make_shared<const control::LearnedSimulator>(model);
@@ -192,6 +194,7 @@ SimulatorSource load_simulator(const DeploymentConfig& config, const std::string
 
 ControllerSource policy_source(const DeploymentConfig& config, const inference::Policy& policy,
                                const std::string& what, const SimulatorSource* simulator) {
+  refuse_heading(config.rig, policy, what);
   warn_of_another_rig(config, policy.rig, what);
   ControllerSource source;
   source.name = "policy";

@@ -4,6 +4,7 @@
 
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
+#include "lodestone/experiments/heading_need.h"
 
 namespace lodestone::experiments {
 namespace {
@@ -15,6 +16,7 @@ bool is_path_file(const std::string& task) {
 }
 
 void choose_tasks(const DeployConfig& config, DeploymentJob& job) {
+  refuse_heading(config.deployment.rig, config.task);
   if (is_path_file(config.task)) {
     job.path = geometry::Path::from_csv(config.task);
     job.tasks = {"path"};

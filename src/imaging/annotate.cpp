@@ -170,6 +170,12 @@ void draw_pose(Pen& pen, const geometry::Pose2& pose, double length_m) {
   pen.disc(pen.pixel(middle), 3.0, kVermilion, kWhite);
 }
 
+/// A sphere has no head to show.
+void draw_sphere(Pen& pen, const geometry::Pose2& pose, double diameter_m) {
+  draw_ring(pen, pose.position_m(), 0.5 * diameter_m, kVermilion);
+  pen.disc(pen.pixel(pose.position_m()), 3.0, kVermilion, kWhite);
+}
+
 /// A block arrow from `tail` along `way` (both in pixels): a shaft and a point of the same width throughout.
 void draw_arrow(Pen& pen, const cv::Point2d& tail, const cv::Point2d& way, const cv::Scalar& colour) {
   const double length = cv::norm(way);
@@ -244,7 +250,10 @@ void annotate(cv::Mat& image, const CameraModel& camera, const Annotation& annot
   draw_travelled(pen, annotation.travelled_m);
   if (annotation.target_m) draw_target(pen, *annotation.target_m);
   if (annotation.pose) {
-    draw_pose(pen, *annotation.pose, annotation.bench.needle_length_m);
+    if (annotation.bench.sphere)
+      draw_sphere(pen, *annotation.pose, annotation.bench.needle_diameter_m);
+    else
+      draw_pose(pen, *annotation.pose, annotation.bench.needle_length_m);
     draw_ring(pen, annotation.pose->position_m(), 2.0 * annotation.position_sigma_m, kVermilion);
   } else if (annotation.last_seen_m) {
     draw_ring(pen, *annotation.last_seen_m, 0.5 * annotation.bench.needle_length_m, kYellow);

@@ -195,6 +195,7 @@ class NeedlePainter {
   }
 
   void add(float s, float d, Sample& sum) const {
+    if (scene_.bench.sphere) return add_disc(s, d, sum);
     const float tape_edge = std::clamp(0.5F + (s - tape_from_m_) / soft_m_, 0.0F, 1.0F);
     const float radius = radius_m_ * (1.0F + 0.08F * tape_edge);
     const float inside_s = half_m_ - std::abs(s);
@@ -213,6 +214,20 @@ class NeedlePainter {
       const float tape = scene_.tape[i] * (0.75F + 0.25F * round) + 0.25F * streak;
       sum.colour[i] += coverage * (steel + tape_edge * (tape - steel));
     }
+  }
+
+  /// A sphere seen from above: darker towards its edge, with the light's reflection beside its middle.
+  void add_disc(float s, float d, Sample& sum) const {
+    const float off_m = std::hypot(s, d);
+    const float coverage = std::clamp(0.5F + (radius_m_ - off_m) / soft_m_, 0.0F, 1.0F);
+    if (coverage <= 0.0F) return;
+    const float n = std::min(off_m / radius_m_, 1.0F);
+    const float round = std::sqrt(1.0F - 0.9F * n * n);
+    const float off = std::hypot(s / radius_m_ - 0.2F, d / radius_m_ - 0.25F) / 0.28F;
+    const float spot = static_cast<float>(scene_.needle_shine) * std::exp(-off * off);
+    const float grey = static_cast<float>(scene_.needle_grey) * (0.6F + 0.4F * round) + spot;
+    sum.coverage += coverage;
+    for (float& value : sum.colour) value += coverage * grey;
   }
 
   void blend(const Sample& sample, float hidden, float light, cv::Vec3b& pixel) const {

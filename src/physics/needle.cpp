@@ -15,6 +15,9 @@ void NeedleConfig::validate() const {
     throw common::InvalidConfig(
         "chain_m", chain_m,
         fmt::format("not exceed length_m = {}, for the magnets lie inside the needle", length_m));
+  if (is_sphere() && length_m != diameter_m)
+    throw common::InvalidConfig("length_m", length_m,
+                                fmt::format("be diameter_m = {}, for shape is sphere", diameter_m));
   if (diameter_m > length_m)
     throw common::InvalidConfig("diameter_m", diameter_m,
                                 fmt::format("not exceed length_m = {}: what lies in the dish is a rod, or a "

@@ -22,12 +22,23 @@ PlainSimulator::PlainSimulator(const RigDescription& rig, const PlainSimulatorCo
   // direction.
   drag_N_s_m_ = 3.0 * geometry::kPi * viscosity_Pa_s * needle_.length_m / log_p;
   spin_drag_N_m_s_ = geometry::kPi * viscosity_Pa_s * std::pow(needle_.length_m, 3) / (3.0 * log_p);
+  if (needle_.is_sphere()) drag_N_s_m_ = 3.0 * geometry::kPi * viscosity_Pa_s * needle_.diameter_m;
+}
+
+/// A sphere's is free to turn into the field.
+geometry::Vector2 PlainSimulator::moment_A_m2(const geometry::Pose2& pose,
+                                              const geometry::Vector2& field_T) const {
+  if (!needle_.is_sphere())
+    return needle_.moment_A_m2 * geometry::Vector2(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
+  const double strength_T = field_T.norm();
+  if (strength_T == 0.0) return geometry::Vector2::Zero();
+  return needle_.moment_A_m2 / strength_T * field_T;
 }
 
 PlainSimulator::Load PlainSimulator::load(const geometry::Pose2& pose, const PerCoil& current_A) const {
   const FieldGradient sum = field_.at(current_A, pose.position_m());
-  const geometry::Vector2 moment =
-      needle_.moment_A_m2 * geometry::Vector2(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
+  const geometry::Vector2 moment = moment_A_m2(pose, sum.field_T);
+  if (needle_.is_sphere()) return {sum.gradient_T_per_m.transpose() * moment, 0.0};
   return {sum.gradient_T_per_m.transpose() * moment,
           moment.x() * sum.field_T.y() - moment.y() * sum.field_T.x()};
 }

@@ -140,7 +140,13 @@ CircuitConfig RigDescription::circuit(std::size_t coil) const {
   return circuit;
 }
 
+double RigDescription::reach_m() const {
+  if (needle.is_sphere()) return dish.radius_m - 0.5 * needle.diameter_m;
+  return std::sqrt(std::pow(dish.radius_m, 2) - std::pow(0.5 * needle.length_m, 2));
+}
+
 bool RigDescription::fits(const geometry::Pose2& pose, double beyond_m) const {
+  if (needle.is_sphere()) return pose.position_m().norm() < reach_m() + beyond_m;
   const geometry::Vector2 half =
       0.5 * needle.length_m * geometry::Vector2(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
   const double reach_m = dish.radius_m + beyond_m;

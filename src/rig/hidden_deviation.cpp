@@ -79,6 +79,7 @@ physics::RigDescription HiddenDeviation::applied_to(physics::RigDescription rig)
   rig.needle.moment_A_m2 *= moment;
   rig.friction.static_coefficient *= friction;
   rig.friction.kinetic_coefficient *= friction;
+  rig.friction.rolling_arm_m *= friction;
   rig.friction.map_sigma *= map_sigma;
   rig.friction.map_correlation_m *= map_correlation;
   rig.fluid.viscosity_Pa_s *= viscosity;

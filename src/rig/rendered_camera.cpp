@@ -27,7 +27,8 @@ imaging::BenchGeometry bench_of(const physics::RigDescription& rig) {
   bench.coil_length_m = coil.length_m;
   bench.needle_length_m = rig.needle.length_m;
   bench.needle_diameter_m = rig.needle.diameter_m;
-  bench.tape_length_m = rig.needle.tape_length_m;
+  bench.sphere = rig.needle.is_sphere();
+  bench.tape_length_m = bench.sphere ? 0.0 : rig.needle.tape_length_m;
   bench.fluid_depth_m = rig.fluid.depth_m;
   bench.refractive_index = rig.fluid.refractive_index;
   return bench;

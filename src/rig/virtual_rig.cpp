@@ -12,6 +12,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/physics/amplifier.h"
+#include "lodestone/physics/body_motion.h"
 #include "lodestone/physics/coil_array.h"
 #include "lodestone/physics/core_saturation.h"
 #include "lodestone/rig/hidden_deviation.h"
@@ -39,8 +40,7 @@ struct VirtualRig::State {
         fields(std::move(shared)),
         field(fields, hidden.coils),
         map(truth.friction, truth.dish.radius_m, seed),
-        motion(truth.needle, truth.fluid, truth.friction, truth.dish, physics::Flow(config.simulation.flow),
-               physics::Obstacles(config.simulation.obstacles)),
+        motion(truth, physics::Flow(config.simulation.flow), physics::Obstacles(config.simulation.obstacles)),
         scatter(seed, "pulse_friction"),
         amplifier(truth) {
     for (std::size_t coil = 0; coil < config.coils.count(); ++coil)
@@ -107,7 +107,7 @@ struct VirtualRig::State {
   const std::shared_ptr<const physics::CoilFields> fields;
   const physics::CoilArray field;
   const physics::FrictionMap map;
-  const physics::NeedleMotion motion;
+  const physics::BodyMotion motion;
 
   std::mutex mutex;  // of all that follows
   common::RandomStream scatter;
@@ -202,6 +202,11 @@ class VirtualRig::VirtualClock final : public common::Clock {
 
 void VirtualRigConfig::validate() const {
   RigDescription::validate();
+  if (needle.is_sphere() &&
+      (simulation.flow.kind != physics::FlowKind::kNone || !simulation.obstacles.empty()))
+    throw common::InvalidConfig("needle.shape", common::name_of(needle.shape),
+                                "be needle where simulation.flow or simulation.obstacles are given: a sphere "
+                                "is simulated in fluid at rest and an empty dish");
   for (std::size_t i = 0; i < simulation.obstacles.size(); ++i) {
     const physics::ObstacleConfig& obstacle = simulation.obstacles[i];
     obstacle.validate();
@@ -277,7 +282,8 @@ void VirtualRig::place(const geometry::Pose2& pose) {
   const std::lock_guard<std::mutex> lock(state_->mutex);
   state_->needle = physics::NeedleState{};
   state_->needle.pose = *there;
-  state_->needle.pose.heading_rad = geometry::wrap_angle(there->heading_rad);
+  state_->needle.pose.heading_rad =
+      state_->config.needle.is_sphere() ? 0.0 : geometry::wrap_angle(there->heading_rad);
 }
 
 void VirtualRig::keep_pace_with(common::Clock& wall) {
@@ -378,6 +384,7 @@ common::Json VirtualRig::save() const {
   json["time_s"] = state.now_s;
   json["pose"] = {state.needle.pose.x_m, state.needle.pose.y_m, state.needle.pose.heading_rad};
   json["velocity"] = {state.needle.velocity_x_m_s, state.needle.velocity_y_m_s, state.needle.spin_rad_s};
+  if (state.config.needle.is_sphere()) json["roll"] = {state.needle.roll_x_m_s, state.needle.roll_y_m_s};
   json["stuck"] = state.needle.stuck;
   json["friction_scale"] = state.friction_scale;
   json["pulsing"] = state.pulsing;
@@ -409,6 +416,11 @@ void VirtualRig::restore(const common::Json& json) {
     needle.velocity_x_m_s = velocity[0];
     needle.velocity_y_m_s = velocity[1];
     needle.spin_rad_s = velocity[2];
+    if (state.config.needle.is_sphere()) {
+      const auto roll = json.at("roll").get<std::array<double, 2>>();
+      needle.roll_x_m_s = roll[0];
+      needle.roll_y_m_s = roll[1];
+    }
     needle.stuck = json.at("stuck").get<bool>();
     if (!state.motion.free_at(needle.pose))
       throw common::DataError(fits(needle.pose) ? "virtual rig state: the needle lies in an obstacle"

@@ -96,6 +96,14 @@ SceneResult run_scene(const std::shared_ptr<const vision::Segmenter>& segmenter,
   return result;
 }
 
+/// Squared error in units of the variance that was told, for each number: of a sphere these are its place's.
+double normalised_square(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
+  if (covariance(2, 2) > 0.0) return error.dot(covariance.inverse() * error) / 3.0;
+  const Eigen::Vector2d place = error.head<2>();
+  const Eigen::Matrix2d of_place = covariance.topLeftCorner<2, 2>();
+  return place.dot(of_place.inverse() * place) / 2.0;
+}
+
 LocalisationScore score(const std::vector<Attempt>& attempts) {
   LocalisationScore out;
   std::vector<double> errors_mm;
@@ -123,7 +131,7 @@ LocalisationScore score(const std::vector<Attempt>& attempts) {
     ++upright;
     heading_rad2 += turn_rad * turn_rad;
     const Eigen::Vector3d error(error_m.x(), error_m.y(), turn_rad);
-    normalised += error.dot(attempt.found.covariance.inverse() * error) / 3.0;
+    normalised += normalised_square(error, attempt.found.covariance);
   }
   if (out.poses == 0) return out;
   out.position_rms_mm = std::sqrt(square_mm2 / static_cast<double>(out.poses));

@@ -35,6 +35,20 @@ cv::Mat rod_mask(const imaging::DishView& view, const geometry::Pose2& pose, dou
   return mask;
 }
 
+/// The same of a sphere.
+cv::Mat disc_mask(const imaging::DishView& view, const geometry::Vector2& middle_m, double radius_m) {
+  cv::Mat mask = cv::Mat::zeros(view.size_px(), view.size_px(), CV_8U);
+  for (int row = 0; row < mask.rows; ++row) {
+    auto* out = mask.ptr<unsigned char>(row);
+    for (int column = 0; column < mask.cols; ++column) {
+      const double inside_m = radius_m - (view.to_dish(column, row) - middle_m).norm();
+      out[column] = static_cast<unsigned char>(
+          std::lround(255.0 * std::clamp(0.5 + inside_m / view.pixel_m(), 0.0, 1.0)));
+    }
+  }
+  return mask;
+}
+
 }  // namespace
 
 SegmenterSamples frame_samples(const FrameViews& frames, const FrameLabels& labels,
@@ -58,7 +72,9 @@ SegmenterSamples frame_samples(const FrameViews& frames, const FrameLabels& labe
     const double half_m = 0.5 * bench.needle_length_m, radius_m = 0.5 * bench.needle_diameter_m;
     cv::Mat needle = cv::Mat::zeros(frames.view.size_px(), frames.view.size_px(), CV_8U);
     cv::Mat tape = needle.clone();
-    if (pose) needle = rod_mask(frames.view, *pose, -half_m, half_m, radius_m);
+    if (pose)
+      needle = bench.sphere ? disc_mask(frames.view, pose->position_m(), radius_m)
+                            : rod_mask(frames.view, *pose, -half_m, half_m, radius_m);
     if (pose && labels.taped)
       tape = rod_mask(frames.view, *pose, half_m - bench.tape_length_m, half_m, radius_m);
     for (std::int64_t crop = 0; crop < crops; ++crop, ++row) {

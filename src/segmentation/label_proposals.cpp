@@ -183,7 +183,10 @@ FrameLabels propose_labels(const FrameViews& frames, const imaging::BenchGeometr
     label.pose = LabelledPose{fit.pose};
     label.doubt = 1.0 - fit.support;
   }
-  HeadFinder(frames, bench, labels).run();
+  if (bench.sphere)
+    labels.taped = false;
+  else
+    HeadFinder(frames, bench, labels).run();
   return labels;
 }
 

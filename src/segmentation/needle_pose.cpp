@@ -16,7 +16,7 @@ geometry::Pose2 draw_needle_pose(const imaging::BenchGeometry& bench, common::Ra
     const geometry::Vector2 half(half_m * std::cos(pose.heading_rad), half_m * std::sin(pose.heading_rad));
     const double reach_m = bench.dish_radius_m - 0.5 * bench.needle_diameter_m;
     if ((pose.position_m() + half).norm() < reach_m && (pose.position_m() - half).norm() < reach_m)
-      return pose;
+      return {pose.x_m, pose.y_m, bench.sphere ? 0.0 : pose.heading_rad};
   }
 }
 

@@ -312,10 +312,11 @@ std::vector<ConformanceItem> check_coils_driver(const OpenDriver& open, const ri
   return CoilsConformance(open, config, coils, test_current_A).run();
 }
 
-std::vector<ConformanceItem> check_sensor_driver(const OpenDriver& open, const rig::DriverConfig& config) {
+std::vector<ConformanceItem> check_sensor_driver(const OpenDriver& open, const rig::DriverConfig& config,
+                                                 const physics::NeedleConfig& needle) {
   Items items;
   items.add("says where the needle is", [&] {
-    DriverDetector detector(config, open);
+    DriverDetector detector(config, needle, open);
     Looks looks;
     int seen = 0;
     for (int i = 0; i < kLooks; ++i) {

@@ -17,7 +17,7 @@ constexpr double kTurns_rad = 1e3;
 constexpr double kSurest = 1.0 - 1e-6;  // nobody is sure of anything
 }  // namespace
 
-vision::Sighting driver_sighting(const rig::DriverReply& reply, double now_s) {
+vision::Sighting driver_sighting(const rig::DriverReply& reply, double now_s, bool sphere) {
   vision::Sighting sighting;
   sighting.stamp_s = now_s - reply.number("age_s", 0.0, kOldest_s);
   if (!reply.content.contains("x_m")) {
@@ -28,9 +28,9 @@ vision::Sighting driver_sighting(const rig::DriverReply& reply, double now_s) {
   }
   vision::Rod rod;
   rod.pose = {reply.number("x_m", -kFarthest_m, kFarthest_m), reply.number("y_m", -kFarthest_m, kFarthest_m),
-              geometry::wrap_angle(reply.number("heading_rad", -kTurns_rad, kTurns_rad))};
+              sphere ? 0.0 : geometry::wrap_angle(reply.number("heading_rad", -kTurns_rad, kTurns_rad))};
   const double sigma_m = reply.number("sigma_m", 1e-6, kFarthest_m);
-  const double sigma_rad = reply.number("sigma_rad", 1e-6, geometry::kPi);
+  const double sigma_rad = sphere ? 0.0 : reply.number("sigma_rad", 1e-6, geometry::kPi);
   rod.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
   const double head =
       reply.content.contains("head_certainty") ? reply.number("head_certainty", 0.5, 1.0) : 1.0;
@@ -42,19 +42,22 @@ vision::Sighting driver_sighting(const rig::DriverReply& reply, double now_s) {
   return sighting;
 }
 
-DriverDetector::DriverDetector(const rig::DriverConfig& config)
-    : link_(
+DriverDetector::DriverDetector(const rig::DriverConfig& config, const physics::NeedleConfig& needle)
+    : sphere_(needle.is_sphere()),
+      link_(
           [&config] {
             return rig::open_driver_stream(config.sensor, config.start_timeout_s, "rig.driver.sensor");
           },
           "sensor", common::Json::object(), config.start_timeout_s, config.reply_timeout_s) {}
 
-DriverDetector::DriverDetector(const rig::DriverConfig& config, const rig::DriverLink::OpenStream& open)
-    : link_(open, "sensor", common::Json::object(), config.start_timeout_s, config.reply_timeout_s) {}
+DriverDetector::DriverDetector(const rig::DriverConfig& config, const physics::NeedleConfig& needle,
+                               const rig::DriverLink::OpenStream& open)
+    : sphere_(needle.is_sphere()),
+      link_(open, "sensor", common::Json::object(), config.start_timeout_s, config.reply_timeout_s) {}
 
 vision::Sighting DriverDetector::look() {
   const rig::DriverReply reply = link_.ask({{"do", "pose"}});
-  return driver_sighting(reply, common::SteadyClock().now_s());
+  return driver_sighting(reply, common::SteadyClock().now_s(), sphere_);
 }
 
 }  // namespace lodestone::session

@@ -218,6 +218,10 @@ void check_rig(const RigCheckConfig& config, const RigCheckRequest& request, Dia
   if (!config.rig.coils.each.empty())
     throw common::ConfigError("rig.coils.each lists " + std::to_string(config.rig.coils.count()) +
                               " coils; the walk through the wiring knows the four around the dish");
+  if (config.rig.needle.is_sphere())
+    throw common::ConfigError(
+        "rig.needle.shape = sphere: which coil answers to which name, and which way round, is told by how a "
+        "needle turns; put one into the dish for this walk, and say so (rig.needle)");
   dialogue.say("serial ports:\n");
   for (const rig::SerialPortInfo& port : rig::list_serial_ports()) {
     char line[256];

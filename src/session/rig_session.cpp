@@ -57,7 +57,7 @@ struct BenchParts {
 
   void open_sensor(const rig::RigConfig& rig, const SensingConfig& sensing) {
     if (!rig.driver.sensor.empty()) {
-      by_driver.emplace(rig.driver);
+      by_driver.emplace(rig.driver, rig.needle);
       sensor.emplace(*by_driver, sensing.tracker, rig, clock);
       return;
     }

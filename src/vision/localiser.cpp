@@ -21,6 +21,11 @@ Localiser::Localiser(std::shared_ptr<const Segmenter> segmenter, const imaging::
 bool Localiser::inside(const geometry::Pose2& pose, const cv::Rect& area) const {
   const geometry::Vector2 low = view_.to_dish(area.x, area.y + area.height - 1);
   const geometry::Vector2 high = view_.to_dish(area.x + area.width - 1, area.y);
+  if (config_.rod.sphere) {
+    const double reach_m = 0.5 * config_.rod.needle_diameter_m + kBorder_m;
+    return (pose.position_m().array() > low.array() + reach_m).all() &&
+           (pose.position_m().array() < high.array() - reach_m).all() && view_.shows(pose.position_m());
+  }
   const geometry::Vector2 half = 0.5 * config_.rod.needle_length_m *
                                  geometry::Vector2(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
   for (const double sign : {-1.0, 1.0}) {

@@ -24,6 +24,7 @@ constexpr double kRest_m = 0.05e-3;  // what a needle that sticks may still sett
 constexpr double kSticksBelow = 0.23;  // where half of all pulses move nothing,
 constexpr double kSticksPower = 1.8;   // and how soon that changes
 constexpr double kSlip_m = 3.3e-3;     // grows with the square of the pull,
+constexpr double kOfSphere = 3.0;      // times as far: it rolls on after a pulse (computed)
 constexpr double kSlipLinear = 1.2;    // and straight on from here
 constexpr double kSpread_m = 0.5e-3;   // of a slip, and these shares of its length:
 constexpr double kSpreadAlong = 0.5;
@@ -54,12 +55,14 @@ Eigen::Matrix2d noise_m2(const Rod& rod) { return floored_m2(rod.covariance.topL
 
 double sticking(double ratio) { return 1.0 / (1.0 + std::pow(ratio / kSticksBelow, kSticksPower)); }
 
-double slip_m(double ratio) {
-  return kSlip_m * (ratio < kSlipLinear ? ratio * ratio : kSlipLinear * (2.0 * ratio - kSlipLinear));
+double slip_m(double ratio, double unit_m) {
+  return unit_m * (ratio < kSlipLinear ? ratio * ratio : kSlipLinear * (2.0 * ratio - kSlipLinear));
 }
 
 /// By the logarithm of the ratio.
-double slip_slope_m(double ratio) { return kSlip_m * 2.0 * ratio * std::min(ratio, kSlipLinear); }
+double slip_slope_m(double ratio, double unit_m) {
+  return unit_m * 2.0 * ratio * std::min(ratio, kSlipLinear);
+}
 
 double distance2(const Vector2& offset_m, const Eigen::Matrix2d& covariance_m2) {
   return offset_m.dot(covariance_m2.inverse() * offset_m);
@@ -99,7 +102,10 @@ double cost(const Place& a, const Place& b) {
 }  // namespace
 
 PoseTracker::PoseTracker(const TrackerConfig& config, const physics::RigDescription& rig)
-    : config_(config), rig_(rig), field_(rig) {
+    : config_(config),
+      rig_(rig),
+      field_(rig),
+      slip_unit_m_(rig.needle.is_sphere() ? kOfSphere * kSlip_m : kSlip_m) {
   forget();
 }
 
@@ -129,16 +135,16 @@ PoseTracker::Slip PoseTracker::slip_from(const Vector2& from_m, const physics::P
   slip.from_m = from_m;
   if (size_N > 0.0) slip.along = pull_N / size_N;
   slip.ratio = std::exp(log_gain_) * size_N / rig_.breakaway_N();
-  slip.to_m = from_m + slip_m(slip.ratio) * slip.along;
+  slip.to_m = from_m + slip_m(slip.ratio, slip_unit_m_) * slip.along;
   const double reach_m = kReach * rig_.dish.radius_m;
   if (slip.to_m.norm() > reach_m) slip.to_m *= reach_m / slip.to_m.norm();
   return slip;
 }
 
 Eigen::Matrix2d PoseTracker::spread_m2(const Slip& slip) const {
-  const double length_m = slip_m(slip.ratio);
+  const double length_m = slip_m(slip.ratio, slip_unit_m_);
   const double along_m2 = std::pow(kSpread_m + kSpreadAlong * length_m, 2) +
-                          log_gain_variance_ * std::pow(slip_slope_m(slip.ratio), 2);
+                          log_gain_variance_ * std::pow(slip_slope_m(slip.ratio, slip_unit_m_), 2);
   const double across_m2 = std::pow(kSpread_m + kSpreadAcross * length_m, 2);
   const Vector2 across(-slip.along.y(), slip.along.x());
   return scatter_ *
@@ -146,7 +152,8 @@ Eigen::Matrix2d PoseTracker::spread_m2(const Slip& slip) const {
 }
 
 Eigen::Matrix2d PoseTracker::wild_spread_m2(const Slip& slip) const {
-  return scatter_ * std::pow(kWildSpread_m + slip_m(slip.ratio), 2) * Eigen::Matrix2d::Identity();
+  return scatter_ * std::pow(kWildSpread_m + slip_m(slip.ratio, slip_unit_m_), 2) *
+         Eigen::Matrix2d::Identity();
 }
 
 /// Field and friction: it stays, slips along the pull, or goes anywhere near.
@@ -239,6 +246,8 @@ std::vector<Rod> PoseTracker::in_the_dish(const std::vector<Rod>& candidates) co
   std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(inside), [&](const Rod& rod) {
     return rig_.fits(rod.pose, kBeyondWall_m + 3.0 * std::sqrt(noise_m2(rod).trace()));
   });
+  if (rig_.needle.is_sphere())  // whoever sees it may say anything of a heading: it has none
+    for (Rod& rod : inside) rod.pose.heading_rad = rod.covariance(2, 2) = 0.0;
   return inside;
 }
 
@@ -366,7 +375,7 @@ Track PoseTracker::see(const Sighting& sighting) {
     on_trial_ = needle;
     trial_ = 1.0;
   }
-  if (repeated)  // the tape of the look before counts, too
+  if (repeated && !rig_.needle.is_sphere())  // the tape of the look before counts, too
     heading_.see(before->pose.heading_rad, std::sqrt(before->covariance(2, 2)), before->tape_log_odds);
   track.located = true;
   track.pose = needle.pose;
@@ -374,6 +383,10 @@ Track PoseTracker::see(const Sighting& sighting) {
   track.pose.y_m = places_.front().mean_m.y();
   track.covariance = needle.covariance;
   track.covariance.topLeftCorner<2, 2>() = places_.front().covariance_m2;
+  if (rig_.needle.is_sphere()) {
+    track.seen = true;
+    return track;
+  }
   track.covariance(2, 2) = std::max(needle.covariance(2, 2), kFloor_rad * kFloor_rad);
   double head =
       heading_.see(needle.pose.heading_rad, std::sqrt(track.covariance(2, 2)), needle.tape_log_odds);
@@ -433,7 +446,7 @@ double PoseTracker::learn(const Vector2& now_m, const Eigen::Matrix2d& noise) {
   const double share = slipped / (stuck + wild + slipped + 1e-300);
   scatter_ *= std::exp(kLearn * share * (std::min(distance2(off_m, slip_m2), kGate) / 2.0 - 1.0));
   scatter_ = std::clamp(scatter_, 0.1, 10.0);
-  const double slope_m = slip_slope_m(slip.ratio);
+  const double slope_m = slip_slope_m(slip.ratio, slip_unit_m_);
   const double gain = log_gain_variance_ * slope_m / slip.along.dot(slip_m2 * slip.along);
   log_gain_ = std::clamp(log_gain_ + share * gain * slip.along.dot(off_m), -2.0, 2.0);
   log_gain_variance_ *= 1.0 - share * gain * slope_m;

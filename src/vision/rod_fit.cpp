@@ -8,6 +8,7 @@
 
 #include "lodestone/common/random.h"
 #include "lodestone/geometry/angle.h"
+#include "lodestone/vision/disc_fit.h"
 
 namespace lodestone::vision {
 
@@ -338,10 +339,12 @@ RodConfig rod_of(const imaging::BenchGeometry& bench, RodConfig config) {
   config.needle_length_m = bench.needle_length_m;
   config.needle_diameter_m = bench.needle_diameter_m;
   config.tape_length_m = bench.tape_length_m;
+  config.sphere = bench.sphere;
   return config;
 }
 
 RodFit fit_rod(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config) {
+  if (config.sphere) return fit_disc(evidence, grid, config);
   return RodFitter(evidence, grid, config).fit();
 }
 

@@ -72,4 +72,11 @@ TEST_CASE("what the teleoperator sees is painted: map, needle and currents") {
   CHECK(cv::countNonZero(differs(cv::Rect(8, 8, 640, 512))) > 300000);   // the image
   CHECK(cv::countNonZero(differs(cv::Rect(664, 30, 280, 280))) > 800);   // the map
   CHECK(cv::countNonZero(differs(cv::Rect(664, 350, 280, 60))) > 1000);  // the currents
+  view.dish_radius_m = 0.0425;
+  const cv::Mat arrow = apps::paint_pilot_view(view);
+  view.sphere = true;  // a point instead
+  cv::absdiff(apps::paint_pilot_view(view), arrow, differs);
+  cv::cvtColor(differs, differs, cv::COLOR_BGR2GRAY);
+  CHECK(cv::countNonZero(differs(cv::Rect(664, 30, 280, 280))) > 20);
+  CHECK(cv::countNonZero(differs(cv::Rect(8, 8, 640, 512))) == 0);
 }

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "paper_rig.h"
+#include "sphere_rig.h"
 
 using namespace lodestone;
 using console::ImageMap;
@@ -76,4 +77,10 @@ TEST_CASE("a bench's state is told as the page has it, and what is not known is 
   json = view.json(state);
   REQUIRE(json["field"].size() > 20);
   CHECK(json["field"][json["field"].size() / 2][2] > 0.0);  // at the centre, towards the coil that is on
+
+  const LiveView round(tests::sphere_rig(), safety::SafetyConfig{});
+  json = round.json(state);
+  CHECK(json["pose"].contains("middle"));
+  for (const char* of_heading : {"heading_deg", "head", "tail"})
+    CHECK_FALSE(json["pose"].contains(of_heading));
 }

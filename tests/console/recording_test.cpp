@@ -77,6 +77,26 @@ TEST_CASE("a recording holds each sample once, as soon as it was there, and a fi
     CHECK_THROWS_AS(console::read_recording(folder.path(), name), common::Error);
 }
 
+TEST_CASE("the recording of a sphere says nothing of a heading") {
+  const tests::TemporaryFolder folder;
+  Recording::Source source;
+  source.state = [] { return state_at(100.0, 1); };
+  source.image = [] { return std::shared_ptr<const imaging::Frame>(); };
+  source.bench.sphere = true;
+  source.failed = [](const std::string& why) { FAIL(why); };
+  {
+    const Recording recording(folder.path(), "round", source);
+    wait_until([&] {
+      const std::string text = common::read_file(folder / "round.csv");
+      return std::count(text.begin(), text.end(), '\n') == 2;
+    });
+  }
+  const common::Json samples = console::read_recording(folder.path(), "round");
+  REQUIRE(samples.size() == 1);
+  CHECK(samples[0]["x_mm"] == 1.0);
+  CHECK(samples[0]["heading_deg"].is_null());
+}
+
 TEST_CASE("a recording of a day is replayed in so many samples, and none is written over another") {
   const tests::TemporaryFolder folder;
   const std::string name = console::new_recording_name(folder.path());

@@ -8,6 +8,7 @@
 #include "lodestone/control/explorer.h"
 #include "other_rigs.h"
 #include "paper_rig.h"
+#include "sphere_rig.h"
 
 using namespace lodestone;
 using geometry::Vector2;
@@ -257,6 +258,14 @@ TEST_CASE("a needle that a weak pulse does not move is not stuck") {
   const task::Observation observation;
   for (int i = 0; i < 100; ++i) explorer.act(observation);
   CHECK_FALSE(explorer.needs_operator());
+}
+
+TEST_CASE("the places of a sphere are counted without headings") {
+  const auto counted = [](const physics::RigDescription& rig) {
+    control::Explorer explorer({}, rig, common::RandomStream(1, "explorer"));
+    return explorer.save()["at_pose"].size();
+  };
+  CHECK(counted(tests::paper_rig()) == 8 * counted(tests::sphere_rig()));
 }
 
 TEST_CASE("bounds of what the explorer is told are kept") {

@@ -7,6 +7,7 @@
 #include "lodestone/rig/virtual_rig.h"
 #include "lodestone/task/action.h"
 #include "paper_rig.h"
+#include "sphere_rig.h"
 
 using namespace lodestone;
 using geometry::Vector2;
@@ -95,4 +96,16 @@ TEST_CASE("pulls grow to the largest current, go to both sides, and turns come b
   CHECK(resumed.next(pose) == freeing.next(pose));
   freeing.reset();
   CHECK(freeing.next(pose).cwiseAbs().maxCoeff() < 1.0);
+}
+
+TEST_CASE("a sphere is pulled free, and never turned") {
+  const physics::RigDescription rig = tests::sphere_rig();
+  control::FreeingConfig config;
+  config.max_pulses = 100;
+  control::Freeing freeing(config, rig);
+  const geometry::Pose2 pose{0.02, 0.01, 0.0};
+  while (freeing.next(pose).cwiseAbs().maxCoeff() < 1.0) {
+  }
+  for (int i = 0; i < 30; ++i)
+    CHECK(freeing.next(pose).norm() > 2.0 * config.turn_A / rig.coils.max_current_A);
 }

@@ -8,6 +8,7 @@
 #include "lodestone/geometry/angle.h"
 #include "lodestone/rig/virtual_rig.h"
 #include "lodestone/safety/supervisor.h"
+#include "sphere_rig.h"
 
 using namespace lodestone;
 using geometry::Vector2;
@@ -73,6 +74,18 @@ TEST_CASE("a needle that was never seen is turned, and not pulled anywhere") {
   int probes = 0;
   for (int step = 0; step < 30; ++step) probes += recovery.next_probe() ? 1 : 0;
   CHECK(probes == 4);
+}
+
+TEST_CASE("a sphere looks the same when it has turned: it is waited for, and pulled to the centre") {
+  control::Recovery recovery({}, tests::sphere_rig());
+  recovery.seen({0.015, 0.01, 0.0});
+  std::vector<int> at;
+  for (int step = 1; step <= 30; ++step)
+    if (const auto probe_A = recovery.next_probe()) {
+      at.push_back(step);
+      CHECK(probe_A->dot(Vector2(-0.015, -0.01)) > 0.0);
+    }
+  CHECK(at == std::vector<int>{2, 4});
 }
 
 TEST_CASE("what hides a needle that lies still is gone when it has turned: the run goes on") {

@@ -175,6 +175,9 @@ TEST_CASE("the data say what an action means and how far the state reaches", "[u
   CHECK(settings.task.dish_radius_m == 0.03);
   CHECK(settings.encoder.length_scale_m == 0.03);
   CHECK(settings.encoder.heading == task::HeadingEncoding::kNone);
+  settings.task.goal = task::GoalKind::kPose;
+  CHECK_THROWS_WITH(adopt_data(info, settings.task, settings.encoder, settings.action),
+                    Catch::Contains("task.goal = \"pose\""));
 }
 
 TEST_CASE("episodes of another number are refused", "[unit]") {

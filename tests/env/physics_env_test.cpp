@@ -4,6 +4,7 @@
 
 #include "env/sample_settings.h"
 #include "env/vec_env_conformance.h"
+#include "sphere_rig.h"
 
 namespace lodestone::env {
 namespace {
@@ -41,6 +42,23 @@ TEST_CASE("the environment moves the needle as the simulator does", "[unit]") {
   CHECK(0.0425 * next[0] == Approx(expected.x_m).margin(2e-5));
   CHECK(0.0425 * next[1] == Approx(expected.y_m).margin(2e-5));
   CHECK(std::abs(geometry::wrap_angle(next[2] - expected.heading_rad)) < 5e-3);
+}
+
+TEST_CASE("a sphere is trained on without a heading", "[unit]") {
+  EpisodeSettings settings = short_episodes(20);
+  settings.encoder.heading = task::HeadingEncoding::kAngle;
+  PhysicsEnvConfig config;
+  config.simulator.step_s = 2e-3;
+  CHECK_THROWS_WITH(PhysicsEnv(settings, lodestone::tests::sphere_rig(), config, 1),
+                    Catch::Contains("encoder.heading = \"angle\", but a sphere has no heading"));
+  settings.encoder.heading = task::HeadingEncoding::kNone;
+  PhysicsEnv environments(settings, lodestone::tests::sphere_rig(), config, 1);
+  const std::vector<float> start = environments.reset();
+  const auto columns = static_cast<std::size_t>(environments.spec().observation_size);
+  const std::vector<float> next = environments.step(std::vector<float>(2 * 20, 1.0F)).final_observation;
+  std::size_t moved = 0;
+  for (std::size_t row = 0; row < 20; ++row) moved += next[row * columns] != start[row * columns] ? 1 : 0;
+  CHECK(moved > 10);
 }
 
 TEST_CASE("randomised simulators keep the promises too, and differ from episode to episode", "[unit]") {

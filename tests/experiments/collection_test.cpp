@@ -9,6 +9,7 @@
 #include "lodestone/control/goal_seeker.h"
 #include "lodestone/data/coverage.h"
 #include "lodestone/experiments/collection.h"
+#include "sphere_rig.h"
 #include "temporary_folder.h"
 
 using namespace lodestone;
@@ -69,6 +70,27 @@ TEST_CASE("episodes are whole, within bounds, and marked where no current flowed
   }
   CHECK(zero > 0);
   CHECK(collection.next_episode(1).length() == 1);
+}
+
+TEST_CASE("of a sphere there is a recording of places, without headings") {
+  experiments::CollectionConfig config = simulated();
+  config.rig.needle = tests::sphere();
+  CHECK(experiments::dataset_info(config).layout == data::StateLayout::kPosition);
+  experiments::Collection collection(config);
+  double travelled_m = 0.0;
+  for (int i = 0; i < 6; ++i) {
+    const data::Episode episode = collection.next_episode(12);
+    const auto length = static_cast<std::size_t>(episode.length());
+    REQUIRE(length >= 1);
+    REQUIRE(episode.observations.size() == 2 * (length + 1));
+    for (std::size_t row = 0; row < length; ++row) {
+      const double* from = &episode.observations[2 * row];
+      CHECK(std::hypot(from[2], from[3]) < config.rig.dish.radius_m);
+      travelled_m += std::hypot(from[2] - from[0], from[3] - from[1]);
+    }
+  }
+  CHECK(travelled_m > 0.02);
+  CHECK(experiments::dataset_info(simulated()).layout == data::StateLayout::kPose);
 }
 
 TEST_CASE("collection goes on bitwise after a restart") {

@@ -6,6 +6,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "paper_rig.h"
+#include "sphere_rig.h"
 #include "temporary_folder.h"
 
 using namespace lodestone;
@@ -77,6 +78,23 @@ TEST_CASE("what cannot be driven is refused in words") {
   config.controller = "baseline";
   config.deployment.trials.within = task::Within::kReachable;
   CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("reachable"));
+}
+
+TEST_CASE("a sphere goes to points, by what knows of no heading") {
+  const tests::TemporaryFolder folder;
+  DeployConfig config = by_baseline();
+  config.deployment.rig.needle = tests::sphere();
+  config.task = "pose";
+  CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("a sphere"));
+  config.task = "point";
+  config.target_mm = {0.0, 40.9};  // nearer to the wall than a needle comes
+  CHECK_NOTHROW(experiments::plan_job(config));
+  config.target_mm = {0.0, 41.1};
+  CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("stays 1.5 mm from the wall"));
+  config.target_mm.clear();
+  config.controller = "policy";
+  config.policy = saved_policy(folder, "point");
+  CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("the policy goes by a heading"));
 }
 
 TEST_CASE("a policy drives to what it was trained for") {

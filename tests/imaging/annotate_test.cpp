@@ -7,6 +7,7 @@
 
 #include "lodestone/common/error.h"
 #include "paper_scenes.h"
+#include "sphere_rig.h"
 
 using namespace lodestone;
 
@@ -76,6 +77,18 @@ TEST_CASE("each thing of an annotation is drawn where it is on the floor") {
   CHECK(drawing.drawn(-0.02, 0.01, 3) > 0);
   CHECK(drawing.drawn(0.0, 0.0425, 3) > 0);  // rim
   CHECK(drawing.drawn(0.0, 0.035, 3) == 0);  // and nothing where nothing is
+}
+
+TEST_CASE("a sphere is a ring, without a head") {
+  Drawing drawing;
+  drawing.annotation.bench = rig::bench_of(tests::sphere_rig());
+  drawing.annotation.pose = geometry::Pose2{0.010, 0.005, 0.0};
+  drawing.draw();
+  for (const double off_m : {-1.5e-3, 0.0, 1.5e-3}) {
+    CHECK(reddish(drawing.at(0.010 + off_m, 0.005)));
+    CHECK(reddish(drawing.at(0.010, 0.005 + off_m)));
+  }
+  CHECK(drawing.drawn(0.010 + 4e-3, 0.005, 3) == 0);
 }
 
 TEST_CASE("a frame shows how sure the pose is, and where the needle was while it is not seen") {

@@ -1,12 +1,14 @@
 #include "lodestone/imaging/scene_renderer.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <opencv2/core.hpp>
 #include <set>
 #include <string>
 
 #include "lodestone/common/error.h"
 #include "paper_scenes.h"
+#include "sphere_rig.h"
 
 using namespace lodestone;
 
@@ -54,6 +56,33 @@ TEST_CASE("the masks are where the needle and its tape are") {
   const double pixel_m = scene.camera.pixel_size_m();
   const double area_m2 = cv::sum(frame.needle_mask)[0] / 255.0 * pixel_m * pixel_m;
   CHECK(area_m2 == Approx(bench.needle_length_m * bench.needle_diameter_m).epsilon(0.05));
+}
+
+TEST_CASE("a sphere is a disc of its size, without tape, whatever its heading") {
+  imaging::Scene scene = scene_with(0.0);
+  scene.bench = rig::bench_of(tests::sphere_rig());
+  const imaging::SceneRenderer renderer(scene);
+  common::RandomStream random(1, "frame");
+  const imaging::RenderedFrame frame = renderer.render({{kPose}}, random, true);
+  CHECK((centroid_m(frame.needle_mask, scene.camera) - kPose.position_m()).norm() < 0.02e-3);
+  CHECK(cv::countNonZero(frame.tape_mask) == 0);
+  const double pixel_m = scene.camera.pixel_size_m();
+  const double area_m2 = cv::sum(frame.needle_mask)[0] / 255.0 * pixel_m * pixel_m;
+  CHECK(area_m2 == Approx(3.14159265 * 1.5e-3 * 1.5e-3).epsilon(0.05));
+  imaging::NeedleView other_way;
+  other_way.pose = {kPose.x_m, kPose.y_m, kPose.heading_rad + 1.0};
+  const imaging::RenderedFrame turned = renderer.render({other_way}, random, true);
+  CHECK(cv::norm(frame.needle_mask, turned.needle_mask, cv::NORM_INF) <= 2.0);
+  // It is darker towards its edge, and darker than the floor beside it.
+  const cv::Mat nothing = renderer.render({}, random).image;
+  const Eigen::Vector2d middle = scene.camera.project_floor(kPose.position_m());
+  const auto grey = [&](const cv::Mat& image, double off_m) {
+    const auto column = static_cast<int>(std::lround(middle.x() + off_m / pixel_m));
+    const cv::Vec3b& pixel = image.at<cv::Vec3b>(static_cast<int>(std::lround(middle.y())), column);
+    return static_cast<int>(pixel[0]) + pixel[1] + pixel[2];
+  };
+  CHECK(grey(frame.image, 0.0) > grey(frame.image, 1.2e-3));
+  CHECK(grey(frame.image, 1.2e-3) < grey(nothing, 1.2e-3));
 }
 
 TEST_CASE("a frame depends on scene, needle and random stream alone") {

@@ -6,6 +6,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/physics/field_table.h"
+#include "sphere_rig.h"
 
 namespace lodestone::physics {
 namespace {
@@ -51,6 +52,16 @@ TEST_CASE("magnets that are longer than their needle are refused") {
   needle.diameter_m = needle.length_m;
   CHECK_NOTHROW(needle.validate());
   CHECK(rod_drag(needle, {}).rotation_N_m_s > 0.0);
+}
+
+TEST_CASE("a sphere is as long as thick") {
+  CHECK_FALSE(NeedleConfig{}.is_sphere());
+  NeedleConfig needle = tests::sphere();
+  CHECK(needle.is_sphere());
+  CHECK_NOTHROW(needle.validate());
+  needle.length_m = 4e-3;
+  CHECK_THROWS_WITH(needle.validate(),
+                    Catch::Contains("length_m = 0.004 must be diameter_m = 0.003, for shape is sphere"));
 }
 
 }  // namespace

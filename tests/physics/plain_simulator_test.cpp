@@ -4,6 +4,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "sphere_rig.h"
+
 namespace lodestone::physics {
 namespace {
 
@@ -49,6 +51,28 @@ TEST_CASE("plain simulator: a capsule is pulled and held as a needle is") {
   const PlainSimulator simulator(rig, {});
   CHECK(simulator.step({0, 0, 0}, {5.0, 0, 0, 0}, 0.1, 0.2).x_m > 1e-3);
   CHECK(simulator.step({0, 0, 0}, {0.5, 0, 0, 0}, 0.1, 0.2).x_m == 0.0);
+}
+
+TEST_CASE("plain simulator: a sphere is pulled whatever its heading, up the field's strength") {
+  const RigDescription rig = tests::sphere_rig();
+  const PlainSimulator simulator(rig, {});
+  const PerCoil current_A = {4.0, 0.0, 2.0, 0.0};
+  const auto pulled = simulator.load({0.01, 0.005, 0.0}, current_A);
+  const auto turned = simulator.load({0.01, 0.005, 2.0}, current_A);
+  CHECK(pulled.force_N == turned.force_N);
+  CHECK(pulled.torque_N_m == 0.0);
+  const ModelledField field(rig);
+  const double h = 1e-5;
+  const auto strength_T = [&](double x_m, double y_m) {
+    return field.at(current_A, {x_m, y_m}).field_T.norm();
+  };
+  CHECK(pulled.force_N.x() == Approx(rig.needle.moment_A_m2 *
+                                     (strength_T(0.01 + h, 0.005) - strength_T(0.01 - h, 0.005)) / (2.0 * h))
+                                  .epsilon(1e-3));
+  const Pose2 moved = simulator.step({0.0, 0.0, 2.0}, {5.0, 0, 0, 0}, 0.1, 0.2);
+  CHECK(moved.x_m > 1e-3);
+  CHECK(moved.heading_rad == Approx(2.0));
+  CHECK(simulator.step({0.0, 0.0, 0.0}, {0.5, 0, 0, 0}, 0.1, 0.2).x_m == 0.0);
 }
 
 TEST_CASE("plain simulator: symmetric under a quarter turn") {

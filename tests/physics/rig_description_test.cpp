@@ -5,6 +5,7 @@
 #include "lodestone/common/config.h"
 #include "lodestone/common/error.h"
 #include "measured_rig.h"
+#include "sphere_rig.h"
 
 namespace lodestone::physics {
 namespace {
@@ -56,6 +57,20 @@ TEST_CASE("a dish that reaches beyond what was measured of the coils is refused"
   CHECK_THROWS_WITH(common::config_from_json<RigDescription>(small, "rig.json"),
                     Catch::Contains("rig.json: dish.radius_m = 0.026 must be at most 0.02") &&
                         Catch::Contains("coils.measured"));
+}
+
+TEST_CASE("how far out a needle comes, and a sphere") {
+  const RigDescription rig;
+  CHECK(rig.reach_m() == Approx(0.04084).margin(1e-5));  // along the wall
+  CHECK(rig.fits({0.0, rig.reach_m() - 1e-6, 0.0}));
+  CHECK_FALSE(rig.fits({0.0, rig.reach_m() - 1e-6, 1.57}));
+  const RigDescription round = tests::sphere_rig();
+  CHECK(round.reach_m() == Approx(0.041));
+  CHECK(round.fits({0.0, 0.0409, 1.57}));
+  CHECK_FALSE(round.fits({0.0411, 0.0, 1.57}));
+  CHECK(round.fits({0.0411, 0.0, 1.57}, 1e-3));
+  CHECK_THROWS_WITH(read(R"({"needle": {"shape": "sphere"}})"),
+                    Catch::Contains("needle.length_m = 0.0235 must be diameter_m"));
 }
 
 TEST_CASE("what an earlier version recorded of a rig is completed by what is usual") {

@@ -61,6 +61,7 @@ TEST_CASE("a far rig differs by more than its gain; the others do not") {
     physics::RigDescription described;
     const physics::RigDescription real = far.applied_to(described);
     CHECK(real.needle.net_weight_N == described.needle.net_weight_N * far.weight);
+    CHECK(real.friction.rolling_arm_m == described.friction.rolling_arm_m * far.friction);
     CHECK(real.friction.map_correlation_m == described.friction.map_correlation_m * far.map_correlation);
   }
   CHECK((lightest > 0.7 && lightest < 0.72 && heaviest > 1.28 && heaviest < 1.3));

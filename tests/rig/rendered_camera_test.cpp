@@ -6,6 +6,7 @@
 #include "camera_conformance.h"
 #include "lodestone/common/error.h"
 #include "paper_scenes.h"
+#include "sphere_rig.h"
 
 using namespace lodestone;
 
@@ -27,6 +28,14 @@ TEST_CASE("the rendered camera keeps the contract of Camera") {
   rig::RenderedCamera camera(rig, renderer_of(), common::RandomStream(1, "noise"));
   tests::check_camera(camera);
   CHECK_THROWS_AS(camera.grab(0.001), common::HardwareError);  // shorter than the exposure
+}
+
+TEST_CASE("of a sphere a camera sees a disc, and no tape") {
+  CHECK_FALSE(rig::bench_of({}).sphere);
+  const imaging::BenchGeometry bench = rig::bench_of(tests::sphere_rig());
+  CHECK(bench.sphere);
+  CHECK(bench.tape_length_m == 0.0);
+  CHECK(bench.needle_diameter_m == 3e-3);
 }
 
 TEST_CASE("an image takes its exposure on the rig's clock and shows where the needle is") {

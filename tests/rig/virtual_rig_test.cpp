@@ -16,6 +16,7 @@
 #include "lodestone/physics/plain_simulator.h"
 #include "other_rigs.h"
 #include "rig/described_rig.h"
+#include "sphere_rig.h"
 
 namespace lodestone::rig {
 namespace {
@@ -197,6 +198,27 @@ TEST_CASE("save and restore go on bitwise, also in the middle of a pulse") {
   const common::Json before = other.save();
   CHECK_THROWS_AS(other.restore(broken), common::DataError);
   CHECK(other.save() == before);
+}
+
+TEST_CASE("a sphere is drawn to a coil, has no heading, and goes on bitwise after a restart") {
+  VirtualRigConfig config = tests::described_rig();
+  config.needle = tests::sphere();
+  VirtualRig rig(config, 4, shared_fields());
+  rig.place({-0.01, 0.004, 1.0});
+  CHECK(rig.true_pose().heading_rad == 0.0);
+  CHECK(rig.fits({0.0, 0.04, 0.0}));
+  CHECK_FALSE(rig.fits({0.0, 0.0415, 0.0}));
+  rig.coils().apply({{9.0, 0.0, 0.0, 0.0}, 0.1});
+  rig.clock().sleep_until(0.11);
+  const common::Json saved = common::Json::parse(rig.save().dump());
+  VirtualRig other(config, 4, shared_fields());
+  other.restore(saved);
+  for (VirtualRig* each : {&rig, &other}) each->clock().sleep_until(2.0);
+  CHECK(rig.true_pose().x_m > -0.009);
+  CHECK(rig.true_pose().heading_rad == 0.0);
+  CHECK(rig.at_rest());
+  CHECK(same_bits(rig.true_pose(), other.true_pose()));
+  CHECK(other.save() == rig.save());
 }
 
 TEST_CASE("rigs do the same on any number of threads") {

@@ -14,6 +14,7 @@
 #include "lodestone/rl/policy_evaluation.h"
 #include "lodestone/rl/td3_learner.h"
 #include "rl/toy_environments.h"
+#include "sphere_rig.h"
 #include "temporary_folder.h"
 
 using lodestone::common::artefact_to_json;
@@ -195,6 +196,17 @@ TEST_CASE("What the data say goes into the policy's configuration", "[rl]") {
   CHECK(config.task.dish_radius_m == 0.014);
   CHECK(config.encoder.length_scale_m == 0.014);
   CHECK(config.encoder.heading == lodestone::task::HeadingEncoding::kNone);
+}
+
+TEST_CASE("A policy for a sphere sees no heading, and is not asked for one", "[rl]") {
+  TrainPolicyConfig config;
+  config.rig = lodestone::tests::sphere_rig();
+  config.encoder.heading = lodestone::task::HeadingEncoding::kSineCosine;
+  CHECK(lodestone::rl::adopt_rig(config).encoder.heading == lodestone::task::HeadingEncoding::kNone);
+  config.task.goal = lodestone::task::GoalKind::kPose;
+  CHECK_THROWS_WITH(lodestone::rl::adopt_rig(config), Catch::Contains("a sphere has no heading"));
+  config.rig = {};
+  CHECK(lodestone::rl::adopt_rig(config).encoder.heading == lodestone::task::HeadingEncoding::kSineCosine);
 }
 
 TEST_CASE("A run without room to learn is refused", "[rl]") {

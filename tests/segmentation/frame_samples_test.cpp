@@ -8,6 +8,7 @@
 #include "lodestone/common/error.h"
 #include "segmentation/own_frames.h"
 #include "segmentation/small_segmenter.h"
+#include "sphere_rig.h"
 
 using namespace lodestone;
 
@@ -45,6 +46,17 @@ TEST_CASE("crops of labelled images hold the needle where the label says, as lar
   const auto none =
       segmentation::frame_samples(own.frames, labels, {5}, own.bench, around, config.segmenter, 2, 3);
   CHECK(none.masks.sum().item<double>() == 0.0);
+  // A sphere is a disc.
+  imaging::BenchGeometry round = rig::bench_of(tests::sphere_rig());
+  segmentation::FrameLabels of_sphere = labels;
+  of_sphere.taped = false;
+  of_sphere.labels[0].pose->x_m = of_sphere.labels[0].pose->y_m = 0.0;
+  const auto discs =
+      segmentation::frame_samples(own.frames, of_sphere, one, round, around, config.segmenter, 6, 3);
+  double largest_m2 = 0.0;
+  for (std::int64_t row = 0; row < 6; ++row)
+    largest_m2 = std::max(largest_m2, discs.masks[row][0].sum().item<double>() / 255.0 * pixel_m * pixel_m);
+  CHECK(largest_m2 == Approx(3.14159265 * 1.5e-3 * 1.5e-3).epsilon(0.05));
   around.crop_px = 1024;
   CHECK_THROWS_WITH(
       segmentation::frame_samples(own.frames, labels, one, own.bench, around, config.segmenter, 1, 3),

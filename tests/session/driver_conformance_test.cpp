@@ -86,7 +86,7 @@ TEST_CASE("drivers that see: rate, age, and time that goes on") {
         {{"format", "gray8"}, {"width_px", 16}, {"height_px", 16}, {"age_s", age_s}, {"bytes", 256}},
         std::vector<std::uint8_t>(256)};
   };
-  const auto sensor = session::check_sensor_driver(driver.open(), {});
+  const auto sensor = session::check_sensor_driver(driver.open(), {}, {});
   CHECK(failed(sensor).empty());
   CHECK_THAT(sensor[0].seen, Catch::Contains("seen 0 of 30 times"));
   CHECK(failed(session::check_camera_driver(driver.open(), {}, 0.5)).empty());
@@ -94,6 +94,6 @@ TEST_CASE("drivers that see: rate, age, and time that goes on") {
     age_s += 1.0;
     return rig::DriverReply{{{"age_s", age_s}, {"reason", "too dark"}}, {}};
   };
-  CHECK_THAT(failed(session::check_sensor_driver(driver.open(), {})).begin()->second,
+  CHECK_THAT(failed(session::check_sensor_driver(driver.open(), {}, {})).begin()->second,
              Catch::Contains("its time went back"));
 }

@@ -14,7 +14,7 @@ TEST_CASE("a driver says where the needle is, how sure it is and how old that is
   driver.other = [&](const Json& request) {
     return rig::DriverReply{request["do"] == "pose" ? said : Json{{"error", "what?"}}, {}};
   };
-  session::DriverDetector detector({}, driver.open());
+  session::DriverDetector detector({}, {}, driver.open());
   const double before_s = common::SteadyClock().now_s();
   const vision::Sighting sighting = detector.look();
   CHECK(sighting.stamp_s >= before_s - 0.02);
@@ -41,6 +41,14 @@ TEST_CASE("what is no pose is named") {
     CHECK_THROWS_WITH(session::driver_sighting({bad, {}}, 1.0),
                       Catch::Contains(std::string(key) + " = \"left\""));
   }
+  Json place = good;
+  place.erase("heading_rad");
+  place.erase("sigma_rad");
+  CHECK_THROWS_AS(session::driver_sighting({place, {}}, 1.0), common::HardwareError);
+  const vision::Sighting sphere = session::driver_sighting({place, {}}, 1.0, /*sphere=*/true);
+  REQUIRE(sphere.candidates.size() == 1);
+  CHECK(sphere.candidates[0].pose.y_m == -0.02);
+  CHECK(sphere.candidates[0].pose.heading_rad == 0.0);
   Json no_age = good;
   no_age.erase("age_s");
   CHECK_THROWS_AS(session::driver_sighting({no_age, {}}, 1.0), common::HardwareError);

@@ -4,6 +4,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/emulation/live_bench.h"
+#include "sphere_rig.h"
 
 using namespace lodestone;
 
@@ -35,6 +36,15 @@ TEST_CASE("a bench that is not there is said with what there is") {
   CHECK_THROWS_AS(session::check_rig(config, {false, false}, dialogue), common::HardwareError);
   CHECK_THAT(dialogue.said, Catch::StartsWith("serial ports:"));
   CHECK(dialogue.asked.empty());
+}
+
+TEST_CASE("a sphere tells nothing of the wiring") {
+  session::RigCheckConfig config;
+  config.rig.needle = tests::sphere();
+  FakeDialogue dialogue(true);
+  CHECK_THROWS_WITH(session::check_rig(config, {true, false}, dialogue),
+                    Catch::Contains("rig.needle.shape = sphere"));
+  CHECK(dialogue.said.empty());
 }
 
 TEST_CASE("coils that nobody lets be energised are left out, and the bench is not called ready") {

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "lodestone/geometry/angle.h"
+#include "sphere_rig.h"
 
 using namespace lodestone;
 using geometry::Pose2;
@@ -109,6 +110,28 @@ TEST_CASE("of several candidates the likeliest is taken, and none where two are 
   CHECK_FALSE(see(tracker, {rod({0.0015, 0.0005, 0.0}), rod({0.0015, -0.0005, 0.0})}).located);
   PoseTracker fresh({}, {});
   CHECK_FALSE(see(fresh, {rod({0.02, 0.0, 0.5}), rod({0.0, 0.0, 0.0})}).located);
+}
+
+TEST_CASE("a sphere needs no head to be seen, and has no heading whatever is said of one") {
+  const physics::RigDescription rig = tests::sphere_rig();
+  PoseTracker tracker({}, rig);
+  Rod seen = rod({0.0, 0.0, 2.0}, /*tape=*/0.0);
+  CHECK_FALSE(see(tracker, {seen}).located);
+  vision::Track track = see(tracker, {seen});
+  CHECK(track.seen);
+  CHECK_FALSE(track.either_way);
+  CHECK(track.pose.heading_rad == 0.0);
+  CHECK(track.covariance(2, 2) == 0.0);
+  CHECK(track.covariance(0, 0) > 0.0);
+  tracker.pulse(kPullToX);
+  seen = rod({0.003, 0.0, -1.0}, 0.0);
+  track = insist(tracker, seen);
+  CHECK(track.seen);
+  CHECK(track.pose.x_m == Approx(0.003).margin(0.5e-3));
+  CHECK(track.pose.heading_rad == 0.0);
+  // It comes as near to the wall as a radius.
+  tracker.forget();
+  CHECK(insist(tracker, rod({0.0, 0.0405, 0.0}, 0.0)).seen);
 }
 
 TEST_CASE("what reaches through the wall is no needle") {

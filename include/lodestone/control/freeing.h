@@ -63,6 +63,7 @@ class Freeing {
   DipolePull pull_;
   double breakaway_N_;
   double max_current_A_;
+  std::int64_t turns_;  // in a round; none of a sphere
   std::int64_t pulses_ = 0;
   std::int64_t full_ = 0;  // of these, since the largest current was reached
 };

@@ -22,6 +22,7 @@ struct BenchGeometry {
   double needle_length_m = 0.0;
   double needle_diameter_m = 0.0;
   double tape_length_m = 0.0;  ///< bright tape at the head
+  bool sphere = false;         ///< it is one, as long as thick, without tape; its heading says nothing
   double fluid_depth_m = 0.0;  ///< that the floor is seen through; 0: as if there were none
   double refractive_index = 1.0;
   /// Outlines of solid bodies on the floor, corner by corner. No description tells of them: a bench that is

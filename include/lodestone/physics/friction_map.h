@@ -15,6 +15,7 @@ struct FrictionConfig {
   double map_sigma = 0.30;            // D: 0.25-0.35 from the scatter of recorded pulses
   double map_correlation_m = 4e-3;    // D: "a few mm"
   double pulse_sigma = 0.10;          // D: about 10 % from pulse to pulse
+  double rolling_arm_m = 1e-4;        // S: of a sphere; published tables have it for steel balls on steel
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -29,6 +30,9 @@ struct FrictionConfig {
             {1e-3, 0.1});
     v.field("pulse_sigma", pulse_sigma, "", "standard deviation of the log of friction from pulse to pulse",
             {0.0, 2.0});
+    v.field("rolling_arm_m", rolling_arm_m, "m",
+            "of a sphere that rolls: the torque against it is this times what the floor carries",
+            {1e-7, 0.01});
   }
   /// Throws ConfigError when kinetic exceeds static friction.
   void validate() const;

@@ -1,12 +1,22 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "lodestone/geometry/pose2.h"
 #include "lodestone/physics/coil_array.h"
 
 namespace lodestone::physics {
 
-/// A suture needle (steel tube) with a chain of magnets inside; or a capsule, down to one as long as thick.
+/// kNeedle: a rod or a capsule with a heading, that of its magnets. kSphere: its moment is free to turn, and
+/// nobody sees where it points: it has no heading, and where a pose holds one, that is 0.
+enum class NeedleShape { kNeedle, kSphere };
+inline std::vector<std::string> names_of(NeedleShape) { return {"needle", "sphere"}; }
+
+/// A suture needle (steel tube) with a chain of magnets inside; or a capsule, down to one as long as thick;
+/// or a sphere.
 struct NeedleConfig {
+  NeedleShape shape = NeedleShape::kNeedle;
   double length_m = 23.5e-3;       // Q
   double diameter_m = 0.7176e-3;   // Q: 22 gauge
   double chain_m = 21e-3;          // D: 42 magnets (Q) of 0.3 x 0.5 mm (D)
@@ -18,6 +28,9 @@ struct NeedleConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
+    v.field("shape", shape, "",
+            "needle: a rod or a capsule, with a heading; sphere: without one, as long as thick, and without "
+            "tape");
     v.field("length_m", length_m, "m", "length of the needle", {1e-3, 0.08});
     v.field("diameter_m", diameter_m, "m", "outer diameter", {1e-5, 0.01});
     v.field("chain_m", chain_m, "m", "length of the magnet chain (distance of its poles)", {1e-4, 0.08});
@@ -28,8 +41,11 @@ struct NeedleConfig {
             "moment of inertia about the vertical through the middle", {1e-14, 1.0});
     v.field("tape_length_m", tape_length_m, "m", "length of the bright tape on its head", {1e-4, 0.1});
   }
-  /// Throws ConfigError when the chain is longer than the needle, or that thicker than long.
+  /// Throws ConfigError when the chain is longer than the needle, or that thicker than long, or a sphere not
+  /// as long as thick.
   void validate() const;
+
+  bool is_sphere() const { return shape == NeedleShape::kSphere; }
 };
 
 /// What the needle lies in.

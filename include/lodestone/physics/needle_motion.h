@@ -41,6 +41,8 @@ struct NeedleState {
   double velocity_x_m_s = 0.0;
   double velocity_y_m_s = 0.0;
   double spin_rad_s = 0.0;
+  double roll_x_m_s = 0.0;  ///< of a sphere, and of its velocity: what it rolls by, and does not slide
+  double roll_y_m_s = 0.0;
   bool stuck = true;  ///< held by static friction, velocities exactly zero
 };
 

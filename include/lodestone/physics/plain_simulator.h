@@ -22,7 +22,8 @@ struct PlainSimulatorConfig {
 
 /// Coils as ModelledField has them, of the paper's rig point dipoles, and a point-dipole needle (force =
 /// grad(m.B), torque = m x B), Stokes drag of a slender rod in free fluid, uniform Coulomb friction, currents
-/// without lag, and a wall that stops the needle's middle. Stateless.
+/// without lag, and a wall that stops the needle's middle. A sphere has Stokes' drag of one, its moment
+/// points along the field, and its heading stays as it is. Stateless.
 class PlainSimulator {
  public:
   PlainSimulator(const RigDescription& rig, const PlainSimulatorConfig& config);
@@ -39,6 +40,8 @@ class PlainSimulator {
   Load load(const geometry::Pose2& pose, const PerCoil& current_A) const;
 
  private:
+  geometry::Vector2 moment_A_m2(const geometry::Pose2& pose, const geometry::Vector2& field_T) const;
+
   NeedleConfig needle_;
   double dish_radius_m_;
   double friction_N_;

@@ -58,6 +58,8 @@ struct RigDescription {
   CircuitConfig circuit(std::size_t coil) const;
   /// Pull that just moves the needle where friction is at its mean, N.
   double breakaway_N() const { return friction.static_coefficient * needle.net_weight_N; }
+  /// How far from the dish centre the needle's middle can come: furthest out, it lies along the wall.
+  double reach_m() const;
   /// Whether both ends of the needle lie inside the wall, or no further than `beyond_m` outside.
   bool fits(const geometry::Pose2& pose, double beyond_m = 0.0) const;
 };

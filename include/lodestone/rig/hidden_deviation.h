@@ -17,7 +17,7 @@ inline std::vector<std::string> names_of(DeviationWidth) { return {"none", "lab"
 /// itself sees them.
 struct HiddenDeviation {
   double moment = 1.0;           ///< factor on the needle's moment
-  double friction = 1.0;         ///< factor on the mean friction, static and kinetic
+  double friction = 1.0;         ///< factor on the mean friction: static, kinetic, rolling
   double viscosity = 1.0;        ///< factor on the fluid's viscosity
   double weight = 1.0;           ///< factor on the needle's mass and net weight
   double map_sigma = 1.0;        ///< factor on how much friction differs over the dish

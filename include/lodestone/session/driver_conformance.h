@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lodestone/physics/coils_description.h"
+#include "lodestone/physics/needle.h"
 #include "lodestone/rig/camera_source.h"
 #include "lodestone/rig/driver_config.h"
 #include "lodestone/rig/driver_link.h"
@@ -31,7 +32,8 @@ std::vector<ConformanceItem> check_coils_driver(const OpenDriver& open, const ri
                                                 const physics::CoilsDescription& coils,
                                                 double test_current_A);
 /// The same of one that sees the needle, and of one that hands out images.
-std::vector<ConformanceItem> check_sensor_driver(const OpenDriver& open, const rig::DriverConfig& config);
+std::vector<ConformanceItem> check_sensor_driver(const OpenDriver& open, const rig::DriverConfig& config,
+                                                 const physics::NeedleConfig& needle);
 std::vector<ConformanceItem> check_camera_driver(const OpenDriver& open, const rig::DriverConfig& config,
                                                  double timeout_s);
 

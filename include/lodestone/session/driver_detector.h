@@ -1,5 +1,6 @@
 #pragma once
 
+#include "lodestone/physics/needle.h"
 #include "lodestone/rig/driver_config.h"
 #include "lodestone/rig/driver_link.h"
 #include "lodestone/session/needle_detector.h"
@@ -11,17 +12,20 @@ namespace lodestone::session {
 class DriverDetector final : public NeedleDetector {
  public:
   /// Throws ConfigError for an address that is none, HardwareError where the driver cannot be reached.
-  explicit DriverDetector(const rig::DriverConfig& config);
-  DriverDetector(const rig::DriverConfig& config, const rig::DriverLink::OpenStream& open);
+  DriverDetector(const rig::DriverConfig& config, const physics::NeedleConfig& needle);
+  DriverDetector(const rig::DriverConfig& config, const physics::NeedleConfig& needle,
+                 const rig::DriverLink::OpenStream& open);
 
   vision::Sighting look() override;
   void reset() override {}
 
  private:
+  bool sphere_;
   rig::DriverLink link_;
 };
 
-/// What a driver's answer to "pose" says, at a time of our clock. Throws HardwareError where it is none.
-vision::Sighting driver_sighting(const rig::DriverReply& reply, double now_s);
+/// What a driver's answer to "pose" says, at a time of our clock; of a sphere no heading is asked for. Throws
+/// HardwareError where it is none.
+vision::Sighting driver_sighting(const rig::DriverReply& reply, double now_s, bool sphere = false);
 
 }  // namespace lodestone::session

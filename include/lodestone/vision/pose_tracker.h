@@ -130,6 +130,7 @@ class PoseTracker {
   TrackerConfig config_;
   physics::RigDescription rig_;
   CommandedField field_;
+  double slip_unit_m_;  // of how far pulls take it
   HeadingFilter heading_;
   double head_ = 0.0;  // probability that it is where the last look said
   std::vector<Place> places_;

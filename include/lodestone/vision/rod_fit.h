@@ -58,6 +58,7 @@ struct RodConfig {
   double needle_length_m = 0.0;
   double needle_diameter_m = 0.0;
   double tape_length_m = 0.0;
+  bool sphere = false;
 };
 
 /// `config` with the needle's sizes of a bench.
@@ -84,7 +85,7 @@ struct RodFit : Rod {
 /// Mask -> clusters -> line by RANSAC (Fischler and Bolles, 1981), then weighted least squares -> the place
 /// along the line where a rod of the needle's length explains the log-odds best -> head by the tape (section
 /// IV-B1 of the paper; the rod's place and the covariance are additions). Sub-pixel: pixels count by their
-/// probability. The same input always gives the same result.
+/// probability. The same input always gives the same result. A sphere is fitted by fit_disc() (disc_fit.h).
 RodFit fit_rod(const Evidence& evidence, const MaskGrid& grid, const RodConfig& config);
 
 }  // namespace lodestone::vision

@@ -89,7 +89,7 @@ export class Replay {
     if (by_id('replay').hidden) return;
     const count = this.#count(), sample = this.#samples[count - 1];
     set_text(by_id('replay-time'), `${duration(this.#time_s)} of ${duration(Number(this.#slider.max))}`);
-    set_text(by_id('replay-sample'), sample ? `x ${number(sample.x_mm, 1)} mm   y ${number(sample.y_mm, 1)} mm   heading ${number(sample.heading_deg)}°   error ${number(sample.error_mm, 2)} mm` : '');
+    set_text(by_id('replay-sample'), sample ? `x ${number(sample.x_mm, 1)} mm   y ${number(sample.y_mm, 1)} mm${Number.isFinite(sample.heading_deg) ? `   heading ${number(sample.heading_deg)}°` : ''}   error ${number(sample.error_mm, 2)} mm` : '');
     this.#draw_trajectory(count, sample);
   }
 
@@ -128,9 +128,10 @@ function draw_cross(context, [x, y], colour) {
   });
 }
 
-/// From tail to head, with a point at the head.
+/// From tail to head, with a point at the head; of a sphere, which has no heading, the point alone.
 function draw_needle(context, [x, y], heading_deg, colour) {
-  const angle = -(heading_deg ?? 0) * Math.PI / 180, dx = 11 * Math.cos(angle), dy = 11 * Math.sin(angle);
+  const half = Number.isFinite(heading_deg) ? 11 : 0, angle = -(heading_deg ?? 0) * Math.PI / 180;
+  const dx = half * Math.cos(angle), dy = half * Math.sin(angle);
   stroke(context, colour, 3, () => { context.moveTo(x - dx, y - dy); context.lineTo(x + dx, y + dy); });
   context.fillStyle = colour;
   context.beginPath();

@@ -79,7 +79,8 @@ export class View {
     const element = by_id('pose');
     element.dataset.valid = String(!!pose?.valid);
     if (!pose?.valid) return set_text(element, `No pose${pose?.why ? `: ${pose.why}` : ''}`);
-    set_text(element, `x ${number(pose.x_mm, 1)} mm   y ${number(pose.y_mm, 1)} mm   heading ${number(pose.heading_deg)}°`);
+    const heading = pose.heading_deg === undefined ? '' : `   heading ${number(pose.heading_deg)}°`;  // a sphere has none
+    set_text(element, `x ${number(pose.x_mm, 1)} mm   y ${number(pose.y_mm, 1)} mm${heading}`);
     element.title = `± ${number(pose.sigma_mm, 2)} mm, ${number(pose.age_s * 1e3)} ms old`;
   }
 
