@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/named.h"
 #include "lodestone/physics/amplifier.h"
 #include "lodestone/physics/body_motion.h"
 #include "lodestone/physics/coil_array.h"

@@ -35,5 +35,26 @@ TEST_CASE("what lies in the dish moves by its shape") {
   CHECK_FALSE(body.fits({0.04, 0.0, 0.0}));
 }
 
+TEST_CASE("obstacles and moving fluid are the needle's") {
+  ObstacleConfig post;
+  post.radius_m = 4e-3;
+  FlowConfig uniform;
+  uniform.kind = FlowKind::kUniform;
+  uniform.speed_m_s = 0.01;
+  const RigDescription rig;
+  const BodyMotion body(rig, Flow(uniform), Obstacles({post}));
+  CHECK(body.fluid_moves());
+  CHECK(body.fits({}));
+  CHECK_FALSE(body.free_at({}));
+  const auto beside = body.free_near({});
+  REQUIRE(beside);
+  CHECK(body.free_at(*beside));
+  const BodyMotion ball(tests::sphere_rig());
+  CHECK_FALSE(ball.fluid_moves());
+  CHECK(ball.free_at({}));
+  CHECK(ball.free_near({}));
+  CHECK_FALSE(ball.free_near({0.05, 0.0, 0.0}));
+}
+
 }  // namespace
 }  // namespace lodestone::physics

@@ -600,5 +600,16 @@ TEST_CASE("obstacles out of the dish are refused, and keys come back as they wer
   CHECK(common::config_to_json(common::config_from_json<VirtualRigConfig>(written, "test")) == written);
 }
 
+TEST_CASE("a sphere in moving fluid, or among obstacles, is refused") {
+  VirtualRigConfig config = smooth();
+  config.needle = tests::sphere();
+  CHECK_NOTHROW(config.validate());
+  config.simulation.flow.kind = physics::FlowKind::kUniform;
+  CHECK_THROWS_WITH(config.validate(), Catch::Contains("a sphere is simulated in fluid at rest"));
+  config.simulation.flow.kind = physics::FlowKind::kNone;
+  config.simulation.obstacles.emplace_back();
+  CHECK_THROWS_WITH(config.validate(), Catch::Contains("a sphere is simulated in fluid at rest"));
+}
+
 }  // namespace
 }  // namespace lodestone::rig
