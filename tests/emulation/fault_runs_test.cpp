@@ -46,7 +46,7 @@ class EmulatedFaultRig {
   std::function<void()> watch;
   std::vector<wire::Message> replies;
 
-  static std::vector<std::uint8_t> limits() { return tests::BusRig::limits(); }
+  static std::vector<std::uint8_t> limits() { return tests::Device::limits(); }
   bool contactor() { return bench_.arduino().contactor(); }
   void reset_firmware() { hang(); }  // only its watchdog resets this one
   void hang() { bench_.arduino().hang(); }
