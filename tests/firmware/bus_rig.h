@@ -58,7 +58,7 @@ class BusRig {
 
   /// As after a reset: it knows nothing, and its clock (of 32 bits) begins at this.
   void start_firmware(bool by_watchdog, std::uint32_t clock_us = 0) {
-    coils_init(&coils, {this, to_host, to_controllers}, count(), by_watchdog ? 8 : 1, by_watchdog);
+    coils_init(&coils, {this, to_host, to_controllers}, how_many(), by_watchdog ? 8 : 1, by_watchdog);
     coils.tick_us = clock_us;
     clock_us_ = clock_us;
     started_s_ = now_s;
@@ -127,20 +127,19 @@ class BusRig {
     if (!hung_) coils_host_byte(&coils, byte);
   }
   void hello(std::uint8_t session) { ask(wire::kHello, {wire::kProtocolVersion, session, 2, 3, 4}); }
-  std::vector<std::uint8_t> limits() const { return Device::limits(count()); }
+  std::vector<std::uint8_t> limits() const { return Device::limits(how_many()); }
   void configure() { ask(wire::kConfigure, limits()); }
   void connect() {
     hello(1);
     configure();
   }
-  /// True when it was accepted.
+  /// True when it was accepted. The outputs after the first four have none.
   bool pulse(std::array<std::int16_t, 4> current_mA, std::uint16_t length_ms) {
-    return ask(wire::kPulse, pulse_body(current_mA, length_ms)) == (wire::kPulse | wire::kReply);
+    return ask(wire::kPulse, pulse_body({current_mA.begin(), current_mA.end()}, length_ms)) ==
+           (wire::kPulse | wire::kReply);
   }
-  /// Of a bench of two motor controllers.
-  static std::vector<std::uint8_t> pulse_body(std::array<std::int16_t, 4> current_mA,
-                                              std::uint16_t length_ms) {
-    return Device::pulse({current_mA.begin(), current_mA.end()}, length_ms, 2);
+  std::vector<std::uint8_t> pulse_body(const std::vector<int>& current_mA, int length_ms) const {
+    return Device::pulse(current_mA, length_ms, how_many());
   }
 
  private:
@@ -158,7 +157,7 @@ class BusRig {
     double free_s = 0.0;
   };
 
-  std::uint8_t count() const { return static_cast<std::uint8_t>(controllers.size()); }
+  std::uint8_t how_many() const { return static_cast<std::uint8_t>(controllers.size()); }
   void to_firmware(std::uint8_t byte) {
     if (!hung_) coils_controller_byte(&coils, byte);
   }

@@ -114,9 +114,10 @@ struct Device {
           (wire::kConfigure | wire::kReply));
     run(400);
   }
-  /// CONFIGURE: coils of 1.9 ohm, M1 and M2 of a motor controller never on together.
+  /// CONFIGURE: coils of 1.9 ohm, M1 and M2 of a motor controller never on together, 450 W for each of those.
   static std::vector<std::uint8_t> limits(std::uint8_t motor_controllers = 2) {
-    wire::CoilLimits limits{15000, 2000, 1000, 10000, 200, 800, {}, 900, {}, 1351};
+    wire::CoilLimits limits{15000, 2000, 1000, 10000, 200, 800, {}, 0, {}, 1351};
+    limits.max_power_W = static_cast<std::uint16_t>(450 * motor_controllers);
     for (int i = 0; i < 2 * motor_controllers; ++i) {
       limits.resistance_mohm[i] = 1900;
       limits.opposite[i] = static_cast<std::uint8_t>(i ^ 1);
