@@ -177,10 +177,10 @@ class ProbeOrder {
   Next next(const PossibleWirings& possible, const geometry::Vector2& position_m, double far_m) {
     constexpr int kFew = 2;
     constexpr int kMany = 6;
-    constexpr int kLong = 6;  // pulses without news
+    const int too_many = 2 * (coils() - 1);  // pulses without news: a round of the others
     since_news_ = possible.open() < left_ ? 0 : since_news_ + 1;
     left_ = possible.open();
-    const bool anybody = since_news_ > kLong;
+    const bool anybody = since_news_ > too_many;
     if (to_go_ == 0) {
       const bool far = position_m.norm() > far_m;
       for (int back = 0; far && back_ < kMany && back < coils(); ++back) {
