@@ -44,6 +44,12 @@ TEST_CASE("the limits of the paper's four coils are what they were, with the pow
   CHECK(std::vector<int>(limits.opposite, limits.opposite + 4) == std::vector<int>{1, 0, 3, 2});
   CHECK(limits.max_power_W == 1155);  // 2 x 15 A^2 x 1.9 ohm x 1.351
   CHECK_FALSE(rig::need_ranges({}));
+  std::vector<std::uint8_t> body(wire::coil_limits_size(2));
+  wire::put_coil_limits(body.data(), &limits, 2);
+  const std::vector<std::uint8_t> before = {0x98, 0x3a, 0xf4, 0x01, 0x58, 0x02, 0x10, 0x27, 0xc8, 0x00,
+                                            0x20, 0x03, 0x6c, 0x07, 0x6c, 0x07, 0x6c, 0x07, 0x6c, 0x07,
+                                            0x83, 0x04, 0x01, 0x00, 0x03, 0x02, 0x47, 0x05};
+  CHECK(body == before);
 }
 
 TEST_CASE("six unipolar coils on six outputs have ranges of their own, as they are wired") {
