@@ -65,14 +65,15 @@ void calibrate_coils(const BenchOptions& options) {
   common::Json resistance = common::Json::array();
   common::Json inductance = common::Json::array();
   std::printf("%-8s %10s %10s %10s %12s\n", "coil", "R ohm", "L mH", "L/R ms", "residual A");
-  for (int coil = 0; coil < static_cast<int>(rig::kSerialCoils); ++coil) {
-    const std::string name = config.rig.coils.name(static_cast<std::size_t>(coil));
+  for (std::size_t coil = 0; coil < config.rig.coils.count(); ++coil) {
+    const std::string name = config.rig.coils.name(coil);
+    const double test_current_A = std::min(config.test_current_A, config.rig.coils.largest_A(coil));
     if (!confirm("measure coil " + name + "? It gets " + std::to_string(config.pulses) + " pulses of " +
-                     number(config.test_current_A, "A") + ".",
+                     number(test_current_A, "A") + ".",
                  options.yes))
       throw common::Interrupted("calibrate coils: stopped; nothing was written");
-    const rig::CoilMeasurement found =
-        rig::measure_coil(coils, guarded, coil, config.test_current_A, static_cast<int>(config.pulses), rest);
+    const rig::CoilMeasurement found = rig::measure_coil(
+        coils, guarded, static_cast<int>(coil), test_current_A, static_cast<int>(config.pulses), rest);
     std::printf("%-8s %10.3f %10.2f %10.2f %12.3f\n", name.c_str(), found.resistance_ohm,
                 1e3 * found.inductance_H(), 1e3 * found.time_constant_s, found.rms_A);
     const double warmer_K = config.rig.ambient_C - 20.0;

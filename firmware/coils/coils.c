@@ -31,9 +31,12 @@ void coils_tick(struct Coils* coils, uint32_t now_us, bool emergency_stop) {
 
 bool coils_contactor(const struct Coils* coils) { return coils->configured && coils->contactor_closed; }
 
-void coils_init(struct Coils* coils, struct CoilsOutput output, uint8_t reset_cause, bool watchdog_reset) {
+void coils_init(struct Coils* coils, struct CoilsOutput output, uint8_t motor_controllers, uint8_t reset_cause,
+                bool watchdog_reset) {
   memset(coils, 0, sizeof *coils);
   coils->output = output;
+  coils->motor_controllers = motor_controllers;
+  coils->outputs = (uint8_t)(2 * motor_controllers);
   coils->reset_cause = reset_cause;
   if (watchdog_reset) coils->faults = kFaultWatchdog;
 }

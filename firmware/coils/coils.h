@@ -11,7 +11,7 @@ extern "C" {
 using namespace lodestone::wire;
 #endif
 
-enum { kFirmwareMajor = 1, kFirmwareMinor = 1, kFirmwarePatch = 0 };
+enum { kFirmwareMajor = 1, kFirmwareMinor = 2, kFirmwarePatch = 0 };
 
 /* What no configuration may exceed. */
 enum { kHardMaxCurrent_mA = 20000, kHardMaxPulse_ms = 10000 };
@@ -32,9 +32,10 @@ struct BusTransaction {
   uint8_t got;
   uint16_t crc; /* over the request, goes on over the reply */
   uint32_t sent_us;
-  uint8_t reply[kRoboClawMaxReply];
-  bool both;                      /* a kDriveDuty to both controllers, which both acknowledge */
-  int16_t duty[2 * kControllers]; /* of a kDriveDuty in flight */
+  uint8_t reply[kMostControllers]; /* has room for kRoboClawMaxReply, too */
+  /* A kDriveDuty to several controllers, which all acknowledge: a bit for each of them; 0: to one alone. */
+  uint8_t together;
+  int16_t duty[kMostOutputs]; /* of a kDriveDuty in flight */
 };
 
 struct MotorController {
@@ -52,8 +53,11 @@ struct MotorController {
   int16_t board_dC;
 };
 
+/* Output i is M1 (i even) or M2 of motor controller i / 2. A coil is what one of them drives. */
 struct Coils {
   struct CoilsOutput output;
+  uint8_t motor_controllers; /* of the bench */
+  uint8_t outputs;           /* two of each */
   uint32_t now_us;
   uint32_t tick_us; /* the last whole millisecond that has been dealt with */
   uint32_t uptime_ms;
@@ -69,6 +73,7 @@ struct Coils {
 
   bool configured;
   struct CoilLimits limits;
+  struct CoilRanges ranges; /* of RANGES, or what the limits say */
   uint16_t faults;
   bool emergency_stop;
 
@@ -76,18 +81,18 @@ struct Coils {
   uint16_t pulses;
   uint32_t pulse_us; /* when it began */
   uint32_t length_us;
-  int16_t target_mA[kCoils];
-  int16_t duty[kCoils];        /* wanted */
-  uint32_t changed_us[kCoils]; /* when the wanted duty was last changed */
-  uint32_t duty_level[kCoils]; /* leaky count of on-time, 1/1000 ms */
-  int16_t current_mA[kCoils];
-  uint16_t resistance_mohm[kCoils];
-  uint16_t pending_estimate_mA[kCoils]; /* a steady current that waits for a fresh reading of the supply; 0:
-                                           none */
+  int16_t target_mA[kMostOutputs];
+  int16_t duty[kMostOutputs];        /* wanted */
+  uint32_t changed_us[kMostOutputs]; /* when the wanted duty was last changed */
+  uint32_t duty_level[kMostOutputs]; /* leaky count of on-time, 1/1000 ms */
+  int16_t current_mA[kMostOutputs];
+  uint16_t resistance_mohm[kMostOutputs];
+  /* A steady current that waits for a fresh reading of the supply; 0: none. */
+  uint16_t pending_estimate_mA[kMostOutputs];
   /* Switched off, or found with a current that nobody asked for, and not measured without one since. What a
    * motor controller acknowledges does not end this; only a measured current does. */
-  bool stopping[kCoils];
-  uint32_t stopping_us[kCoils]; /* since when */
+  bool stopping[kMostOutputs];
+  uint32_t stopping_us[kMostOutputs]; /* since when */
   bool quiet;            /* nothing is said to the motor controllers, so that they stop by themselves */
   uint32_t quiet_us;     /* since when */
   bool contactor_open;   /* a coil would not switch off, or could not be looked at; until CLEAR */
@@ -98,11 +103,13 @@ struct Coils {
   uint8_t trace_count;
   struct TraceSample trace[kTraceSamples];
 
-  struct MotorController controllers[kControllers];
+  struct MotorController controllers[kMostControllers];
   struct BusTransaction bus;
 };
 
-void coils_init(struct Coils* coils, struct CoilsOutput output, uint8_t reset_cause, bool watchdog_reset);
+/* `motor_controllers`: 1 to kMostControllers, at addresses from kRoboClawAddress on. */
+void coils_init(struct Coils* coils, struct CoilsOutput output, uint8_t motor_controllers,
+                uint8_t reset_cause, bool watchdog_reset);
 void coils_host_byte(struct Coils* coils, uint8_t byte);
 void coils_controller_byte(struct Coils* coils, uint8_t byte);
 /* Call at least once per millisecond; `now_us` counts up and wraps. */

@@ -12,6 +12,12 @@ enum {
 
 uint16_t coils_magnitude(int16_t value) { return (uint16_t)(value < 0 ? -(int32_t)value : value); }
 
+uint16_t coils_most_mA(const struct Coils* coils, uint8_t coil) {
+  const uint16_t smallest_mA = coils_magnitude(coils->ranges.smallest_mA[coil]);
+  const uint16_t largest_mA = coils_magnitude(coils->ranges.largest_mA[coil]);
+  return smallest_mA > largest_mA ? smallest_mA : largest_mA;
+}
+
 static void start_stopping(struct Coils* coils, uint8_t coil) {
   if (!coils->stopping[coil]) coils->stopping_us[coil] = coils->now_us;
   coils->stopping[coil] = true;
@@ -30,7 +36,7 @@ static void set_duty(struct Coils* coils, uint8_t coil, int16_t duty) {
 
 void coils_all_off(struct Coils* coils) {
   coils->pulsing = false;
-  for (uint8_t i = 0; i < kCoils; ++i) {
+  for (uint8_t i = 0; i < coils->outputs; ++i) {
     coils->target_mA[i] = 0;
     set_duty(coils, i, 0);
   }
@@ -49,8 +55,8 @@ void coils_cut(struct Coils* coils, uint16_t fault) {
 
 void coils_allow_contactor(struct Coils* coils) {
   coils->contactor_open = false;
-  for (uint8_t i = 0; i < kCoils; ++i) coils->stopping_us[i] = coils->now_us;
-  for (uint8_t c = 0; c < kControllers; ++c) {
+  for (uint8_t i = 0; i < coils->outputs; ++i) coils->stopping_us[i] = coils->now_us;
+  for (uint8_t c = 0; c < coils->motor_controllers; ++c) {
     coils->controllers[c].setup_step = 0;
     coils->controllers[c].seen = 0;
   }
@@ -58,7 +64,7 @@ void coils_allow_contactor(struct Coils* coils) {
 
 void coils_watch_contactor(struct Coils* coils) {
   bool known = true;
-  for (uint8_t c = 0; c < kControllers; ++c) {
+  for (uint8_t c = 0; c < coils->motor_controllers; ++c) {
     struct MotorController* controller = &coils->controllers[c];
     if (coils->now_us - controller->looked_us >= kBlind_us) controller->looked = false;
     known = known && controller->looked;
@@ -75,7 +81,7 @@ void coils_watch_contactor(struct Coils* coils) {
 
 void coils_watch_stopping(struct Coils* coils) {
   if (coils->quiet || !coils->configured) return;
-  for (uint8_t i = 0; i < kCoils; ++i) {
+  for (uint8_t i = 0; i < coils->outputs; ++i) {
     if (!coils->stopping[i] || coils->now_us - coils->stopping_us[i] < kStray_us) continue;
     coils_cut(coils, kFaultStrayCurrent);
     coils->quiet = true;
@@ -85,7 +91,7 @@ void coils_watch_stopping(struct Coils* coils) {
 
 bool coils_stopping(const struct Coils* coils) {
   bool any = false;
-  for (uint8_t i = 0; i < kCoils; ++i) any = any || coils->stopping[i];
+  for (uint8_t i = 0; i < coils->outputs; ++i) any = any || coils->stopping[i];
   return any;
 }
 
@@ -106,7 +112,7 @@ void coils_start_pulse(struct Coils* coils, const int16_t* current_mA, uint16_t 
   coils->pulse_us = coils->now_us;
   coils->length_us = length_ms * 1000ul;
   coils->trace_count = 0;
-  for (uint8_t i = 0; i < kCoils; ++i) {
+  for (uint8_t i = 0; i < coils->outputs; ++i) {
     coils->target_mA[i] = coils->pulsing ? current_mA[i] : 0;
     set_duty(coils, i, duty_for(coils, i, coils->target_mA[i]));
     if (coils_magnitude(coils->target_mA[i]) > strongest) {
@@ -128,7 +134,7 @@ void coils_take_current(struct Coils* coils, uint8_t coil, int16_t measured_mA, 
     sample->time_100us = since > 0xffff ? 0xffff : (uint16_t)since;
     sample->current_mA = measured_mA;
   }
-  if (coils->configured && size_mA > (uint32_t)coils->limits.max_current_mA * 5 / 4 + 500)
+  if (coils->configured && size_mA > (uint32_t)coils_most_mA(coils, coil) * 5 / 4 + 500)
     coils_latch(coils, kFaultOverCurrent);
   if (coils->duty[coil] == 0) { /* looked at before CONFIGURE, too: a new session finds the coils seen off */
     if (size_mA > kStrayCurrent_mA) { /* it does not do what it acknowledged */
@@ -171,7 +177,7 @@ void coils_take_millisecond(struct Coils* coils) {
   ++coils->uptime_ms;
   if (!coils->configured) return;
   const uint32_t capacity = (uint32_t)coils->limits.duty_window_ms * coils->limits.max_duty_permille;
-  for (uint8_t i = 0; i < kCoils; ++i) {
+  for (uint8_t i = 0; i < coils->outputs; ++i) {
     uint32_t level = coils->duty_level[i] + (coils->duty[i] != 0 ? 1000 : 0);
     level = level > coils->limits.max_duty_permille ? level - coils->limits.max_duty_permille : 0;
     coils->duty_level[i] = level;

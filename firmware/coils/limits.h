@@ -5,6 +5,8 @@
 #include "coils.h"
 
 uint16_t coils_magnitude(int16_t value);
+/* Largest current that a coil may have, of either sign. */
+uint16_t coils_most_mA(const struct Coils* coils, uint8_t coil);
 void coils_all_off(struct Coils* coils);
 /* Keeps the faults and switches off. */
 void coils_latch(struct Coils* coils, uint16_t faults);

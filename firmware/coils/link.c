@@ -27,7 +27,7 @@ static const uint8_t kReadings[] = {kReadCurrents, kReadMainBattery, kReadCurren
 enum { kReadingsInTurn = 6, kAllSeen = 0x0f };
 
 bool coils_ready(const struct Coils* coils) {
-  for (uint8_t c = 0; c < kControllers; ++c) {
+  for (uint8_t c = 0; c < coils->motor_controllers; ++c) {
     const struct MotorController* controller = &coils->controllers[c];
     if (controller->setup_step != kSetupSteps || controller->seen != kAllSeen) return false;
   }
@@ -37,7 +37,7 @@ bool coils_ready(const struct Coils* coils) {
 static void send_request(struct Coils* coils, uint8_t controller, uint8_t command, const uint8_t* data,
                          uint8_t count, uint8_t reply_bytes) {
   struct BusTransaction* bus = &coils->bus;
-  bus->both = false;
+  bus->together = 0;
   uint8_t packet[kRoboClawMaxRequest];
   uint8_t length = 0;
   packet[length++] = (uint8_t)(kRoboClawAddress + controller);
@@ -64,16 +64,21 @@ static void send_u32(struct Coils* coils, uint8_t controller, uint8_t command, u
   send_request(coils, controller, command, data, (uint8_t)(4 * words), 1);
 }
 
+/* Beyond it the controller switches an output off by itself, 10 mA. */
+static uint32_t max_10mA(const struct Coils* coils, uint8_t output) {
+  return (uint32_t)coils_most_mA(coils, output) * 5 / 40 + 50;
+}
+
 static void send_setup(struct Coils* coils, uint8_t controller) {
-  const uint32_t max_10mA = (uint32_t)coils->limits.max_current_mA * 5 / 40 + 50;
+  const uint8_t m1 = (uint8_t)(2 * controller);
   const uint8_t timeout = kControllerTimeout_100ms;
   switch (coils->controllers[controller].setup_step) {
     case kSetupTimeout: send_request(coils, controller, kSetSerialTimeout, &timeout, 1, 1); break;
     case kSetupCheckTimeout: send_request(coils, controller, kReadSerialTimeout, &timeout, 0, 3); break;
     case kSetupRampM1: send_u32(coils, controller, kSetDutyRampM1, ROBOCLAW_FASTEST_RAMP, 1); break;
     case kSetupRampM2: send_u32(coils, controller, kSetDutyRampM2, ROBOCLAW_FASTEST_RAMP, 1); break;
-    case kSetupMaxM1: send_u32(coils, controller, kSetMaxCurrentM1, max_10mA, 2); break;
-    default: send_u32(coils, controller, kSetMaxCurrentM2, max_10mA, 2); break;
+    case kSetupMaxM1: send_u32(coils, controller, kSetMaxCurrentM1, max_10mA(coils, m1), 2); break;
+    default: send_u32(coils, controller, kSetMaxCurrentM2, max_10mA(coils, (uint8_t)(m1 + 1)), 2); break;
   }
 }
 
@@ -88,12 +93,17 @@ static void send_duty(struct Coils* coils, uint8_t controller) {
   send_request(coils, controller, kDriveDuty, data, 4, 1);
 }
 
-/* Both axes of a field must begin and end together: the second command follows the first without waiting, and the
+/* All coils of a field must begin and end together: each command follows the one before without waiting, and the
  * acknowledgements come one after the other. */
-static void send_both_duties(struct Coils* coils) {
-  for (uint8_t c = 0; c < kControllers; ++c) send_duty(coils, c);
-  coils->bus.both = true;
-  coils->bus.wanted = kControllers;
+static void send_duties_together(struct Coils* coils, uint8_t which) {
+  uint8_t wanted = 0;
+  for (uint8_t c = 0; c < coils->motor_controllers; ++c) {
+    if ((which >> c & 1) == 0) continue;
+    send_duty(coils, c);
+    ++wanted;
+  }
+  coils->bus.together = which;
+  coils->bus.wanted = wanted;
 }
 
 static bool duty_differs(const struct Coils* coils, uint8_t controller) {
@@ -111,25 +121,27 @@ static bool stopping(const struct Coils* coils, uint8_t controller) {
 
 /* Duties that differ from what a controller has acknowledged. False: nothing to send. */
 static bool send_changed_duties(struct Coils* coils) {
-  bool all_well = true; /* a controller that has fallen silent is spoken to alone, so that the other is not held up */
-  bool all_differ = true;
-  for (uint8_t c = 0; c < kControllers; ++c) {
-    all_well = all_well && coils->controllers[c].duty_known && coils->controllers[c].unanswered == 0;
-    all_differ = all_differ && duty_differs(coils, c);
+  uint8_t together = 0; /* one that has fallen silent is spoken to alone, so that the others are not held up */
+  uint8_t count = 0;
+  for (uint8_t c = 0; c < coils->motor_controllers; ++c) {
+    const bool well = coils->controllers[c].duty_known && coils->controllers[c].unanswered == 0;
+    if (!well || !duty_differs(coils, c)) continue;
+    together = (uint8_t)(together | 1u << c);
+    ++count;
   }
-  if (all_well && all_differ) {
-    send_both_duties(coils);
+  if (count > 1) {
+    send_duties_together(coils, together);
     return true;
   }
   const uint8_t last = coils->bus.controller;
-  for (uint8_t i = 1; i <= kControllers; ++i) { /* the other one first, so that a dead one does not block it */
-    const uint8_t c = (uint8_t)((last + i) % kControllers);
+  for (uint8_t i = 1; i <= coils->motor_controllers; ++i) { /* the others first: a dead one does not block them */
+    const uint8_t c = (uint8_t)((last + i) % coils->motor_controllers);
     if (duty_differs(coils, c) && !driven(coils, c)) {
       send_duty(coils, c);
       return true;
     }
   }
-  for (uint8_t c = 0; c < kControllers; ++c)
+  for (uint8_t c = 0; c < coils->motor_controllers; ++c)
     if (duty_differs(coils, c)) {
       send_duty(coils, c);
       return true;
@@ -154,8 +166,8 @@ static void send_reading(struct Coils* coils, uint8_t c) {
 static void next_transaction(struct Coils* coils) {
   if (send_changed_duties(coils)) return;
   const uint8_t last = coils->bus.controller;
-  for (uint8_t i = 1; i <= kControllers; ++i) {
-    const uint8_t c = (uint8_t)((last + i) % kControllers);
+  for (uint8_t i = 1; i <= coils->motor_controllers; ++i) {
+    const uint8_t c = (uint8_t)((last + i) % coils->motor_controllers);
     if (coils->configured && coils->controllers[c].setup_step != kSetupSteps) {
       send_setup(coils, c);
       return;
@@ -178,9 +190,10 @@ static void next_transaction(struct Coils* coils) {
 static void take_reply(struct Coils* coils) {
   struct BusTransaction* bus = &coils->bus;
   struct MotorController* controller = &coils->controllers[bus->controller];
-  if (bus->both) {
+  if (bus->together != 0) {
     bus->busy = false;
-    for (uint8_t i = 0; i < 2 * kControllers; ++i) coils->controllers[i / 2].duty[i % 2] = bus->duty[i];
+    for (uint8_t i = 0; i < coils->outputs; ++i)
+      if (bus->together >> i / 2 & 1) coils->controllers[i / 2].duty[i % 2] = bus->duty[i];
     return;
   }
   const uint16_t first = (uint16_t)((uint16_t)bus->reply[0] << 8 | bus->reply[1]);
@@ -232,7 +245,7 @@ void coils_controller_byte(struct Coils* coils, uint8_t byte) {
   if (!bus->busy || bus->got >= bus->wanted) return;
   bus->reply[bus->got++] = byte;
   if (bus->got < bus->wanted) return;
-  if (bus->wanted == 1 || bus->both) {
+  if (bus->wanted == 1 || bus->together != 0) {
     bool acknowledged = true;
     for (uint8_t i = 0; i < bus->wanted; ++i) acknowledged = acknowledged && bus->reply[i] == kRoboClawAcknowledged;
     if (acknowledged) take_reply(coils);
@@ -248,8 +261,8 @@ void coils_controller_byte(struct Coils* coils, uint8_t byte) {
 static void end_quiet(struct Coils* coils) {
   coils->quiet = false;
   coils->bus.busy = false;
-  for (uint8_t i = 0; i < kCoils; ++i) coils->stopping_us[i] = coils->now_us;
-  for (uint8_t c = 0; c < kControllers; ++c) {
+  for (uint8_t i = 0; i < coils->outputs; ++i) coils->stopping_us[i] = coils->now_us;
+  for (uint8_t c = 0; c < coils->motor_controllers; ++c) {
     coils->controllers[c].setup_step = 0;
     coils->controllers[c].duty_known = false;
     coils->controllers[c].seen = 0;
@@ -267,8 +280,9 @@ void coils_poll_link(struct Coils* coils) {
     struct MotorController* controller = &coils->controllers[bus->controller];
     bus->busy = false;
     if (bus->command == kDriveDuty) controller->duty_known = false; /* it may have heard us all the same */
-    if (bus->both) { /* who it was shows when they are spoken to alone */
-      for (uint8_t c = 0; c < kControllers; ++c) coils->controllers[c].duty_known = false;
+    if (bus->together != 0) { /* who it was shows when they are spoken to alone */
+      for (uint8_t c = 0; c < coils->motor_controllers; ++c)
+        if (bus->together >> c & 1) coils->controllers[c].duty_known = false;
       next_transaction(coils);
       return;
     }

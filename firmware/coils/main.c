@@ -7,6 +7,13 @@
 
 #include "coils.h"
 
+#ifndef MOTOR_CONTROLLERS
+#define MOTOR_CONTROLLERS 2 /* RoboClaws of the bench, at addresses 0x80, 0x81, ...: coils-N.hex is built with N */
+#endif
+#if MOTOR_CONTROLLERS < 1 || MOTOR_CONTROLLERS > 8
+#error "MOTOR_CONTROLLERS must be 1 to 8: their addresses are 0x80 to 0x87"
+#endif
+
 #define BAUD 115200ul
 #define UBRR_DOUBLE_SPEED ((F_CPU / 4 / BAUD - 1) / 2)
 
@@ -116,7 +123,7 @@ int main(void) {
   start_uarts();
   start_timer();
   const struct CoilsOutput output = {0, to_host, to_controllers};
-  coils_init(&coils, output, reset_cause, (reset_cause & _BV(WDRF)) != 0);
+  coils_init(&coils, output, MOTOR_CONTROLLERS, reset_cause, (reset_cause & _BV(WDRF)) != 0);
   set_sleep_mode(SLEEP_MODE_IDLE);
   wdt_enable(WDTO_250MS);
   sei();

@@ -19,7 +19,7 @@ enum RoboClawCommand {
 };
 
 enum {
-  kRoboClawAddress = 0x80, /* of the first controller; the second is the next */
+  kRoboClawAddress = 0x80, /* of the first controller; the second is the next, up to 0x87 */
   kRoboClawAcknowledged = 0xff,
   kRoboClawMaxRequest = 12,
   kRoboClawMaxReply = 6,

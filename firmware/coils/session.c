@@ -28,25 +28,25 @@ static void refuse(struct Coils* coils, const struct Message* request, uint8_t r
 
 static uint8_t write_state(const struct Coils* coils, uint8_t* body) {
   struct CoilState state;
+  memset(&state, 0, sizeof state);
   state.state = (uint8_t)((coils->has_session ? kStateSession : 0) | (coils->configured ? kStateConfigured : 0) |
                           (coils_ready(coils) ? kStateReady : 0) | (coils->pulsing ? kStatePulsing : 0) |
                           (coils->emergency_stop ? kStateEmergencyStop : 0));
   state.faults = coils->faults;
   state.uptime_ms = coils->uptime_ms;
   state.pulses = coils->pulses;
-  state.remaining_ms = 0;
   if (coils->pulsing) state.remaining_ms = (uint16_t)((coils->length_us - (coils->now_us - coils->pulse_us)) / 1000);
-  for (uint8_t i = 0; i < kCoils; ++i) {
+  for (uint8_t i = 0; i < coils->outputs; ++i) {
     state.current_mA[i] = coils->current_mA[i];
     state.resistance_mohm[i] = coils->resistance_mohm[i];
   }
-  for (uint8_t c = 0; c < kControllers; ++c) {
+  for (uint8_t c = 0; c < coils->motor_controllers; ++c) {
     state.board_dC[c] = coils->controllers[c].board_dC;
     state.supply_dV[c] = coils->controllers[c].supply_dV;
   }
   state.resets = coils->reset_cause;
-  put_coil_state(body, &state);
-  return kCoilStateSize;
+  put_coil_state(body, &state, coils->motor_controllers);
+  return coil_state_size(coils->motor_controllers);
 }
 
 static void hello(struct Coils* coils, const struct Message* request) {
@@ -70,7 +70,7 @@ static void hello(struct Coils* coils, const struct Message* request) {
   const struct HelloReply answer = {kProtocolVersion,   {kFirmwareMajor, kFirmwareMinor, kFirmwarePatch},
                                     coils->reset_cause, coils->faults,
                                     kHardMaxCurrent_mA, kHardMaxPulse_ms,
-                                    kControllers};
+                                    coils->motor_controllers};
   struct Message message;
   message.type = kHello | kReply;
   message.sequence = request->sequence;
@@ -79,11 +79,14 @@ static void hello(struct Coils* coils, const struct Message* request) {
   reply(coils, &message, true);
 }
 
+static uint16_t bit_of(uint8_t output) { return (uint16_t)(1u << output); }
+
 /* The handlers return 0, or why they refuse, and then perhaps a detail. */
 static uint8_t configure(struct Coils* coils, const struct Message* request, uint16_t* detail) {
-  if (request->length != kCoilLimitsSize) return kRefusedBody;
+  if (request->length != coil_limits_size(coils->motor_controllers)) return kRefusedBody;
   struct CoilLimits limits;
-  get_coil_limits(request->body, &limits);
+  memset(&limits, 0, sizeof limits);
+  get_coil_limits(request->body, &limits, coils->motor_controllers);
   if (limits.max_current_mA > kHardMaxCurrent_mA) {
     *detail = kHardMaxCurrent_mA;
     return kRefusedLimit;
@@ -94,41 +97,72 @@ static uint8_t configure(struct Coils* coils, const struct Message* request, uin
   }
   bool sound = limits.max_duty_permille <= 1000 && limits.max_resistance_permille >= 1000 &&
                limits.max_resistance_permille <= 2000;
-  for (uint8_t i = 0; i < kCoils; ++i)
-    sound = sound && limits.opposite[i] < kCoils && limits.resistance_mohm[i] >= 100 && limits.resistance_mohm[i] <= 30000;
+  for (uint8_t i = 0; i < coils->outputs; ++i)
+    sound = sound && limits.opposite[i] < coils->outputs && limits.resistance_mohm[i] >= 100 &&
+            limits.resistance_mohm[i] <= 30000;
   if (!sound) return kRefusedBody;
   coils_all_off(coils);
-  for (uint8_t i = 0; i < kCoils; ++i)
+  for (uint8_t i = 0; i < coils->outputs; ++i) {
     if (limits.resistance_mohm[i] != coils->limits.resistance_mohm[i])
       coils->resistance_mohm[i] = limits.resistance_mohm[i];
+    coils->ranges.largest_mA[i] = (int16_t)limits.max_current_mA;
+    coils->ranges.smallest_mA[i] = (int16_t)-coils->ranges.largest_mA[i];
+    coils->ranges.not_with[i] = limits.opposite[i] == i ? 0 : bit_of(limits.opposite[i]);
+  }
   coils->limits = limits;
   coils->configured = true;
   if (!coils->contactor_open) coils_allow_contactor(coils);
   return 0;
 }
 
+/* Within the limits; the motor controllers are then told their largest currents anew. */
+static uint8_t set_ranges(struct Coils* coils, const struct Message* request) {
+  if (request->length != coil_ranges_size(coils->motor_controllers)) return kRefusedBody;
+  if (!coils->configured) return kRefusedSetup;
+  struct CoilRanges ranges;
+  memset(&ranges, 0, sizeof ranges);
+  get_coil_ranges(request->body, &ranges, coils->motor_controllers);
+  const uint16_t all = (uint16_t)((1ul << coils->outputs) - 1);
+  const uint16_t most_mA = coils->limits.max_current_mA;
+  bool sound = true;
+  for (uint8_t i = 0; i < coils->outputs; ++i)
+    sound = sound && ranges.smallest_mA[i] <= 0 && ranges.largest_mA[i] >= 0 &&
+            coils_magnitude(ranges.smallest_mA[i]) <= most_mA && coils_magnitude(ranges.largest_mA[i]) <= most_mA &&
+            (ranges.not_with[i] & ~all) == 0 && (ranges.not_with[i] & bit_of(i)) == 0;
+  if (!sound) return kRefusedBody;
+  coils_all_off(coils);
+  coils->ranges = ranges;
+  if (!coils->contactor_open) coils_allow_contactor(coils);
+  return 0;
+}
+
 static uint8_t pulse(struct Coils* coils, const struct Message* request, uint16_t* detail) {
-  if (request->length != kPulseRequestSize) return kRefusedBody;
+  if (request->length != pulse_request_size(coils->motor_controllers)) return kRefusedBody;
   if (coils->faults != 0) {
     *detail = coils->faults;
     return kRefusedFault;
   }
   if (!coils_ready(coils)) return kRefusedSetup;
   struct PulseRequest asked;
-  get_pulse_request(request->body, &asked);
-  for (uint8_t i = 0; i < kCoils; ++i)
-    if (coils_magnitude(asked.current_mA[i]) > coils->limits.max_current_mA) {
-      *detail = coils->limits.max_current_mA;
+  memset(&asked, 0, sizeof asked);
+  get_pulse_request(request->body, &asked, coils->motor_controllers);
+  uint16_t on = 0; /* a bit for each output */
+  for (uint8_t i = 0; i < coils->outputs; ++i) {
+    const int16_t current_mA = asked.current_mA[i];
+    const int16_t bound_mA = current_mA < 0 ? coils->ranges.smallest_mA[i] : coils->ranges.largest_mA[i];
+    if (coils_magnitude(current_mA) > coils_magnitude(bound_mA)) {
+      *detail = coils_magnitude(bound_mA);
       return kRefusedLimit;
     }
+    if (current_mA != 0) on |= bit_of(i);
+  }
   if (asked.length_ms > coils->limits.max_pulse_ms) {
     *detail = coils->limits.max_pulse_ms;
     return kRefusedLimit;
   }
   uint32_t power_W = 0;
-  for (uint8_t i = 0; i < kCoils; ++i) {
-    const uint8_t other = coils->limits.opposite[i];
-    if (other != i && asked.current_mA[i] != 0 && asked.current_mA[other] != 0) return kRefusedOpposite;
+  for (uint8_t i = 0; i < coils->outputs; ++i) {
+    if (asked.current_mA[i] != 0 && (coils->ranges.not_with[i] & on) != 0) return kRefusedOpposite;
     const uint32_t current_10mA = coils_magnitude(asked.current_mA[i]) / 10u;
     power_W += current_10mA * current_10mA / 1000 * coils->resistance_mohm[i] / 10000;
   }
@@ -152,6 +186,7 @@ static uint8_t carry_out(struct Coils* coils, const struct Message* request, str
   uint8_t refused = 0;
   switch (request->type) {
     case kConfigure: return configure(coils, request, detail);
+    case kRanges: return set_ranges(coils, request);
     case kPulse:
       refused = pulse(coils, request, detail);
       if (refused == 0) {
@@ -163,7 +198,7 @@ static uint8_t carry_out(struct Coils* coils, const struct Message* request, str
     case kTrace: answer->length = write_trace(coils, answer->body); return 0;
     case kClear: /* a coil that was too hot may have cooled; its next pulse tells */
       coils->faults = coils->quiet ? kFaultStrayCurrent : 0; /* while nobody looks, nothing has changed */
-      for (uint8_t i = 0; i < kCoils; ++i) coils->resistance_mohm[i] = coils->limits.resistance_mohm[i];
+      for (uint8_t i = 0; i < coils->outputs; ++i) coils->resistance_mohm[i] = coils->limits.resistance_mohm[i];
       if (coils->contactor_open && !coils->quiet) coils_allow_contactor(coils);
       return 0;
     case kPing: return 0;

@@ -42,4 +42,34 @@
     return at;                                                                  \
   }
 
+/* The same of a body that depends on the bench: WIRE_BENCH_BODY(Name, name, FIELDS), where FIELDS(ONE,
+ * OUTPUTS, CONTROLLERS) holds ONE(type, name), OUTPUTS(type, name), a number for each output, and
+ * CONTROLLERS(type, name), one for each motor controller. Its struct has room for all that there may be
+ * (kMostOutputs, kMostControllers); name_size, put_name and get_name are told how many motor controllers
+ * there are, and leave the rest of it alone. */
+#define WIRE_MEMBER_OUTPUTS(type, name) WIRE_TYPE_##type name[kMostOutputs];
+#define WIRE_MEMBER_CONTROLLERS(type, name) WIRE_TYPE_##type name[kMostControllers];
+#define WIRE_SIZE_OUTPUTS(type, name) +(2 * controllers) * WIRE_BYTES_##type
+#define WIRE_SIZE_CONTROLLERS(type, name) +(controllers)*WIRE_BYTES_##type
+#define WIRE_PUT_OUTPUTS(type, name) WIRE_PUTS(type, name, 2 * controllers)
+#define WIRE_PUT_CONTROLLERS(type, name) WIRE_PUTS(type, name, controllers)
+#define WIRE_GET_OUTPUTS(type, name) WIRE_GETS(type, name, 2 * controllers)
+#define WIRE_GET_CONTROLLERS(type, name) WIRE_GETS(type, name, controllers)
+
+#define WIRE_BENCH_BODY(Name, name, FIELDS)                                                          \
+  struct Name {                                                                                      \
+    FIELDS(WIRE_MEMBER, WIRE_MEMBER_OUTPUTS, WIRE_MEMBER_CONTROLLERS)                                \
+  };                                                                                                 \
+  static inline uint8_t name##_size(uint8_t controllers) {                                           \
+    return (uint8_t)(0 FIELDS(WIRE_SIZE, WIRE_SIZE_OUTPUTS, WIRE_SIZE_CONTROLLERS));                 \
+  }                                                                                                  \
+  static inline uint8_t* put_##name(uint8_t* at, const struct Name* from, uint8_t controllers) {     \
+    FIELDS(WIRE_PUT, WIRE_PUT_OUTPUTS, WIRE_PUT_CONTROLLERS)                                         \
+    return at;                                                                                       \
+  }                                                                                                  \
+  static inline const uint8_t* get_##name(const uint8_t* at, struct Name* to, uint8_t controllers) { \
+    FIELDS(WIRE_GET, WIRE_GET_OUTPUTS, WIRE_GET_CONTROLLERS)                                         \
+    return at;                                                                                       \
+  }
+
 #endif

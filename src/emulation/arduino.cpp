@@ -79,7 +79,11 @@ struct Arduino::State {
   }
 };
 
-Arduino::Arduino(Sink to_host, Sink to_controllers) : state_(std::make_unique<State>()) {
+Arduino::Arduino(Sink to_host, Sink to_controllers, std::size_t motor_controllers)
+    : state_(std::make_unique<State>()) {
+  LODESTONE_CHECK(motor_controllers >= 1 && motor_controllers <= kFirmware.size(),
+                  "firmware for 1 to 8 motor controllers");
+  const FirmwareImage& firmware = kFirmware[motor_controllers - 1];
   avr_global_logger_set(quiet);
   State& state = *state_;
   state.to_host = std::move(to_host);
@@ -91,9 +95,8 @@ Arduino::Arduino(Sink to_host, Sink to_controllers) : state_(std::make_unique<St
   avr->frequency = kFrequency_Hz;
   avr->sleep = no_sleep;
   avr->run_cycle_limit = kLongestRun;
-  avr_loadcode(avr, const_cast<std::uint8_t*>(kFirmwareImage), static_cast<std::uint32_t>(kFirmwareImageSize),
-               0);
-  avr->codeend = static_cast<std::uint32_t>(kFirmwareImageSize);
+  avr_loadcode(avr, const_cast<std::uint8_t*>(firmware.bytes), static_cast<std::uint32_t>(firmware.size), 0);
+  avr->codeend = static_cast<std::uint32_t>(firmware.size);
   avr->custom.data = &state;
   state.core_reset = avr->reset;
   state.host_in = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT);

@@ -5,7 +5,7 @@ namespace lodestone::emulation {
 
 struct Arduino::State {};
 
-Arduino::Arduino(Sink, Sink) {
+Arduino::Arduino(Sink, Sink, std::size_t) {
   throw common::HardwareError(
       "this build cannot emulate the coil controller; install gcc-avr, avr-libc and libsimavr-dev and "
       "configure again");

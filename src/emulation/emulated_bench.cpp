@@ -11,7 +11,17 @@
 namespace lodestone::emulation {
 
 namespace {
+
 constexpr double kStep_s = 0.1e-3;  // about one byte on a line
+
+/// As many as the coils need, two each, at addresses from 0x80 on.
+std::vector<RoboClawModel> controllers_for(std::size_t coils) {
+  std::vector<RoboClawModel> controllers;
+  for (std::size_t c = 0; c < (coils + 1) / 2; ++c)
+    controllers.emplace_back(static_cast<std::uint8_t>(0x80 + c));
+  return controllers;
+}
+
 }  // namespace
 
 class EmulatedBench::BenchClock final : public common::Clock {
@@ -30,19 +40,16 @@ class EmulatedBench::BenchClock final : public common::Clock {
 
 EmulatedBench::EmulatedBench(rig::VirtualRig& rig)
     : rig_(rig),
-      controllers_{RoboClawModel(0x80), RoboClawModel(0x81)},
+      controllers_(controllers_for(rig.config().coils.count())),
       clock_(std::make_unique<BenchClock>(*this)),
       start_s_(rig.clock().now_s()),
       now_s_(start_s_) {
-  if (rig.config().coils.count() != 2 * controllers_.size())
-    throw common::ConfigError("rig.coils.each lists " + std::to_string(rig.config().coils.count()) +
-                              " coils; the emulated coil controller has outputs for four");
   const physics::AmplifierControl controls = rig.config().amplifier.controls;
   if (controls != physics::AmplifierControl::kDuty)
     throw common::ConfigError("rig.amplifier.controls = " + common::name_of(controls) +
                               "; the emulated motor controllers give duties: it must be duty");
-  stuck_.assign(4, std::numeric_limits<double>::quiet_NaN());
-  short_.assign(4, 1.0);
+  stuck_.assign(coil_count(), std::numeric_limits<double>::quiet_NaN());
+  short_.assign(coil_count(), 1.0);
   set_supply_V(rig.config().supply_V);
   arduino_ = std::make_unique<Arduino>(
       [this](std::uint8_t byte) {
@@ -51,7 +58,8 @@ EmulatedBench::EmulatedBench(rig::VirtualRig& rig)
       [this](std::uint8_t byte) {
         if (!to_controllers_filter || to_controllers_filter(byte))
           to_controllers_.push_back({byte, arduino_->now_s() + start_s_ + RoboClawModel::kByte_s});
-      });
+      },
+      controllers_.size());
 }
 
 EmulatedBench::~EmulatedBench() = default;
@@ -131,13 +139,8 @@ void EmulatedBench::inject_to_host(const std::vector<std::uint8_t>& bytes) {
 /// What the controllers put on the coils from now on.
 void EmulatedBench::drive_rig() {
   physics::PerCoil duty{};
-  for (std::size_t c = 0; c < controllers_.size(); ++c) {
-    const std::array<double, 2> output = controllers_[c].duty();
-    duty[2 * c] = output[0];
-    duty[2 * c + 1] = output[1];
-  }
-  for (std::size_t i = 0; i < duty.size(); ++i)
-    duty[i] = (std::isnan(stuck_[i]) ? duty[i] : stuck_[i]) / short_[i];
+  for (std::size_t i = 0; i < coil_count(); ++i)  // an odd one leaves the last output free
+    duty[i] = (std::isnan(stuck_[i]) ? controllers_[i / 2].duty()[i % 2] : stuck_[i]) / short_[i];
   if (!contactor_closed_ && !welded_) duty.assign(duty.size(), 0.0);
   if (duty == driven_ && supply_V_ == driven_supply_V_) return;
   driven_ = duty;

@@ -11,7 +11,7 @@ PulseWatch::PulseWatch(emulation::LiveBench& live) : live_(live) {
   live_.with([this](emulation::EmulatedBench& bench) {
     bench.watch = [this, &bench, was_on = false](double now_s, const auto&) mutable {
       bool on = false;
-      for (int i = 0; i < 2; ++i)
+      for (int i = 0; i < static_cast<int>(bench.controllers()); ++i)
         for (const double duty : bench.controller(i).duty()) on = on || duty != 0.0;
       if (on && !was_on) {
         const std::lock_guard<common::PriorityMutex> lock(mutex_);

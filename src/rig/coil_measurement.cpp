@@ -84,16 +84,18 @@ CoilMeasurement fit_rise(const CurrentTrace& trace, double ramp_s) {
 CoilMeasurement measure_coil(SerialCoils& coils, Coils& guarded, int coil, double current_A, int pulses,
                              const std::function<void(double seconds)>& rest) {
   std::vector<CoilMeasurement> found;
+  const auto index = static_cast<std::size_t>(coil);
+  const bool bipolar = coils.description().smallest_A(index) < 0.0;
   for (int i = 0; i < pulses; ++i) {
     CoilPulse pulse;
-    pulse.current_A[static_cast<std::size_t>(coil)] = i % 2 == 0 ? current_A : -current_A;
+    pulse.current_A[index] = bipolar && i % 2 != 0 ? -current_A : current_A;
     pulse.duration_s = kPulse_s;
     guarded.apply(pulse);
     rest(2.5 * kPulse_s);
     const CoilControllerState state = coils.state();
     if (!state.faults.empty()) throw common::HardwareError("measuring stopped: " + state.faults.front());
-    const double resistance_ohm = state.resistance_ohm[static_cast<std::size_t>(coil)];
-    const double supply_V = state.supply_V[static_cast<std::size_t>(coil / 2)];
+    const double resistance_ohm = state.resistance_ohm[index];
+    const double supply_V = state.supply_V[coils.controller_of(index)];
     const double duty = std::min(1.0, std::abs(current_A) * resistance_ohm / std::max(1.0, supply_V));
     CoilMeasurement one = fit_rise(coils.trace(), duty * kFullRamp_s);
     one.resistance_ohm = resistance_ohm;

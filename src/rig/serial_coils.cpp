@@ -11,10 +11,17 @@
 namespace lodestone::rig {
 
 void SerialConfig::validate() const {
-  constexpr std::array<std::int64_t, kSerialCoils> kOutputs = {1, 2, 3, 4};
-  if (output.size() != kOutputs.size() ||
-      !std::is_permutation(output.begin(), output.end(), kOutputs.begin()))
-    throw common::InvalidConfig("output", output, "name each of the outputs 1, 2, 3 and 4 once");
+  std::vector<std::int64_t> sorted = output;
+  std::sort(sorted.begin(), sorted.end());
+  const bool twice = std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
+  if (twice || (!sorted.empty() && (sorted.front() < 1 || sorted.back() > wire::kMostOutputs)))
+    throw common::InvalidConfig("output", output, "name each of the outputs once, from 1 to 16");
+}
+
+std::size_t SerialConfig::controllers_for(std::size_t coils) const {
+  std::size_t last = 0;
+  for (std::size_t coil = 0; coil < coils; ++coil) last = std::max(last, output_of(coil));
+  return last / 2 + 1;
 }
 
 SerialCoils::SerialCoils(const SerialConfig& config, const physics::CoilsDescription& coils)
@@ -25,18 +32,11 @@ SerialCoils::SerialCoils(const SerialConfig& config, const physics::CoilsDescrip
     : config_(config), coils_(coils) {
   config_.validate();
   coils_.validate();
-  if (coils_.count() != kSerialCoils)
-    throw common::ConfigError("rig.coils.each lists " + std::to_string(coils_.count()) +
-                              " coils, the coil controller (rig.backend = serial) has outputs for four");
-  for (std::size_t coil = 0; coil < kSerialCoils; ++coil) {
-    std::size_t partners = 0;
-    for (std::size_t other = 0; other < kSerialCoils; ++other)
-      partners += other != coil && coils_.apart(coil, other);
-    if (partners > 1)
-      throw common::ConfigError("coil " + coils_.name(coil) +
-                                " is never on with more than one other (rig.coils.each, not_with); the coil "
-                                "controller keeps one apart from it");
-  }
+  if (!config_.output.empty() && config_.output.size() != coils_.count())
+    throw common::ConfigError("rig.serial.output names " + std::to_string(config_.output.size()) +
+                              " outputs, the rig has " + std::to_string(coils_.count()) +
+                              " coils (rig.coils); name one for each, or none ([]) for 1, 2, 3, ...");
+  controllers_ = static_cast<std::uint8_t>(config_.controllers_for(coils_.count()));
   session_ = std::make_unique<SerialSession>(config_, coils_, std::move(open));
 }
 
@@ -46,8 +46,8 @@ SerialCoils::~SerialCoils() {
 
 void SerialCoils::apply(const CoilPulse& pulse) {
   const wire::PulseRequest wired = wire_pulse(config_, coils_, pulse);
-  std::vector<std::uint8_t> body(wire::kPulseRequestSize);
-  wire::put_pulse_request(body.data(), &wired);
+  std::vector<std::uint8_t> body(wire::pulse_request_size(controllers_));
+  wire::put_pulse_request(body.data(), &wired, controllers_);
   session_->request(wire::kPulse, body);
 }
 
@@ -65,18 +65,18 @@ void SerialCoils::stop() noexcept {
 }
 
 CoilControllerState SerialCoils::state() {
-  const wire::CoilState raw = coil_state(session_->request(wire::kStatus));
+  const wire::CoilState raw = coil_state(session_->request(wire::kStatus), controllers_);
   CoilControllerState state;
   state.ready = (raw.state & wire::kStateReady) != 0;
   state.pulsing = (raw.state & wire::kStatePulsing) != 0;
   state.emergency_stop = (raw.state & wire::kStateEmergencyStop) != 0;
   state.uptime_s = 1e-3 * raw.uptime_ms;
   state.pulses = raw.pulses;
-  for (std::size_t i = 0; i < 2; ++i) {
-    state.supply_V[i] = 0.1 * raw.supply_dV[i];
-    state.board_C[i] = 0.1 * raw.board_dC[i];
+  for (std::size_t i = 0; i < controllers_; ++i) {
+    state.supply_V.push_back(0.1 * raw.supply_dV[i]);
+    state.board_C.push_back(0.1 * raw.board_dC[i]);
   }
-  for (std::size_t i = 0; i < kSerialCoils; ++i) {
+  for (std::size_t i = 0; i < coils_.count(); ++i) {
     state.current_A[i] =
         1e-3 * raw.current_mA[config_.output_of(i)] * static_cast<double>(coils_.polarity[i]);
     state.resistance_ohm[i] = 1e-3 * raw.resistance_mohm[config_.output_of(i)];
@@ -89,7 +89,7 @@ CoilStatus SerialCoils::status() {
   const CoilControllerState state = this->state();
   CoilStatus status;
   status.current_A = state.current_A;
-  for (std::size_t i = 0; i < kSerialCoils; ++i) {
+  for (std::size_t i = 0; i < coils_.count(); ++i) {
     const double rise = state.resistance_ohm[i] / coils_.resistance_20C_ohm[i] - 1.0;
     status.temperature_C[i] = kResistance_C + rise / coils_.temperature_coefficient_per_K;
   }
@@ -104,11 +104,13 @@ CurrentTrace SerialCoils::trace() {
   if (body.size() < wire::kTraceHeadSize) return trace;
   wire::TraceHead head{};
   const std::uint8_t* at = wire::get_trace_head(body.data(), &head);
-  if (head.coil >= kSerialCoils ||
+  std::size_t coil = 0;
+  while (coil < coils_.count() && config_.output_of(coil) != head.coil) ++coil;
+  if (coil == coils_.count() ||
       body.size() != std::size_t{wire::kTraceHeadSize} + wire::kTraceSampleSize * head.count)
     return trace;
-  while (config_.output_of(static_cast<std::size_t>(trace.coil)) != head.coil) ++trace.coil;
-  const auto polarity = static_cast<double>(coils_.polarity[static_cast<std::size_t>(trace.coil)]);
+  trace.coil = static_cast<int>(coil);
+  const auto polarity = static_cast<double>(coils_.polarity[coil]);
   for (std::size_t i = 0; i < head.count; ++i) {
     wire::TraceSample sample{};
     at = wire::get_trace_sample(at, &sample);

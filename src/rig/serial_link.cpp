@@ -52,7 +52,7 @@ SerialLink::Bytes frame_of(std::uint8_t type, std::uint16_t sequence, const Seri
             "; it stays off until `lodestone rig check --clear` has been run";
       break;
     case wire::kRefusedOpposite:
-      why = "both coils of one axis are asked for";
+      why = "two coils that may not be on together are asked for";
       break;
     case wire::kRefusedPower:
       why = "beyond its limit of " + std::to_string(refusal.detail) + " W for all coils together";

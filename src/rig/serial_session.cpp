@@ -8,9 +8,26 @@
 
 namespace lodestone::rig {
 
+namespace {
+
+std::string outputs_of(int controllers) {
+  return std::to_string(controllers) + " motor controller" + (controllers == 1 ? "" : "s") + " (" +
+         std::to_string(2 * controllers) + " outputs)";
+}
+
+std::string addresses_of(int controllers) {
+  const std::string last = "0x8" + std::to_string(controllers - 1);
+  return controllers == 1 ? last : "0x80" + std::string(controllers == 2 ? " and " : " to ") + last;
+}
+
+}  // namespace
+
 SerialSession::SerialSession(const SerialConfig& config, const physics::CoilsDescription& coils,
                              SerialLink::OpenPort open)
-    : config_(config), coils_(coils), link_(std::move(open), config.reply_timeout_s, config.tries) {
+    : config_(config),
+      coils_(coils),
+      controllers_(static_cast<std::uint8_t>(config.controllers_for(coils.count()))),
+      link_(std::move(open), config.reply_timeout_s, config.tries) {
   ensure_connected();
 }
 
@@ -20,15 +37,24 @@ void SerialSession::ensure_connected() {
     link_.open();
     ++connections_;
     say_hello();
-    const wire::CoilLimits limits = wire_limits(config_, coils_);
-    SerialLink::Bytes body(wire::kCoilLimitsSize);
-    wire::put_coil_limits(body.data(), &limits);
-    link_.exchange(wire::kConfigure, body);
+    hand_over_limits();
     wait_until_ready();
   } catch (...) {
     link_.close();
     throw;
   }
+}
+
+void SerialSession::hand_over_limits() {
+  const wire::CoilLimits limits = wire_limits(config_, coils_);
+  SerialLink::Bytes body(wire::coil_limits_size(controllers_));
+  wire::put_coil_limits(body.data(), &limits, controllers_);
+  link_.exchange(wire::kConfigure, body);
+  if (!need_ranges(coils_)) return;
+  const wire::CoilRanges ranges = wire_ranges(config_, coils_);
+  body.resize(wire::coil_ranges_size(controllers_));
+  wire::put_coil_ranges(body.data(), &ranges, controllers_);
+  link_.exchange(wire::kRanges, body);
 }
 
 void SerialSession::say_hello() {
@@ -52,7 +78,14 @@ void SerialSession::say_hello() {
   info_.protocol = answer.version;
   info_.firmware = std::to_string(answer.firmware[0]) + "." + std::to_string(answer.firmware[1]) + "." +
                    std::to_string(answer.firmware[2]);
+  info_.motor_controllers = answer.controllers;
   info_.reset_cause = answer.reset_cause;
+  if (answer.controllers != controllers_)
+    throw common::HardwareError("the coil controller's firmware is for " + outputs_of(answer.controllers) +
+                                ", the rig's " + std::to_string(coils_.count()) +
+                                " coils (rig.coils, rig.serial.output) need " + outputs_of(controllers_) +
+                                ": flash coils-" + std::to_string(controllers_) +
+                                ".hex (docs/drive-a-bench.md)");
 }
 
 void SerialSession::wait_until_ready() {
@@ -63,7 +96,8 @@ void SerialSession::wait_until_ready() {
   }
   throw common::HardwareError(
       "the motor controllers do not answer the coil controller: is their supply on, are "
-      "their addresses 0x80 and 0x81 and their mode packet serial at 115200 baud?");
+      "their addresses " +
+      addresses_of(controllers_) + " and their mode packet serial at 115200 baud?");
 }
 
 SerialLink::Bytes SerialSession::request(wire::MessageType type, const SerialLink::Bytes& body) {

@@ -14,7 +14,7 @@ namespace lodestone::rig {
 /// are ready, and does all of it again after the link was lost. Safe to use from any thread.
 class SerialSession {
  public:
-  /// Connects. Throws HardwareError with what to do about it.
+  /// Connects. Throws HardwareError with what to do about it. Each coil has an output.
   SerialSession(const SerialConfig& config, const physics::CoilsDescription& coils,
                 SerialLink::OpenPort open);
 
@@ -31,10 +31,12 @@ class SerialSession {
  private:
   void ensure_connected();
   void say_hello();
+  void hand_over_limits();
   void wait_until_ready();
 
   SerialConfig config_;
   physics::CoilsDescription coils_;
+  std::uint8_t controllers_;  // that the coils are on
   mutable std::mutex mutex_;  // of all but the counts
   SerialLink link_;
   std::condition_variable stop_done_;

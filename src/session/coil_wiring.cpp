@@ -4,14 +4,14 @@
 #include <cmath>
 #include <utility>
 
+#include "lodestone/physics/described_coil.h"
+#include "lodestone/physics/needle.h"
 #include "lodestone/physics/per_coil.h"
-#include "lodestone/safety/check.h"
 
 namespace lodestone::session {
 
 namespace {
 
-constexpr const char* kNames[physics::kFourCoils] = {"+x", "-x", "+y", "-y"};
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 // What a camera tells apart from noise, and what is too far off for the field of a coil. Wide, because the
@@ -63,25 +63,49 @@ double shift_against(double off_pull_rad) {
 
 }  // namespace
 
-std::vector<CoilWiring> every_coil_wiring() {
-  std::vector<CoilWiring> all;
-  CoilWiring wiring;
-  do {
-    for (int signs = 0; signs < 1 << physics::kFourCoils; ++signs) {
-      for (int i = 0; i < physics::kFourCoils; ++i)
-        wiring.sign[static_cast<std::size_t>(i)] = (signs >> i & 1) != 0 ? -1 : 1;
-      all.push_back(wiring);
+std::vector<int> crossing_order(const physics::RigDescription& rig) {
+  constexpr double kSame = 1e-6;  // of a cosine
+  std::vector<geometry::Vector2> fields;
+  for (std::size_t coil = 0; coil < rig.coils.count(); ++coil) {
+    const physics::DescribedCoil described(rig.coils.coil(coil), rig.coils.measured);
+    const geometry::Vector2 field = described.in_plane_per_ampere({0.0, 0.0}).head<2>();
+    fields.push_back(field.norm() > 0.0 ? geometry::Vector2(field.normalized()) : field);
+  }
+  std::vector<int> order = {0};
+  while (order.size() < fields.size()) {
+    const geometry::Vector2& last = fields[static_cast<std::size_t>(order.back())];
+    int next = -1;
+    double least = 2.0;
+    for (int coil = 0; coil < static_cast<int>(fields.size()); ++coil) {
+      if (std::find(order.begin(), order.end(), coil) != order.end()) continue;
+      const double cosine = std::abs(last.dot(fields[static_cast<std::size_t>(coil)]));
+      if (cosine > least - kSame) continue;
+      least = cosine;
+      next = coil;
     }
-  } while (std::next_permutation(wiring.coil.begin(), wiring.coil.end()));
-  return all;
+    order.push_back(next);
+  }
+  return order;
 }
 
 WiringInference::WiringInference(const physics::RigDescription& rig,
-                                 std::shared_ptr<const physics::FieldTable> table)
-    : coils_(std::move(table)), needle_(rig.needle), dish_radius_m_(rig.dish.radius_m) {}
+                                 std::shared_ptr<const physics::CoilFields> fields)
+    : coils_(std::move(fields)),
+      needle_(rig.needle),
+      dish_radius_m_(rig.dish.radius_m),
+      order_(crossing_order(rig)),
+      evidence_(rig.coils.count()),
+      moved_(rig.coils.count(), 0) {
+  constexpr double kAbove_m = 1e-6;
+  for (std::size_t coil = 0; coil < rig.coils.count(); ++coil) {
+    const geometry::Vector2 to_m = rig.coils.coil(coil).middle_m().head<2>();
+    directions_.push_back(to_m.norm() > kAbove_m ? geometry::Vector2(to_m.normalized())
+                                                 : geometry::Vector2(geometry::Vector2::Zero()));
+  }
+}
 
-std::shared_ptr<const physics::FieldTable> WiringInference::field_for(const physics::RigDescription& rig) {
-  return physics::make_field_table(rig.coils.geometry, rig.dish.radius_m, kSeenOutside_m);
+std::shared_ptr<const physics::CoilFields> WiringInference::field_for(const physics::RigDescription& rig) {
+  return physics::CoilFields::shared(rig.coils, rig.dish.radius_m, kSeenOutside_m);
 }
 
 bool WiringInference::within(const geometry::Pose2& pose, double radius_m) const {
@@ -102,72 +126,47 @@ bool WiringInference::add(const ProbePulse& pulse) {
   const bool ends_free = within(pulse.after, free_m);
   const bool pulled = shifted && turn_rad < kTooFarTurned_rad && (ends_free || within(pulse.before, free_m));
   const geometry::Vector2 middle_m = 0.5 * (pulse.before.position_m() + pulse.after.position_m());
-  for (std::size_t coil = 0; coil < against_.size(); ++coil) {
-    for (std::size_t reversed = 0; reversed < 2; ++reversed) {
+  for (std::size_t coil = 0; coil < coils(); ++coil) {
+    for (const bool reversed : {false, true}) {
       physics::PerCoil current_A{};
-      current_A[coil] = reversed == 0 ? pulse.current_A : -pulse.current_A;
+      current_A[coil] = reversed ? -pulse.current_A : pulse.current_A;
       const auto off_field_rad = [&](const geometry::Pose2& pose) {
         return angle_between(along(pose), turning_field_T(coils_, current_A, needle_, pose));
       };
-      double& sum = against_[asked][coil][reversed];
-      if (ends_free) sum += heading_against(off_field_rad(pulse.before), off_field_rad(pulse.after));
+      if (ends_free)
+        evidence_.add(asked, coil, reversed,
+                      heading_against(off_field_rad(pulse.before), off_field_rad(pulse.after)));
       if (!pulled) continue;
       const physics::Wrench load =
           physics::magnetic_wrench(needle_, middle_m, along(pulse.after), coils_, current_A);
-      sum += shift_against(angle_between(shift_m, {load.force_x_N, load.force_y_N}));
+      evidence_.add(asked, coil, reversed,
+                    shift_against(angle_between(shift_m, {load.force_x_N, load.force_y_N})));
     }
   }
   return true;
 }
 
-double WiringInference::against(const CoilWiring& wiring) const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < against_.size(); ++i)
-    sum += against_[i][static_cast<std::size_t>(wiring.coil[i])][wiring.sign[i] > 0 ? 0 : 1];
-  return sum;
-}
-
-double WiringInference::least_against() const {
-  const std::vector<CoilWiring> all = every_coil_wiring();
-  double least = against(all.front());
-  for (const CoilWiring& wiring : all) least = std::min(least, against(wiring));
-  return least;
-}
-
-std::vector<CoilWiring> WiringInference::possible() const {
-  const double least = least_against();
-  std::vector<CoilWiring> left;
-  for (const CoilWiring& wiring : every_coil_wiring())
-    if (against(wiring) < least + kRuledOut) left.push_back(wiring);
-  return left;
-}
+PossibleWirings WiringInference::possible() const { return evidence_.possible(kRuledOut); }
 
 bool WiringInference::explained() const {
   int moved = 0;
   for (const int count : moved_) moved += count;
-  return least_against() <= 0.25 * kContradiction * moved;
+  return evidence_.least() <= 0.25 * kContradiction * moved;
 }
 
 namespace {
 
 /// Coil that `asked` is known to drive, or -1.
-int known_coil(const std::vector<CoilWiring>& possible, std::size_t asked) {
-  for (const CoilWiring& wiring : possible)
-    if (wiring.coil[asked] != possible.front().coil[asked] ||
-        wiring.sign[asked] != possible.front().sign[asked])
-      return -1;
-  return possible.front().coil[asked];
-}
-
-/// How far outwards the coil that answers draws the needle, -1 to 1; 0 where it is not known.
-double outwards(const std::vector<CoilWiring>& possible, int asked, const geometry::Vector2& position_m) {
-  const int coil = known_coil(possible, static_cast<std::size_t>(asked));
-  return coil < 0 ? 0.0 : physics::coil_direction(coil).dot(position_m) / std::max(1e-6, position_m.norm());
+int known_coil(const PossibleWirings& possible, int asked) {
+  const std::vector<CoilAnswer>& answers = possible.answers[static_cast<std::size_t>(asked)];
+  return answers.size() == 1 ? answers.front().coil : -1;
 }
 
 /// Whom to ask next.
 class ProbeOrder {
  public:
+  explicit ProbeOrder(const WiringInference& inference) : inference_(inference) {}
+
   struct Next {
     int asked;
     bool strongly;  ///< to move the needle elsewhere, rather than a little
@@ -175,26 +174,26 @@ class ProbeOrder {
   /// Each coil that is not known has two pulses: the first one turns the needle, the second one draws it.
   /// Where a known coil draws the needle back from the wall, it does so first; where nothing has been ruled
   /// out for long, every coil has its turn, with many strong pulses.
-  Next next(const std::vector<CoilWiring>& possible, const geometry::Vector2& position_m, double far_m) {
+  Next next(const PossibleWirings& possible, const geometry::Vector2& position_m, double far_m) {
     constexpr int kFew = 2;
     constexpr int kMany = 6;
-    constexpr int kLong = 6;  // pulses without news
-    since_news_ = possible.size() < left_ ? 0 : since_news_ + 1;
-    left_ = possible.size();
-    const bool anybody = since_news_ > kLong;
+    const int too_many = 2 * (coils() - 1);  // pulses without news: a round of the others
+    since_news_ = possible.open() < left_ ? 0 : since_news_ + 1;
+    left_ = possible.open();
+    const bool anybody = since_news_ > too_many;
     if (to_go_ == 0) {
       const bool far = position_m.norm() > far_m;
-      for (int back = 0; far && back_ < kMany && back < physics::kFourCoils; ++back) {
+      for (int back = 0; far && back_ < kMany && back < coils(); ++back) {
         if (outwards(possible, back, position_m) > -0.6) continue;
         ++back_;
         return {back, true};
       }
       back_ = 0;
       const auto of_use = [&] {
-        if (known_coil(possible, static_cast<std::size_t>(asked())) < 0) return true;
+        if (known_coil(possible, asked()) < 0) return true;
         return anybody && !(far && outwards(possible, asked(), position_m) > 0.6);
       };
-      do turn_ = (turn_ + 1) % physics::kFourCoils;
+      do turn_ = (turn_ + 1) % coils();
       while (!of_use());
       to_go_ = anybody ? kMany + ++rounds_ % 3 : kFew;  // never twice the same tour
     }
@@ -203,11 +202,17 @@ class ProbeOrder {
   }
 
  private:
-  int asked() const {
-    // +x, +y, -x, -y: each field lies across the one before, where nothing is swapped.
-    constexpr std::array<int, physics::kFourCoils> kTurn = {0, 2, 1, 3};
-    return kTurn[static_cast<std::size_t>(turn_)];
+  int coils() const { return static_cast<int>(inference_.coils()); }
+  int asked() const { return inference_.order()[static_cast<std::size_t>(turn_)]; }
+  /// How far outwards the coil that answers draws the needle, -1 to 1; 0 where it is not known.
+  double outwards(const PossibleWirings& possible, int asked, const geometry::Vector2& position_m) const {
+    const int coil = known_coil(possible, asked);
+    return coil < 0 ? 0.0
+                    : inference_.direction(static_cast<std::size_t>(coil)).dot(position_m) /
+                          std::max(1e-6, position_m.norm());
   }
+
+  const WiringInference& inference_;
   int turn_ = -1;
   int to_go_ = 0;
   int back_ = 0;
@@ -220,16 +225,17 @@ class ProbeOrder {
 
 void probe_wiring(WiringInference& inference, rig::Coils& coils, control::PoseSensor& sensor,
                   common::Clock& clock, const WiringProbe& probe) {
-  constexpr int kStuckPulses = 2 * physics::kFourCoils;
+  const int all = static_cast<int>(inference.coils());
+  const int stuck_pulses = 2 * all;
   constexpr double kGrowth = 1.3;
   constexpr double kFar = 0.4;  // of the dish's radius
-  ProbeOrder order;
+  ProbeOrder order(inference);
   control::PoseEstimate seen = sensor.observe();
   double current_A = probe.current_A;
   int stuck = 0;
-  for (int i = 0; i < probe.max_pulses; ++i) {
-    const std::vector<CoilWiring> possible = inference.possible();
-    if (possible.size() == 1) return;
+  for (int i = 0; i < probe.max_pulses_each * all; ++i) {
+    const PossibleWirings possible = inference.possible();
+    if (possible.open() == 1) return;
     const auto [asked, strongly] =
         order.next(possible, seen.pose.position_m(), kFar * inference.dish_radius_m());
     const double asked_A = strongly ? probe.max_current_A : current_A;
@@ -243,7 +249,7 @@ void probe_wiring(WiringInference& inference, rig::Coils& coils, control::PoseSe
     const bool moved = seen.valid && after.valid && inference.add({asked, asked_A, seen.pose, after.pose});
     seen = after;
     stuck = moved ? 0 : stuck + 1;
-    if (stuck < kStuckPulses) continue;
+    if (stuck < stuck_pulses) continue;
     // No coil has an effect: more current, and an end to it when there is no more.
     if (current_A >= probe.max_current_A) return;
     current_A = std::min(kGrowth * current_A, probe.max_current_A);
@@ -251,40 +257,38 @@ void probe_wiring(WiringInference& inference, rig::Coils& coils, control::PoseSe
   }
 }
 
-std::string possible_answers(const std::vector<CoilWiring>& possible, int asked) {
-  const auto i = static_cast<std::size_t>(asked);
+std::string possible_answers(const PossibleWirings& possible, int asked,
+                             const physics::CoilsDescription& coils) {
   std::string text;
-  for (int coil = 0; coil < physics::kFourCoils; ++coil) {
-    for (const int sign : {1, -1}) {
-      if (std::none_of(possible.begin(), possible.end(), [&](const CoilWiring& wiring) {
-            return wiring.coil[i] == coil && wiring.sign[i] == sign;
-          }))
-        continue;
-      text +=
-          (text.empty() ? "coil " : ", or coil ") + std::string(kNames[coil]) + (sign < 0 ? " reversed" : "");
-    }
-  }
+  for (const CoilAnswer& answer : possible.answers[static_cast<std::size_t>(asked)])
+    text += (text.empty() ? "coil " : ", or coil ") + coils.name(static_cast<std::size_t>(answer.coil)) +
+            (answer.sign < 0 ? " reversed" : "");
   return text;
 }
 
 std::string wiring_remedy(const WiringInference& inference, const rig::RigConfig& rig) {
-  const std::vector<CoilWiring> possible = inference.possible();
+  const std::vector<CoilWiring> possible = inference.possible().listed;
   if (!inference.explained())
-    return "the needle's motion fits no wiring of four coils: is it the needle that the camera sees, and do "
+    return "the needle's motion fits no wiring of these coils: is it the needle that the camera sees, and do "
            "coils, dish and calibration describe this bench?";
   if (possible.size() > 1)
-    return "the needle's motion leaves " + std::to_string(possible.size()) +
+    return "the needle's motion leaves " +
+           std::string(possible.size() == PossibleWirings::kMostListed ? "at least " : "") +
+           std::to_string(possible.size()) +
            " wirings possible: place it 1 to 2 cm off the centre where it lies free, and try again, with "
            "more "
            "test_current_A where it sticks";
-  if (possible.front() == CoilWiring{}) return "";
+  if (possible.front() == CoilWiring(inference.coils())) return "";
   const rig::RigConfig right = rewired(rig, possible.front());
   return "set rig.serial.output=" + common::Json(right.serial.output).dump() +
          " and rig.coils.polarity=" + common::Json(right.coils.polarity).dump() + ", or change the wires";
 }
 
 rig::RigConfig rewired(rig::RigConfig rig, const CoilWiring& found) {
-  const std::vector<std::int64_t> output = rig.serial.output;
+  std::vector<std::int64_t> output;
+  for (std::size_t coil = 0; coil < found.coil.size(); ++coil)
+    output.push_back(static_cast<std::int64_t>(rig.serial.output_of(coil)) + 1);
+  rig.serial.output = output;
   const std::vector<std::int64_t> polarity = rig.coils.polarity;
   for (std::size_t asked = 0; asked < found.coil.size(); ++asked) {
     const auto coil = static_cast<std::size_t>(found.coil[asked]);

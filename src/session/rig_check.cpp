@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "lodestone/common/clock.h"
 #include "lodestone/common/error.h"
@@ -22,6 +24,12 @@ constexpr int kNameWidth = 22;
 std::string number(double value, const char* unit, int digits = 1) {
   char text[48];
   std::snprintf(text, sizeof text, "%.*f %s", digits, value, unit);
+  return text;
+}
+
+std::string numbers(const std::vector<double>& values, const char* unit) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : ", ") + number(value, unit);
   return text;
 }
 
@@ -76,8 +84,7 @@ class Walk {
     else
       tell("camera", "not looked at (--no-camera)");
     bool good = true;
-    // Each field lies across the one before, so that the needle has to turn.
-    for (const int coil : {0, 2, 1, 3}) good = check_coil(coil) && good;
+    for (const int coil : crossing_order(config_.rig)) good = check_coil(coil) && good;
     if (good && watcher_) good = check_wiring();
     coils_.stop();
     if (!good)
@@ -107,8 +114,8 @@ class Walk {
     if (!state.faults.empty())
       throw common::HardwareError("rig check: " + state.faults.front() +
                                   "; find the cause, then `lodestone rig check --clear`");
-    tell("supply", number(state.supply_V[0], "V") + ", " + number(state.supply_V[1], "V"));
-    tell("motor controllers", number(state.board_C[0], "C") + ", " + number(state.board_C[1], "C"));
+    tell("supply", numbers(state.supply_V, "V"));
+    tell("motor controllers", numbers(state.board_C, "C"));
   }
 
   void check_emergency_stop() {
@@ -145,15 +152,15 @@ class Walk {
   /// person there has seen the needle follow.
   bool check_coil(int coil) {
     const auto index = static_cast<std::size_t>(coil);
-    const std::string name = "coil " + config_.rig.coils.name(static_cast<std::size_t>(coil));
-    if (!dialogue_.confirm("energise " + name + " with " + number(config_.test_current_A, "A") +
-                           " for 0.2 s?")) {
+    const std::string name = "coil " + config_.rig.coils.name(index);
+    const double test_current_A = std::min(config_.test_current_A, config_.rig.coils.largest_A(index));
+    if (!dialogue_.confirm("energise " + name + " with " + number(test_current_A, "A") + " for 0.2 s?")) {
       tell(name, "left out");
       return false;
     }
     for (int i = 0; i < 3; ++i) {
       rig::CoilPulse pulse;
-      pulse.current_A[index] = config_.test_current_A;
+      pulse.current_A[index] = test_current_A;
       pulse.duration_s = 0.2;
       guarded_.apply(pulse);
       rest(0.5);
@@ -165,7 +172,7 @@ class Walk {
       if (std::abs(sample.second) > std::abs(largest_A)) largest_A = sample.second;
     std::string line =
         number(largest_A, "A measured", 2) + ", " + number(state.resistance_ohm[index], "ohm", 2);
-    bool good = std::abs(largest_A - config_.test_current_A) < 0.1 * config_.test_current_A;
+    bool good = std::abs(largest_A - test_current_A) < 0.1 * test_current_A;
     if (!good) line += " - NOT what was asked";
     if (!watcher_ && dialogue_.attended() &&
         !dialogue_.confirm("did the needle's taped end turn towards " + name +
@@ -183,18 +190,20 @@ class Walk {
     WiringProbe probe;
     probe.current_A = config_.test_current_A;
     probe.max_current_A = std::min(probe.max_current_A, config_.safety.max_current_A);
-    if (!dialogue_.confirm("find out which coil is which, with up to " + std::to_string(probe.max_pulses) +
-                           " short pulses of up to " + number(probe.max_current_A, "A") + "?")) {
+    const int coils = static_cast<int>(config_.rig.coils.count());
+    if (!dialogue_.confirm("find out which coil is which, with up to " +
+                           std::to_string(probe.max_pulses_each * coils) + " short pulses of up to " +
+                           number(probe.max_current_A, "A") + "?")) {
       tell("wiring", "left out");
       return false;
     }
     WiringInference inference(config_.rig, WiringInference::field_for(config_.rig));
     probe_wiring(inference, guarded_, *watcher_->sensor, clock_, probe);
-    const std::vector<CoilWiring> possible = inference.possible();
-    for (int coil = 0; coil < physics::kFourCoils; ++coil)
-      tell(
-          "asked for " + config_.rig.coils.name(static_cast<std::size_t>(coil)),
-          (inference.moved(coil) == 0 ? "the needle did not move: " : "") + possible_answers(possible, coil));
+    const PossibleWirings possible = inference.possible();
+    for (int coil = 0; coil < coils; ++coil)
+      tell("asked for " + config_.rig.coils.name(static_cast<std::size_t>(coil)),
+           (inference.moved(coil) == 0 ? "the needle did not move: " : "") +
+               possible_answers(possible, coil, config_.rig.coils));
     const std::string remedy = wiring_remedy(inference, config_.rig);
     if (!remedy.empty()) tell("wiring", remedy);
     return remedy.empty();
@@ -215,9 +224,6 @@ void check_rig(const RigCheckConfig& config, const RigCheckRequest& request, Dia
     throw common::ConfigError(
         "rig.backend = driver: the walk through the wiring is for the coil controller on a serial port; "
         "`lodestone rig conform` tests a driver");
-  if (!config.rig.coils.each.empty())
-    throw common::ConfigError("rig.coils.each lists " + std::to_string(config.rig.coils.count()) +
-                              " coils; the walk through the wiring knows the four around the dish");
   if (config.rig.needle.is_sphere())
     throw common::ConfigError(
         "rig.needle.shape = sphere: which coil answers to which name, and which way round, is told by how a "

@@ -36,7 +36,7 @@ try:
     expect(run("rig", "emulate", "--out", folder / "second.json", code=1), "UDP 3956", "--no-camera")
     assert not (folder / "second.json").exists()
     expect(run("rig", "check", "--rig", bench, "--set", "rig.camera.serial=OTHER", "--yes", code=1), "asks for OTHER")
-    expect(run("rig", "check", "--rig", bench, "--yes"), "firmware 1.1.0", "1280 x 1024", "seen at",
+    expect(run("rig", "check", "--rig", bench, "--yes"), "firmware 1.2.0", "1280 x 1024", "seen at",
            "asked for +x", "the bench is ready")
     text = run("rig", "check", "--rig", bench, "--no-camera", code=1)
     expect(text, "left out", "not ready")
@@ -145,6 +145,23 @@ if len(sys.argv) > 3:
     assert running.returncode == 1, text
     expect(text, "serial port")
     assert not (folder / "never.json").exists()
+
+# Six coils on three motor controllers: each gets its current, and the paper's rig is told that this bench is another.
+six = folder / "six.json"
+emulator = start("rig", "emulate", "--rig", source / "configs/rigs/six_planar.json", "--no-camera", "--out", six)
+try:
+    wait_for(six, emulator)
+    expect(run("rig", "check", "--rig", six, "--no-camera", "--yes"), "coil at0", "coil at300", "currents are as asked")
+    run("calibrate", "coils", "--rig", six, "--yes", "--set", "pulses=2", "--out", folder / "six-coils.json")
+    measured = json.loads((folder / "six-coils.json").read_text())["coils"]
+    assert all(abs(ohm - 0.824) < 0.02 for ohm in measured["resistance_20C_ohm"]), measured
+    assert len(measured["inductance_H"]) == 6, measured
+    port = json.loads(six.read_text())["serial"]["port"]
+    expect(run("rig", "check", "--port", port, "--no-camera", "--yes", code=1),
+           "for 3 motor controllers (6 outputs), the rig's 4 coils", "flash coils-2.hex")
+finally:
+    emulator.kill()
+    emulator.wait()
 
 # By hand, without a display: nothing is pressed, so the needle rests, but every episode is on disk.
 headless = {"SDL_VIDEODRIVER": "dummy"}

@@ -4,12 +4,15 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
+#include <string>
 #include <thread>
 
+#include "lodestone/common/config.h"
 #include "lodestone/common/error.h"
 #include "lodestone/emulation/lockstep_port.h"
 #include "lodestone/physics/per_coil.h"
 #include "lodestone/rig/coil_measurement.h"
+#include "lodestone/rig/rig_config.h"
 #include "lodestone/rig/serial_coils.h"
 #include "rig/coils_conformance.h"
 #include "rig/described_rig.h"
@@ -38,7 +41,7 @@ struct Bench {
 
 TEST_CASE("serial coils keep the contract of Coils, through the real firmware") {
   Bench b;
-  CHECK(b.coils->info().firmware == "1.1.0");
+  CHECK(b.coils->info().firmware == "1.2.0");
   tests::check_coils_conformance(*b.coils, b.bench.clock(), 15.0, 0.2);
 }
 
@@ -187,6 +190,88 @@ TEST_CASE("coils on other outputs get their own current, resistance and trace") 
   rig::SerialConfig bad = b.serial;
   bad.output = {1, 1, 3, 4};
   CHECK_THROWS_WITH(bad.validate(), Contains("each of the outputs"));
+}
+
+namespace {
+
+/// A preset, as it is described.
+rig::VirtualRigConfig preset_rig(const std::string& name) {
+  const std::string file = LODESTONE_SOURCE_DIR "/configs/rigs/" + name + ".json";
+  rig::VirtualRigConfig config = common::config_from_json<rig::RigConfig>(common::read_json_file(file), file);
+  config.simulation.deviation = rig::DeviationWidth::kNone;
+  return config;
+}
+
+}  // namespace
+
+TEST_CASE("six and eight coils are driven through the firmware for three and four motor controllers") {
+  for (const char* const name : {"six_planar", "eight_tilted"}) {
+    CAPTURE(name);
+    Bench b(preset_rig(name));
+    const std::size_t count = b.rig.config().coils.count();
+    CHECK(b.bench.controllers() == count / 2);
+    CHECK(b.coils->info().motor_controllers == static_cast<int>(count / 2));
+    CHECK(b.coils->state().supply_V.size() == count / 2);
+    b.wait(0.3);
+    for (std::size_t coil = 0; coil < count; ++coil) {  // with the one across from it, half as much
+      const std::size_t other = (coil + count / 2) % count;
+      rig::CoilPulse pulse;
+      pulse.current_A[coil] = 4.0;
+      pulse.current_A[other] = 2.0;
+      pulse.duration_s = 0.15;
+      b.coils->apply(pulse);
+      b.wait(0.145);
+      const physics::PerCoil given_A = b.bench.current_A();
+      for (std::size_t i = 0; i < count; ++i) {
+        CAPTURE(coil, i);
+        CHECK(given_A[i] == Approx(i == coil ? 4.0 : i == other ? 2.0 : 0.0).margin(0.1));
+      }
+      CHECK(b.coils->status().current_A[coil] == Approx(4.0).margin(0.2));
+      b.wait(0.3);
+      CHECK(std::abs(b.bench.current_A()[coil]) < 0.05);
+    }
+    CHECK(b.coils->status().faults.empty());
+    CHECK_THROWS_WITH(b.coils->apply({physics::PerCoil(count, -1.0), 0.1}), Contains("is refused"));
+    b.coils->apply({physics::PerCoil(count, 3.0), 2.0});
+    b.wait(0.2);
+    CHECK(b.bench.current_A()[count - 1] == Approx(3.0).margin(0.15));
+    b.wait(0.8);  // and the PC says nothing
+    for (std::size_t i = 0; i < count; ++i) CHECK(std::abs(b.bench.current_A()[i]) < 0.05);
+    CHECK_FALSE(b.bench.arduino().contactor());
+    CHECK_FALSE(b.coils->status().faults.empty());
+  }
+}
+
+TEST_CASE("a driver that sticks is cut off on the last of four motor controllers, too") {
+  Bench b(preset_rig("eight_tilted"));
+  b.wait(0.3);
+  b.bench.stick_driver(7, 0.1);
+  b.wait(0.6);
+  CHECK(std::abs(b.bench.current_A()[7]) < 0.05);
+  CHECK_THROWS_WITH(b.coils->apply({{1.0}, 0.1}), Contains("cut its supply"));
+}
+
+TEST_CASE("a rig of other coils than the firmware is for is refused in one line") {
+  Bench b(preset_rig("six_planar"));
+  CHECK_THROWS_WITH(
+      rig::SerialCoils(b.serial, physics::CoilsDescription{},
+                       [&b] { return std::make_unique<emulation::LockstepPort>(b.bench); }),
+      Contains("for 3 motor controllers (6 outputs), the rig's 4 coils") && Contains("flash coils-2.hex"));
+}
+
+TEST_CASE("an odd coil leaves the last output of the bench free") {
+  rig::VirtualRigConfig config = preset_rig("six_planar");
+  config.coils.each.pop_back();
+  config.coils.resistance_20C_ohm.pop_back();
+  config.coils.inductance_H.pop_back();
+  config.coils.polarity.pop_back();
+  Bench b(config);
+  CHECK(b.bench.controllers() == 3);
+  b.coils->apply({{0.0, 0.0, 0.0, 1.0, 3.0}, 0.15});
+  b.wait(0.14);
+  CHECK(b.bench.current_A()[4] == Approx(3.0).margin(0.1));
+  b.wait(0.3);
+  CHECK(b.coils->status().faults.empty());
 }
 
 // The loop sleeps on the bench's clock and pulses, another thread watches, and a third one stops: one port,

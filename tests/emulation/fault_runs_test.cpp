@@ -46,7 +46,10 @@ class EmulatedFaultRig {
   std::function<void()> watch;
   std::vector<wire::Message> replies;
 
-  static std::vector<std::uint8_t> limits() { return tests::BusRig::limits(); }
+  static std::vector<std::uint8_t> limits() { return tests::Device::limits(); }
+  static std::vector<std::uint8_t> pulse_body(const std::vector<int>& current_mA, int length_ms) {
+    return tests::Device::pulse(current_mA, length_ms, 2);
+  }
   bool contactor() { return bench_.arduino().contactor(); }
   void reset_firmware() { hang(); }  // only its watchdog resets this one
   void hang() { bench_.arduino().hang(); }

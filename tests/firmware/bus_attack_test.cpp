@@ -1,4 +1,5 @@
 // Whatever happens to the bytes between the coil controller and the motor controllers, no coil stays on.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <random>
 #include <string>
@@ -290,4 +291,56 @@ TEST_CASE("nothing moves before CONFIGURE; opposed coils and too much power are 
   CHECK_FALSE(rig.pulse({15000, 0, 0, 15000}, 50));
   CHECK(rig.replies.back().body[1] == wire::kRefusedPower);
   CHECK(rig.pulse({14000, 0, 0, 14000}, 50));
+}
+
+TEST_CASE("sixteen coils begin within a few milliseconds, and one whose output sticks is cut off in time") {
+  BusRig rig(8);
+  rig.connect();
+  rig.run(1.0);
+  REQUIRE(rig.contactor());
+  std::vector<int> mA(16, 0);
+  for (std::size_t c = 0; c < 8; ++c) mA[2 * c] = 4000;  // one coil of each
+  const std::vector<std::uint8_t> body = tests::Device::pulse(mA, 200, 8);
+  const double asked_s = rig.now_s;
+  REQUIRE(rig.ask(wire::kPulse, body) == (wire::kPulse | wire::kReply));
+  double first_s = 0.0;
+  double last_s = 0.0;
+  while (last_s == 0.0 && rig.now_s < asked_s + 0.1) {
+    rig.step();
+    const auto on = std::count_if(rig.current_A.begin(), rig.current_A.end(),
+                                  [](double current) { return current > 0.05; });
+    if (on > 0 && first_s == 0.0) first_s = rig.now_s;
+    if (on == 8) last_s = rig.now_s;
+  }
+  REQUIRE(last_s > 0.0);
+  CHECK(last_s - first_s < 8e-3);  // a command is 0.7 ms long
+  rig.run(0.15);
+  for (std::size_t c = 0; c < 8; ++c) CHECK(rig.current_A[2 * c] == Approx(4.0).epsilon(0.1));
+  rig.run(0.4);
+  CHECK(rig.largest_A() < kOn_A);
+  CHECK(rig.coils.faults == 0);
+  rig.stuck_duty[13] = 0.3;
+  rig.run(kOffWithin_s);
+  CHECK(rig.largest_A() < kOn_A);
+  CHECK((rig.coils.faults & wire::kFaultStrayCurrent) != 0);
+  CHECK_FALSE(rig.contactor());
+}
+
+TEST_CASE("of eight motor controllers, one that falls silent in a pulse ends it for all of them in time") {
+  for (const std::size_t silent : {std::size_t{0}, std::size_t{5}, std::size_t{7}}) {
+    CAPTURE(silent);
+    BusRig rig(8);
+    rig.connect();
+    rig.run(1.0);
+    std::vector<int> mA(16, 0);
+    for (std::size_t c = 0; c < 8; ++c) mA[2 * c + 1] = 3000;
+    REQUIRE(rig.ask(wire::kPulse, tests::Device::pulse(mA, 2000, 8)) == (wire::kPulse | wire::kReply));
+    rig.run(0.1);
+    CHECK(rig.largest_A() > 1.0);
+    rig.controllers[silent].tx_open = true;
+    rig.run(0.3);
+    CHECK(rig.largest_A() < kOn_A);
+    CHECK((rig.coils.faults & wire::kFaultControllerSilent) != 0);
+    CHECK((rig.coils.faults & wire::kFaultHostSilent) == 0);  // not for want of the PC
+  }
 }

@@ -9,13 +9,14 @@
 #include <vector>
 
 #include "coils/coils.h"
+#include "device.h"
 #include "lodestone/emulation/roboclaw_model.h"
 
 namespace lodestone::tests {
 
-/// The controller's own code between a PC in the test's hands and two modelled motor controllers, which drive
-/// coils (resistance and inductance only) through a contactor; what goes over the wires in the hands of
-/// whoever attacks it. Time is the rig's.
+/// The controller's own code between a PC in the test's hands and modelled motor controllers (two, as in the
+/// paper's rig, or so many), which drive coils (resistance and inductance only) through a contactor; what
+/// goes over the wires in the hands of whoever attacks it. Time is the rig's.
 class BusRig {
  public:
   static constexpr double kStep_s = 0.1e-3;
@@ -30,29 +31,34 @@ class BusRig {
   std::function<std::vector<Arriving>(Way way, std::int64_t index, std::uint8_t byte)> attack;
 
   ::Coils coils{};
-  std::array<emulation::RoboClawModel, 2> controllers{emulation::RoboClawModel(0x80),
-                                                      emulation::RoboClawModel(0x81)};
-  std::array<double, 4> current_A{};
-  std::array<double, 4> impedance{1.0, 1.0, 1.0,
-                                  1.0};  ///< of a coil, as a fraction of what it was wound with
+  std::vector<emulation::RoboClawModel> controllers;
+  std::vector<double> current_A;
+  std::vector<double> impedance;  ///< of a coil, as a fraction of what it was wound with
   bool open_switch = false;
   double now_s = 0.0;
   double supply_V = kSupply_V;
-  double contactor_s = 10e-3;                            ///< until it has opened or closed
-  bool welded = false;                                   ///< its contacts no longer open
-  std::array<double, 4> stuck_duty{NAN, NAN, NAN, NAN};  ///< of an output that has failed; NaN: it obeys
+  double contactor_s = 10e-3;      ///< until it has opened or closed
+  bool welded = false;             ///< its contacts no longer open
+  std::vector<double> stuck_duty;  ///< of an output that has failed; NaN: it obeys
   /// What the shunt of a coil tells instead of its current.
   std::function<double(std::size_t coil, double amps)> shunt;
   std::vector<wire::Message> replies;
   std::function<void()> watch;  ///< looks on after every step
 
-  BusRig() { start_firmware(false); }
+  explicit BusRig(std::uint8_t motor_controllers = 2)
+      : current_A(2 * std::size_t{motor_controllers}, 0.0),
+        impedance(2 * std::size_t{motor_controllers}, 1.0),
+        stuck_duty(2 * std::size_t{motor_controllers}, NAN) {
+    for (std::uint8_t c = 0; c < motor_controllers; ++c)
+      controllers.emplace_back(static_cast<std::uint8_t>(kRoboClawAddress + c));
+    start_firmware(false);
+  }
   BusRig(const BusRig&) = delete;  // the firmware holds its address
   BusRig& operator=(const BusRig&) = delete;
 
   /// As after a reset: it knows nothing, and its clock (of 32 bits) begins at this.
   void start_firmware(bool by_watchdog, std::uint32_t clock_us = 0) {
-    coils_init(&coils, {this, to_host, to_controllers}, by_watchdog ? 8 : 1, by_watchdog);
+    coils_init(&coils, {this, to_host, to_controllers}, how_many(), by_watchdog ? 8 : 1, by_watchdog);
     coils.tick_us = clock_us;
     clock_us_ = clock_us;
     started_s_ = now_s;
@@ -121,30 +127,19 @@ class BusRig {
     if (!hung_) coils_host_byte(&coils, byte);
   }
   void hello(std::uint8_t session) { ask(wire::kHello, {wire::kProtocolVersion, session, 2, 3, 4}); }
-  static std::vector<std::uint8_t> limits() {
-    const wire::CoilLimits limits{15000, 2000,         1000, 10000, 200, 800, {1900, 1900, 1900, 1900},
-                                  900,   {1, 0, 3, 2}, 1351};
-    std::vector<std::uint8_t> body(wire::kCoilLimitsSize);
-    wire::put_coil_limits(body.data(), &limits);
-    return body;
-  }
+  std::vector<std::uint8_t> limits() const { return Device::limits(how_many()); }
   void configure() { ask(wire::kConfigure, limits()); }
   void connect() {
     hello(1);
     configure();
   }
-  /// True when it was accepted.
+  /// True when it was accepted. The outputs after the first four have none.
   bool pulse(std::array<std::int16_t, 4> current_mA, std::uint16_t length_ms) {
-    return ask(wire::kPulse, pulse_body(current_mA, length_ms)) == (wire::kPulse | wire::kReply);
+    return ask(wire::kPulse, pulse_body({current_mA.begin(), current_mA.end()}, length_ms)) ==
+           (wire::kPulse | wire::kReply);
   }
-  static std::vector<std::uint8_t> pulse_body(std::array<std::int16_t, 4> current_mA,
-                                              std::uint16_t length_ms) {
-    wire::PulseRequest request{};
-    std::copy(current_mA.begin(), current_mA.end(), request.current_mA);
-    request.length_ms = length_ms;
-    std::vector<std::uint8_t> body(wire::kPulseRequestSize);
-    wire::put_pulse_request(body.data(), &request);
-    return body;
+  std::vector<std::uint8_t> pulse_body(const std::vector<int>& current_mA, int length_ms) const {
+    return Device::pulse(current_mA, length_ms, how_many());
   }
 
  private:
@@ -162,6 +157,7 @@ class BusRig {
     double free_s = 0.0;
   };
 
+  std::uint8_t how_many() const { return static_cast<std::uint8_t>(controllers.size()); }
   void to_firmware(std::uint8_t byte) {
     if (!hung_) coils_controller_byte(&coils, byte);
   }
@@ -173,7 +169,7 @@ class BusRig {
       controller.supply_V = closed_ || welded ? supply_V : 0.0;
   }
   void drive_coils() {
-    for (std::size_t c = 0; c < 2; ++c) {
+    for (std::size_t c = 0; c < controllers.size(); ++c) {
       emulation::RoboClawModel& controller = controllers[c];
       controller.advance(now_s);
       const std::array<double, 2> duty = controller.duty();

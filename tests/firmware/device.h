@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdint>
+#include <iterator>
 #include <vector>
 
 #include "coils/coils.h"
@@ -19,12 +20,14 @@ struct Device {
   std::uint32_t now_us = 0;
   bool open_switch = false;
   bool answering = true;
-  int duty[4] = {0, 0, 0, 0};
+  int duty[wire::kMostOutputs] = {};
   int supply_dV = 340;
   int board_dC = 300;
   int drives = 0;
 
-  Device() { coils_init(&coils, {this, to_host, to_controllers}, 1, false); }
+  explicit Device(std::uint8_t motor_controllers = 2) {
+    coils_init(&coils, {this, to_host, to_controllers}, motor_controllers, 1, false);
+  }
   static void to_host(void* self, const std::uint8_t* bytes, std::uint8_t count) {
     auto& device = *static_cast<Device*>(self);
     device.sent.insert(device.sent.end(), bytes, bytes + count);
@@ -106,29 +109,43 @@ struct Device {
   void start(std::uint16_t sequence = 10) {
     CHECK(ask(wire::kHello, sequence, {wire::kProtocolVersion, 1, 2, 3, 4}).type ==
           (wire::kHello | wire::kReply));
-    const wire::CoilLimits limits{15000, 2000,         1000, 10000, 200, 800, {1900, 1900, 1900, 1900},
-                                  900,   {1, 0, 3, 2}, 1351};
-    std::vector<std::uint8_t> body(wire::kCoilLimitsSize);
-    wire::put_coil_limits(body.data(), &limits);
+    const std::vector<std::uint8_t> body = limits(coils.motor_controllers);
     CHECK(ask(wire::kConfigure, static_cast<std::uint16_t>(sequence + 1), body).type ==
           (wire::kConfigure | wire::kReply));
     run(400);
   }
-  static std::vector<std::uint8_t> pulse(int mA, int ms) {
-    const wire::PulseRequest request{{static_cast<std::int16_t>(mA), 0, 0, 0},
-                                     static_cast<std::uint16_t>(ms)};
-    std::vector<std::uint8_t> body(wire::kPulseRequestSize);
-    wire::put_pulse_request(body.data(), &request);
+  /// CONFIGURE: coils of 1.9 ohm, M1 and M2 of a motor controller never on together, 450 W for each of those.
+  static std::vector<std::uint8_t> limits(std::uint8_t motor_controllers = 2) {
+    wire::CoilLimits limits{15000, 2000, 1000, 10000, 200, 800, {}, 0, {}, 1351};
+    limits.max_power_W = static_cast<std::uint16_t>(450 * motor_controllers);
+    for (int i = 0; i < 2 * motor_controllers; ++i) {
+      limits.resistance_mohm[i] = 1900;
+      limits.opposite[i] = static_cast<std::uint8_t>(i ^ 1);
+    }
+    std::vector<std::uint8_t> body(wire::coil_limits_size(motor_controllers));
+    wire::put_coil_limits(body.data(), &limits, motor_controllers);
     return body;
   }
+  /// PULSE: these currents, and none in the outputs after them.
+  static std::vector<std::uint8_t> pulse(const std::vector<int>& mA, int ms, std::uint8_t motor_controllers) {
+    wire::PulseRequest request{};
+    for (std::size_t i = 0; i < mA.size(); ++i) request.current_mA[i] = static_cast<std::int16_t>(mA[i]);
+    request.length_ms = static_cast<std::uint16_t>(ms);
+    std::vector<std::uint8_t> body(wire::pulse_request_size(motor_controllers));
+    wire::put_pulse_request(body.data(), &request, motor_controllers);
+    return body;
+  }
+  static std::vector<std::uint8_t> pulse(int mA, int ms) { return pulse({mA}, ms, 2); }
   wire::CoilState state(std::uint16_t sequence) {
     wire::CoilState found{};
     const wire::Message reply = ask(wire::kStatus, sequence);
-    REQUIRE(reply.length == wire::kCoilStateSize);
-    wire::get_coil_state(reply.body, &found);
+    REQUIRE(reply.length == wire::coil_state_size(coils.motor_controllers));
+    wire::get_coil_state(reply.body, &found, coils.motor_controllers);
     return found;
   }
-  bool on() const { return duty[0] != 0 || duty[1] != 0 || duty[2] != 0 || duty[3] != 0; }
+  bool on() const {
+    return std::any_of(std::begin(duty), std::end(duty), [](int each) { return each != 0; });
+  }
 };
 
 inline std::uint8_t refusal(const wire::Message& message) {

@@ -28,7 +28,7 @@ class FaultRun {
 
   Rig rig;
 
-  explicit FaultRun(std::uint64_t seed) : random_(seed) {
+  explicit FaultRun(std::uint64_t seed) : allowed_until_s_(rig.current_A.size(), 0.0), random_(seed) {
     rig.watch = [this] { look(); };
   }
 
@@ -36,6 +36,7 @@ class FaultRun {
     return std::uniform_real_distribution<double>(low, high)(random_);
   }
   double any_size(double low, double high) { return low * std::pow(high / low, uniform(0.0, 1.0)); }
+  int coils() const { return static_cast<int>(rig.current_A.size()); }
   int any(int count) { return std::uniform_int_distribution<int>(0, count - 1)(random_); }
   bool chance(double probability) { return uniform(0.0, 1.0) < probability; }
 
@@ -47,7 +48,7 @@ class FaultRun {
     rig.attack = [this](Way of, std::int64_t, std::uint8_t byte) { return attacked(of, byte); };
   }
   /// Something has happened that ends every pulse.
-  void pulses_end() { allowed_until_s_.fill(now_s() + kOffWithin_s); }
+  void pulses_end() { allowed_until_s_.assign(allowed_until_s_.size(), now_s() + kOffWithin_s); }
   /// Something has happened that brings current by itself.
   void current_comes() { caused_until_s_ = now_s() + kOffWithin_s; }
   /// What the host does wrong.
@@ -77,7 +78,7 @@ class FaultRun {
   }
 
  private:
-  using Times = std::array<double, 4>;
+  using Times = std::vector<double>;  // [coils]
   struct Attack {
     Way way;
     double until_s;
@@ -155,21 +156,22 @@ class FaultRun {
     answered(wire::kConfigure, rig.limits());
   }
   void pulse() {
-    std::array<std::int16_t, 4> current_mA{};
-    for (std::size_t axis = 0; axis < 4; axis += 2)
+    const std::size_t all = allowed_until_s_.size();
+    std::vector<int> current_mA(all, 0);
+    for (std::size_t axis = 0; axis < all; axis += 2)
       if (chance(0.7))
         current_mA[axis + static_cast<std::size_t>(any(2))] =
-            static_cast<std::int16_t>(uniform(-15000, 15000) * (chance(0.5) ? 0.4 : 1.0));
+            static_cast<int>(uniform(-15000, 15000) * (chance(0.5) ? 0.4 : 1.0));
     const bool is_long = chance(0.2);
     const auto length_ms = static_cast<std::uint16_t>(is_long ? uniform(500, 2000) : uniform(5, 400));
     const double longest_s = 1e-3 * length_ms + kOffWithin_s;
     const Times before_s = allowed_until_s_;
-    for (std::size_t coil = 0; coil < 4; ++coil)  // it may arrive although its answer does not
+    for (std::size_t coil = 0; coil < all; ++coil)  // it may arrive although its answer does not
       if (current_mA[coil] != 0)
         allowed_until_s_[coil] = std::max(before_s[coil], now_s() + 0.15 + longest_s);
-    const std::uint8_t reply = persist(wire::kPulse, BusRig::pulse_body(current_mA, length_ms));
+    const std::uint8_t reply = persist(wire::kPulse, rig.pulse_body(current_mA, length_ms));
     if (reply == (wire::kPulse | wire::kReply))  // what was before it has ended
-      for (std::size_t coil = 0; coil < 4; ++coil)
+      for (std::size_t coil = 0; coil < all; ++coil)
         allowed_until_s_[coil] =
             current_mA[coil] != 0 ? now_s() + longest_s : std::min(before_s[coil], now_s() + kOffWithin_s);
     if (reply != wire::kRefused) return;
@@ -197,10 +199,10 @@ class FaultRun {
     }
   }
 
-  std::mt19937_64 random_;
   std::multimap<double, std::function<void()>> events_;
   std::vector<Attack> attacks_;
-  Times allowed_until_s_{};      ///< current in each coil, by its pulses
+  Times allowed_until_s_;  ///< current in each coil, by its pulses
+  std::mt19937_64 random_;
   double caused_until_s_ = 0.0;  ///< current in any, by other causes
   double unaccounted_s_ = 0.0;
   double heard_s_ = 0.0;

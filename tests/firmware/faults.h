@@ -83,7 +83,7 @@ template <class Rig>
 RunFault<Rig> lasting(const std::string& name,
                       std::function<void(FaultRun<Rig>&, bool there, int which)> put) {
   return {name, [put](FaultRun<Rig>& run, double at_s, double for_s) {
-            const int which = run.any(4);
+            const int which = run.any(run.coils());
             run.at(at_s, [&run, put, which] { put(run, true, which); });
             run.at(at_s + for_s, [&run, put, which] { put(run, false, which); });
           }};
@@ -121,7 +121,7 @@ void add_bus_faults(std::vector<RunFault<Rig>>& faults) {
                     }});
   const auto controller = [&faults](const char* name, auto put) {
     faults.push_back(lasting<Rig>(name, [put](Run& run, bool there, int which) {
-      put(run.rig.controllers[static_cast<std::size_t>(which % 2)], there);
+      put(run.rig.controllers[static_cast<std::size_t>(which % (run.coils() / 2))], there);
     }));
   };
   using Model = emulation::RoboClawModel;
@@ -144,7 +144,7 @@ template <class Rig>
 void add_power_faults(std::vector<RunFault<Rig>>& faults) {
   using Run = FaultRun<Rig>;
   faults.push_back({"output stuck at a duty", [](Run& run, double at_s, double) {
-                      const auto coil = static_cast<std::size_t>(run.any(4));
+                      const auto coil = static_cast<std::size_t>(run.any(run.coils()));
                       const double duty = run.any_size(0.1, 1.0) * (run.chance(0.5) ? 1.0 : -1.0);
                       run.at(at_s, [&run, coil, duty] {
                         run.rig.stuck_duty[coil] = duty;

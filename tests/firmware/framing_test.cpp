@@ -1,6 +1,8 @@
 #include "coils/protocol.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <iterator>
 #include <random>
 #include <vector>
 
@@ -46,6 +48,50 @@ TEST_CASE("a ping is the frame that docs/serial-protocol.md shows") {
   const std::vector<std::uint8_t> frame = frame_of(wire::kPing, 0x0102, {});
   const std::vector<std::uint8_t> documented = {0x00, 0x08, 0x07, 0x02, 0x01, 0x83, 0x9d, 0x3f, 0xbf, 0x00};
   CHECK(frame == documented);
+}
+
+TEST_CASE("a pulse of the paper's four coils is the frame that it was before there were others") {
+  const wire::PulseRequest pulse{{5000, 0, 0, -2000}, 100};
+  std::vector<std::uint8_t> body(wire::pulse_request_size(2));
+  wire::put_pulse_request(body.data(), &pulse, 2);
+  const std::vector<std::uint8_t> before = {0x00, 0x06, 0x03, 0x02, 0x01, 0x88, 0x13, 0x01, 0x01, 0x01,
+                                            0x04, 0x30, 0xf8, 0x64, 0x05, 0x38, 0x28, 0xf9, 0xb5, 0x00};
+  CHECK(frame_of(wire::kPulse, 0x0102, body) == before);
+}
+
+TEST_CASE("pulses and states of 1, 6, 8 and 16 coils go through a frame, with currents of either sign") {
+  for (const int coils : {1, 6, 8, 16}) {
+    CAPTURE(coils);
+    const auto controllers = static_cast<std::uint8_t>((coils + 1) / 2);
+    wire::PulseRequest pulse{};
+    wire::CoilState state{};
+    for (int i = 0; i < coils; ++i) {
+      pulse.current_mA[i] = static_cast<std::int16_t>((i % 2 == 0 ? 1 : -1) * (20000 - 256 * i));
+      state.current_mA[i] = static_cast<std::int16_t>(-pulse.current_mA[i]);
+      state.resistance_mohm[i] = static_cast<std::uint16_t>(60000 - i);
+    }
+    pulse.length_ms = 10000;
+    for (int c = 0; c < controllers; ++c) state.board_dC[c] = static_cast<std::int16_t>(-c);
+    std::vector<std::uint8_t> body(wire::pulse_request_size(controllers));
+    wire::put_pulse_request(body.data(), &pulse, controllers);
+    wire::FrameDecoder decoder{};
+    auto found = decode(decoder, frame_of(wire::kPulse, 7, body));
+    REQUIRE(found.size() == 1);
+    REQUIRE(found.front().length == body.size());
+    wire::PulseRequest got{};
+    wire::get_pulse_request(found.front().body, &got, controllers);
+    CHECK(std::equal(std::begin(got.current_mA), std::end(got.current_mA), std::begin(pulse.current_mA)));
+    CHECK(got.length_ms == 10000);
+    body.resize(wire::coil_state_size(controllers));
+    wire::put_coil_state(body.data(), &state, controllers);
+    found = decode(decoder, frame_of(wire::kStatus | wire::kReply, 8, body));
+    REQUIRE(found.size() == 1);
+    wire::CoilState told{};
+    wire::get_coil_state(found.front().body, &told, controllers);
+    CHECK(std::equal(std::begin(told.current_mA), std::end(told.current_mA), std::begin(state.current_mA)));
+    CHECK(told.resistance_mohm[coils - 1] == 60001 - coils);
+    CHECK(told.board_dC[controllers - 1] == 1 - controllers);
+  }
 }
 
 TEST_CASE("messages of every length come back as they were") {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <vector>
 
 #include "firmware/device.h"
 #include "lodestone/common/error.h"
@@ -14,10 +15,14 @@ namespace lodestone::tests {
 /// The coil controller's own code behind a port, with faults on the line. Shared with the ports that were
 /// opened to it.
 struct FirmwareBench {
+  explicit FirmwareBench(std::uint8_t motor_controllers = 2) : device(motor_controllers) {}
+
   std::mutex mutex;  ///< of the rest: a test may look from another thread
   Device device;
   int opened = 0;
   bool plugged = true;
+  std::vector<std::uint8_t> types;  ///< of the requests that have come
+  wire::FrameDecoder decoder{};
   int lose_replies = 0;  ///< so many reads find nothing, and what came is lost
 
   bool on() {
@@ -51,7 +56,11 @@ class FirmwarePort final : public rig::SerialPort {
   void write(const std::uint8_t* bytes, std::size_t count, double) override {
     const std::lock_guard<std::mutex> lock(bench_->mutex);
     check();
-    for (std::size_t i = 0; i < count; ++i) coils_host_byte(&bench_->device.coils, bytes[i]);
+    for (std::size_t i = 0; i < count; ++i) {
+      wire::Message message{};
+      if (wire::decode_byte(&bench_->decoder, bytes[i], &message)) bench_->types.push_back(message.type);
+      coils_host_byte(&bench_->device.coils, bytes[i]);
+    }
   }
   void discard_input() override {
     const std::lock_guard<std::mutex> lock(bench_->mutex);

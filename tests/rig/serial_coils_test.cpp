@@ -4,6 +4,7 @@
 
 #include "rig/coils_conformance.h"
 #include "rig/firmware_port.h"
+#include "rig/ring_of_coils.h"
 
 using namespace lodestone;
 using tests::FirmwareBench;
@@ -51,4 +52,47 @@ TEST_CASE("temperatures are what the resistances tell, and the trace is of the s
   CHECK(trace.coil == 0);
   CHECK(trace.samples.size() == wire::kTraceSamples);
   CHECK(coils.state().pulses == 1);
+}
+
+TEST_CASE("one, six, eight and sixteen coils are driven each by its own number, and measured") {
+  for (const std::size_t count : {std::size_t{1}, std::size_t{6}, std::size_t{8}, std::size_t{16}}) {
+    CAPTURE(count);
+    auto bench = std::make_shared<FirmwareBench>(static_cast<std::uint8_t>((count + 1) / 2));
+    const physics::CoilsDescription ring = tests::ring_of(count);
+    const rig::SerialConfig config;
+    rig::SerialCoils coils(config, ring, [bench] { return std::make_unique<FirmwarePort>(bench); });
+    CHECK(coils.info().motor_controllers == static_cast<int>((count + 1) / 2));
+    for (std::size_t coil = 0; coil < count; ++coil) {
+      rig::CoilPulse pulse;
+      pulse.current_A[coil] = 2.0;
+      pulse.duration_s = 0.1;
+      coils.apply(pulse);
+      bench->device.run(60);
+      const rig::CoilStatus status = coils.status();
+      CHECK(status.faults.empty());
+      CHECK(status.current_A.size() == count);
+      for (std::size_t other = 0; other < count; ++other)
+        CHECK(status.current_A[other] == Approx(other == coil ? 2.0 : 0.0).margin(0.1));
+      CHECK(coils.trace().coil == static_cast<int>(coil));
+      bench->device.run(200);
+      CHECK_FALSE(bench->device.on());
+    }
+    CHECK(coils.state().supply_V.size() == (count + 1) / 2);
+    rig::CoilPulse negative{physics::PerCoil(count, -1.0), 0.1};
+    CHECK_THROWS_AS(coils.apply(negative), common::HardwareError);  // they are unipolar
+  }
+}
+
+TEST_CASE("coils without an output each, and outputs named twice, are refused in one line") {
+  auto bench = std::make_shared<FirmwareBench>(std::uint8_t{3});
+  const auto open = [bench] { return std::make_unique<FirmwarePort>(bench); };
+  rig::SerialConfig config;
+  config.output = {1, 2, 3, 4};
+  CHECK_THROWS_WITH(rig::SerialCoils(config, tests::ring_of(6), open),
+                    Catch::Contains("rig.serial.output names 4 outputs, the rig has 6 coils"));
+  config.output = {1, 2, 3, 4, 5, 5};
+  CHECK_THROWS_AS(rig::SerialCoils(config, tests::ring_of(6), open), common::ConfigError);
+  config.output = {1, 2, 3, 4, 5, 17};
+  CHECK_THROWS_AS(rig::SerialCoils(config, tests::ring_of(6), open), common::ConfigError);
+  CHECK(bench->opened == 0);
 }

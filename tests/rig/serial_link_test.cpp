@@ -46,7 +46,7 @@ TEST_CASE("while a stop is asked for, a pulse is given up and a question still a
   Line line;
   line.hello();
   const rig::SerialLink::StopRequest stop(line.link);
-  CHECK_THROWS_WITH(line.link.exchange(wire::kPulse, rig::SerialLink::Bytes(wire::kPulseRequestSize)),
+  CHECK_THROWS_WITH(line.link.exchange(wire::kPulse, rig::SerialLink::Bytes(wire::pulse_request_size(2))),
                     Catch::Contains("given up"));
-  CHECK(line.link.exchange(wire::kStatus).size() == wire::kCoilStateSize);
+  CHECK(line.link.exchange(wire::kStatus).size() == wire::coil_state_size(2));
 }

@@ -2,7 +2,12 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
 
+#include "lodestone/common/config.h"
 #include "lodestone/rig/virtual_rig.h"
 #include "lodestone/session/simulated_detector.h"
 #include "lodestone/session/tracked_pose_sensor.h"
@@ -20,7 +25,7 @@ class MiswiredCoils final : public rig::Coils {
   void apply(const rig::CoilPulse& pulse) override {
     rig::CoilPulse wired;
     wired.duration_s = pulse.duration_s;
-    for (std::size_t asked = 0; asked < physics::kFourCoils; ++asked)
+    for (std::size_t asked = 0; asked < wiring_.coil.size(); ++asked)
       wired.current_A[static_cast<std::size_t>(wiring_.coil[asked])] =
           wiring_.sign[asked] * pulse.current_A[asked];
     coils_.apply(wired);
@@ -39,30 +44,45 @@ rig::RigConfig described(rig::DeviationWidth deviation = rig::DeviationWidth::kN
   return rig;
 }
 
-session::WiringInference nothing_known() {
-  static const auto field = session::WiringInference::field_for(described());
-  return {described(), field};
+using Fields = std::shared_ptr<const physics::CoilFields>;
+
+/// Keeps fields, so that those of a rig are tabulated once.
+Fields kept(Fields fields) {
+  static std::vector<Fields> all;
+  all.push_back(fields);
+  return fields;
+}
+
+session::WiringInference nothing_known(const rig::RigConfig& rig = described()) {
+  return {rig, kept(session::WiringInference::field_for(rig))};
+}
+
+/// A preset as it is described, behind drivers that a reversed coil does not stop.
+rig::RigConfig preset(const std::string& name) {
+  const std::string file = LODESTONE_SOURCE_DIR "/configs/rigs/" + name + ".json";
+  rig::RigConfig rig = common::config_from_json<rig::RigConfig>(common::read_json_file(file), file);
+  rig.simulation.deviation = rig::DeviationWidth::kNone;
+  for (physics::CoilDescription& coil : rig.coils.each) coil.bipolar = true;
+  return rig;
 }
 
 /// What is found out on a virtual rig that differs from its description.
 session::WiringInference probe(const CoilWiring& wiring, const geometry::Pose2& start, std::uint64_t seed,
                                const rig::RigConfig& real = described()) {
-  static const auto field =
-      std::make_shared<const physics::CoilFields>(real.coils, real.dish.radius_m, 10e-3);
-  rig::VirtualRig rig(real, seed, field);
+  rig::VirtualRig rig(real, seed, kept(physics::CoilFields::shared(real.coils, real.dish.radius_m, 10e-3)));
   rig.place(start);
   MiswiredCoils coils(rig.coils(), wiring);
   session::SimulatedDetector detector([&rig] { return rig.true_pose(); }, rig.clock(), {}, {},
                                       common::RandomStream(seed, "sensor"));
   session::TrackedPoseSensor sensor(detector, {}, real, rig.clock());
-  session::WiringInference inference = nothing_known();
+  session::WiringInference inference = nothing_known(real);
   session::probe_wiring(inference, coils, sensor, rig.clock(), {});
   return inference;
 }
 
 void check_found(const CoilWiring& wiring, const geometry::Pose2& start, std::uint64_t seed,
                  const rig::RigConfig& real = described()) {
-  const std::vector<CoilWiring> possible = probe(wiring, start, seed, real).possible();
+  const std::vector<CoilWiring> possible = probe(wiring, start, seed, real).possible().listed;
   CAPTURE(seed, wiring.coil, wiring.sign, possible.size());
   CHECK(possible == std::vector<CoilWiring>{wiring});
 }
@@ -99,15 +119,36 @@ TEST_CASE("a rig that differs from its description is told right, too") {
 }
 
 TEST_CASE("every one of the 384 wirings is found") {
-  for (const CoilWiring& wiring : session::every_coil_wiring()) check_found(wiring, kOffCentre, 4);
+  for (const CoilWiring& wiring : nothing_known().possible().listed) check_found(wiring, kOffCentre, 4);
+}
+
+TEST_CASE("of six and of eight coils reversals and swaps are found, of neighbours and of opposite ones") {
+  const rig::RigConfig real = preset(GENERATE(as<std::string>{}, "six_planar", "eight_tilted"));
+  const std::size_t coils = real.coils.count();
+  std::vector<CoilWiring> mistakes(1, CoilWiring(coils));
+  mistakes.emplace_back(coils).sign[1] = -1;
+  CoilWiring neighbours(coils);
+  std::swap(neighbours.coil[0], neighbours.coil[1]);
+  mistakes.push_back(neighbours);
+  CoilWiring& opposite = mistakes.emplace_back(coils);
+  std::swap(opposite.coil[0], opposite.coil[coils / 2]);
+  opposite.sign[2] = -1;
+  for (const CoilWiring& wiring : mistakes) check_found(wiring, kOffCentre, 5, real);
+}
+
+TEST_CASE("coils are asked for in an order in which each field lies across the one before") {
+  CHECK(session::crossing_order(described()) == std::vector<int>{0, 2, 1, 3});
+  const std::vector<int> six = session::crossing_order(preset("six_planar"));
+  REQUIRE(six.size() == 6);
+  CHECK(std::set<int>(six.begin(), six.end()).size() == 6);
+  for (std::size_t i = 1; i < six.size(); ++i) CHECK((six[i] - six[i - 1] + 6) % 3 != 0);  // nor along it
 }
 
 TEST_CASE("there are 384 wirings, and all of them are possible before anything has moved") {
-  CHECK(session::every_coil_wiring().size() == 384);
   session::WiringInference inference = nothing_known();
-  CHECK(inference.possible().size() == 384);
+  CHECK(inference.possible().listed.size() == 384);
   CHECK_FALSE(inference.add({0, 5.0, kOffCentre, kOffCentre}));
-  CHECK(inference.possible().size() == 384);
+  CHECK(inference.possible().open() == 384);
   CHECK(inference.moved(0) == 0);
   CHECK_THAT(session::wiring_remedy(inference, described()),
              Contains("384 wirings") && Contains("off the centre"));
@@ -118,10 +159,11 @@ TEST_CASE("heading alone leaves a reversed coil and the opposite one; the pull t
   // Off the centre, a needle across turns its head to +x and stays where it is.
   for (const double before_rad : {1.5, -1.5, 1.5, -1.5})
     inference.add({0, 5.0, {0.005, 0.002, before_rad}, {0.005, 0.002, 0.0}});
-  CHECK(session::possible_answers(inference.possible(), 0) == "coil +x, or coil -x reversed");
+  CHECK(session::possible_answers(inference.possible(), 0, described().coils) ==
+        "coil +x, or coil -x reversed");
   // Then it is drawn to -x, with its head still to +x.
   for (int i = 0; i < 3; ++i) inference.add({0, 5.0, {0.005, 0.002, 0.0}, {0.001, 0.002, 0.0}});
-  CHECK(session::possible_answers(inference.possible(), 0) == "coil -x reversed");
+  CHECK(session::possible_answers(inference.possible(), 0, described().coils) == "coil -x reversed");
   CHECK(inference.explained());
 }
 
@@ -130,7 +172,7 @@ TEST_CASE("where the needle sticks, the wirings that are still possible are name
   sticky.friction.static_coefficient *= 20.0;
   sticky.friction.kinetic_coefficient *= 20.0;
   const session::WiringInference inference = probe({}, kOffCentre, 1, sticky);
-  CHECK(inference.possible().size() > 1);
+  CHECK(inference.possible().open() > 1);
   CHECK_FALSE(session::wiring_remedy(inference, described()).empty());
 }
 
@@ -156,4 +198,6 @@ TEST_CASE("the remedy makes every coil answer as asked, also where the configura
   CHECK(right.serial.output == std::vector<std::int64_t>{2, 3, 1, 4});
   CHECK(right.coils.polarity == std::vector<std::int64_t>{1, 1, 1, 1});
   right.validate();
+  rig.serial.output.clear();  // 1, 2, 3, 4
+  CHECK(session::rewired(rig, found).serial.output == std::vector<std::int64_t>{2, 1, 3, 4});
 }

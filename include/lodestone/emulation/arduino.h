@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -11,9 +12,9 @@ class Arduino {
  public:
   using Sink = std::function<void(std::uint8_t byte)>;
 
-  /// Starts the firmware. `to_host` and `to_controllers` get the bytes of UART0 and UART1 as their
-  /// transmission starts. Throws HardwareError when this build has no emulator.
-  Arduino(Sink to_host, Sink to_controllers);
+  /// Starts the firmware for so many motor controllers (1 to 8). `to_host` and `to_controllers` get the bytes
+  /// of UART0 and UART1 as their transmission starts. Throws HardwareError when this build has no emulator.
+  Arduino(Sink to_host, Sink to_controllers, std::size_t motor_controllers = 2);
   ~Arduino();
   Arduino(const Arduino&) = delete;
   Arduino& operator=(const Arduino&) = delete;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -16,10 +16,11 @@
 
 namespace lodestone::emulation {
 
-/// A bench made of the real firmware on an emulated Arduino, two modelled motor controllers and a virtual rig
-/// whose coils they drive. The PC's side of the serial line is host_write() and host_read(). All time is
-/// simulated and moves only in advance_to(), which any thread may call, as it may use both ends of the line;
-/// the faults are put in by one thread at a time.
+/// A bench made of the real firmware on an emulated Arduino, modelled motor controllers and a virtual rig
+/// whose coils they drive: coil i is on output i, M1 (i even) or M2 of motor controller i / 2. The PC's side
+/// of the serial line is host_write() and host_read(). All time is simulated and moves only in advance_to(),
+/// which any thread may call, as it may use both ends of the line; the faults are put in by one thread at a
+/// time.
 class EmulatedBench {
  public:
   /// `rig` must outlive the bench, and from here on only the bench may move its clock. Of its description's
@@ -38,10 +39,11 @@ class EmulatedBench {
   /// The next byte that has arrived at the PC.
   bool host_read(std::uint8_t& byte);
 
-  /// Currents in the coils now, A, +x -x +y -y. What the needle feels, not what anyone measured.
+  /// Currents in the coils now, A, in the rig's order. What the needle feels, not what anyone measured.
   physics::PerCoil current_A() const;
   rig::VirtualRig& rig() { return rig_; }
   Arduino& arduino() { return *arduino_; }
+  std::size_t controllers() const { return controllers_.size(); }
   RoboClawModel& controller(int index) { return controllers_[static_cast<std::size_t>(index)]; }
 
   // Faults.
@@ -55,7 +57,7 @@ class EmulatedBench {
   /// The same for the bus between the Arduino and the motor controllers.
   ByteFilter to_controllers_filter;
   ByteFilter from_controllers_filter;
-  /// Supply of both controllers' outputs, V; what they measure while the contactor is closed and no current
+  /// Supply of all controllers' outputs, V; what they measure while the contactor is closed and no current
   /// makes it sag (supply_resistance_ohm of the rig).
   void set_supply_V(double volt);
   /// The contactor's contacts have welded together: it no longer opens.
@@ -84,6 +86,7 @@ class EmulatedBench {
     std::uint8_t byte;
     double time_s;
   };
+  std::size_t coil_count() const { return rig_.config().coils.count(); }
   void step_to(double time_s);
   void switch_supply(const physics::PerCoil& current_A);
   void drive_rig();
@@ -91,7 +94,7 @@ class EmulatedBench {
   mutable std::recursive_mutex mutex_;
   rig::VirtualRig& rig_;
   std::unique_ptr<Arduino> arduino_;
-  std::array<RoboClawModel, 2> controllers_;
+  std::vector<RoboClawModel> controllers_;
   std::unique_ptr<BenchClock> clock_;
   double start_s_;  // of the rig's clock
   double now_s_;

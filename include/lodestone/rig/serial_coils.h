@@ -1,6 +1,6 @@
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -29,7 +29,7 @@ struct SerialConfig {
   double min_supply_V = 20.0;
   double max_board_C = 80.0;
   double max_coil_C = 110.0;
-  std::vector<std::int64_t> output = {1, 2, 3, 4};
+  std::vector<std::int64_t> output;  // [coils], or empty
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -50,23 +50,28 @@ struct SerialConfig {
     v.field("max_board_C", max_board_C, "C", "a motor controller above this stops the coils", {30.0, 85.0});
     v.field("max_coil_C", max_coil_C, "C", "a coil whose resistance tells more than this stops the coils",
             {30.0, 155.0});
-    v.field("output", output, "",
-            "where the coils +x, -x, +y, -y are connected: 1 and 2 are M1 and M2 of controller 0x80, 3 and 4 "
-            "those of 0x81",
-            {1.0, 4.0});
+    v.field(
+        "output", output, "",
+        "where each coil is connected, in the order in which they are listed (+x, -x, +y, -y): 1 and 2 are "
+        "M1 and M2 of the motor controller 0x80, 3 and 4 those of 0x81, and so on to 16; []: 1, 2, 3, ...",
+        {1.0, 16.0});
   }
+  /// Throws ConfigError when an output is named twice, or there is none of that number.
   void validate() const;
   /// Index on the wire of the output that a coil is connected to.
-  std::size_t output_of(std::size_t coil) const { return static_cast<std::size_t>(output[coil] - 1); }
+  std::size_t output_of(std::size_t coil) const {
+    return output.empty() ? coil : static_cast<std::size_t>(output[coil] - 1);
+  }
+  /// How many motor controllers so many coils need: up to the last one that drives a coil.
+  std::size_t controllers_for(std::size_t coils) const;
 };
-
-constexpr std::size_t kSerialCoils = 4;  ///< outputs of the coil controller
 
 /// What the coil controller says of itself.
 struct CoilControllerInfo {
   int protocol = 0;
-  std::string firmware;  ///< "1.1.0"
-  int reset_cause = 0;   ///< MCUSR of the ATmega2560: 1 power, 2 reset, 4 brown-out, 8 watchdog
+  std::string firmware;       ///< "1.2.0"
+  int motor_controllers = 0;  ///< that it was built for, two outputs each
+  int reset_cause = 0;        ///< MCUSR of the ATmega2560: 1 power, 2 reset, 4 brown-out, 8 watchdog
 };
 
 struct CoilControllerState {
@@ -74,9 +79,9 @@ struct CoilControllerState {
   bool pulsing = false;
   bool emergency_stop = false;  ///< the switch is open now
   double uptime_s = 0.0;
-  std::int64_t pulses = 0;  ///< since it started, modulo 65536
-  std::array<double, 2> supply_V{};
-  std::array<double, 2> board_C{};
+  std::int64_t pulses = 0;       ///< since it started, modulo 65536
+  std::vector<double> supply_V;  ///< [motor controllers]
+  std::vector<double> board_C;   ///< [motor controllers]
   physics::PerCoil current_A{};
   physics::PerCoil resistance_ohm{};  ///< as the last long enough pulse told it
   std::vector<std::string> faults;
@@ -90,19 +95,20 @@ struct CurrentTrace {
 
 class SerialSession;
 
-/// The four coils behind the coil controller (firmware/coils; docs/serial-protocol.md). One request at a
-/// time, repeated until answered; repetitions never fire a pulse twice. Whatever call finds the port gone or
-/// the controller silent throws, and the next one connects anew. While it exists, a program that dies of a
-/// signal still sends a stop; one that is killed outright is caught by the firmware, which cuts a pulse after
-/// 500 ms of silence. Temperatures are those that the coils' resistance tells. Safe to use from any thread:
-/// stop() goes ahead of every request that waits, and a pulse that another thread has on its way throws
-/// there.
+/// The coils behind the coil controller (firmware/coils; docs/serial-protocol.md), as many as the rig has.
+/// One request at a time, repeated until answered; repetitions never fire a pulse twice. Whatever call finds
+/// the port gone or the controller silent throws, and the next one connects anew. While it exists, a program
+/// that dies of a signal still sends a stop; one that is killed outright is caught by the firmware, which
+/// cuts a pulse after 500 ms of silence. Temperatures are those that the coils' resistance tells. Safe to use
+/// from any thread: stop() goes ahead of every request that waits, and a pulse that another thread has on its
+/// way throws there.
 class SerialCoils final : public Coils {
  public:
   using OpenPort = std::function<std::unique_ptr<SerialPort>()>;
 
   /// Connects, hands over the limits and waits until the motor controllers are ready. Throws HardwareError
-  /// with what to do about it.
+  /// with what to do about it, also where the firmware was built for another number of motor controllers than
+  /// the rig's coils are on, and ConfigError where not every coil has an output.
   SerialCoils(const SerialConfig& config, const physics::CoilsDescription& coils);
   SerialCoils(const SerialConfig& config, const physics::CoilsDescription& coils, OpenPort open);
   ~SerialCoils() override;
@@ -116,6 +122,9 @@ class SerialCoils final : public Coils {
   CoilControllerInfo info() const;
   CoilControllerState state();
   CurrentTrace trace();
+  const physics::CoilsDescription& description() const { return coils_; }
+  /// Which motor controller drives a coil, from 0.
+  std::size_t controller_of(std::size_t coil) const { return config_.output_of(coil) / 2; }
   /// How often a request had to be repeated, and how often the connection was made.
   std::int64_t repeats() const;
   std::int64_t connections() const;
@@ -128,6 +137,7 @@ class SerialCoils final : public Coils {
  private:
   SerialConfig config_;
   physics::CoilsDescription coils_;
+  std::uint8_t controllers_;  // that the coils are on
   std::unique_ptr<SerialSession> session_;
 };
 
