@@ -89,7 +89,8 @@ void add_segmenter(Verb& evaluate) {
 void add_dynamics(Verb& evaluate) {
   Verb& verb = evaluate.add_verb(
       "dynamics",
-      "one-step and open-loop errors of a dynamics checkpoint, in mm and degrees, beside two baselines");
+      "one-step and open-loop errors of a dynamics checkpoint, in mm and degrees, beside two baselines, and "
+      "how often the regions of the distributions that it predicts hold what was recorded");
   const auto options = std::make_shared<EvaluateOptions>();
   verb.add_option("--checkpoint", &options->checkpoint, "folder of the dynamics checkpoint")
       .named("DIR")

@@ -1,5 +1,7 @@
 #include "lodestone/control/goal_seeker.h"
 
+#include <cmath>
+
 #include "lodestone/common/error.h"
 #include "lodestone/common/json.h"
 #include "lodestone/geometry/saturation.h"
@@ -18,12 +20,13 @@ void GoalSeeker::draw_target() {
 
 void GoalSeeker::reset() {
   inner_->reset();
+  weak_ = false;
   if (stuck()) still_pulses_ = 0;  // it has been placed elsewhere
   draw_target();
 }
 
 geometry::Drive GoalSeeker::act(const task::Observation& observation) {
-  if (!observation.last_action.isZero(0.0)) {
+  if (!observation.last_action.isZero(0.0) && !weak_) {
     const bool moved = observation.last_displacement_m.norm() >= config_.stuck_threshold_m;
     still_pulses_ = moved ? 0 : still_pulses_ + 1;
   }
@@ -35,6 +38,9 @@ geometry::Drive GoalSeeker::act(const task::Observation& observation) {
   const geometry::Drive action = inner_->act(seen);
   const geometry::Drive noise =
       geometry::drawn_drive(static_cast<int>(action.size()), [this] { return random_.normal(); });
+  weak_ = config_.weak_fraction > 0.0 && random_.uniform() < config_.weak_fraction;
+  if (weak_)
+    return noise * (std::pow(config_.weakest_drive, random_.uniform()) / noise.cwiseAbs().maxCoeff());
   return geometry::saturated(action + config_.noise * noise);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include <ATen/TensorOperators.h>
@@ -10,6 +11,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/data/knn.h"
 #include "lodestone/dynamics/network.h"
+#include "lodestone/dynamics/region_coverage.h"
 #include "lodestone/geometry/pose2.h"
 #include "lodestone/nets/tensors.h"
 
@@ -107,16 +109,21 @@ double normalised_state_loss(const Model& model, const std::vector<double>& pred
   return sum / static_cast<double>(predicted.size());
 }
 
-/// A place in a dataset from which the model runs on by itself.
+/// Next states [N, S] of states [N, S] and actions [N, A].
+using Predictor =
+    std::function<std::vector<double>(const std::vector<double>& state, const std::vector<double>& action)>;
+
+/// A place in a dataset from which a predictor runs on by itself.
 struct Chain {
   const data::Episode* episode;
   std::int64_t first;
 };
 
-/// Runs the model open loop from every row and gathers the squared position error after each number of steps.
-std::map<int, std::optional<double>> open_loop_errors(const Model& model, const data::Dataset& dataset) {
-  const auto size = static_cast<std::size_t>(data::state_size(model.info.layout));
-  const auto numbers = static_cast<std::size_t>(model.info.action_size);
+/// Runs a predictor open loop from every row.
+runs::OpenLoopError open_loop_error(const Predictor& predictor, const data::Dataset& dataset) {
+  const int state_size = data::state_size(dataset.info.layout);
+  const auto size = static_cast<std::size_t>(state_size);
+  const auto numbers = static_cast<std::size_t>(dataset.info.action_size);
   std::vector<Chain> chains;
   std::vector<double> state;
   for (const data::Episode& episode : dataset.episodes) {
@@ -126,7 +133,8 @@ std::map<int, std::optional<double>> open_loop_errors(const Model& model, const 
       state.insert(state.end(), at, at + static_cast<std::ptrdiff_t>(size));
     }
   }
-  std::map<int, std::optional<double>> errors;
+  runs::OpenLoopError::BySteps position;
+  runs::OpenLoopError::BySteps heading;
   for (int step = 1; step <= *std::rbegin(kSteps); ++step) {
     std::vector<Chain> kept;
     std::vector<double> kept_state;
@@ -141,22 +149,28 @@ std::map<int, std::optional<double>> open_loop_errors(const Model& model, const 
       action.insert(action.end(), row, row + static_cast<std::ptrdiff_t>(numbers));
     }
     chains = std::move(kept);
-    state = chains.empty() ? std::vector<double>{} : predict(model, kept_state, action);
-    double sum = 0.0;
+    state = chains.empty() ? std::vector<double>{} : predictor(kept_state, action);
+    std::vector<double> truth;
     for (std::size_t i = 0; i < chains.size(); ++i) {
       const double* drive = &action[i * numbers];
-      const bool zero = data::strongest(drive, model.info.action_size) == 0.0;
+      const bool zero = data::strongest(drive, dataset.info.action_size) == 0.0;
       const auto at = static_cast<std::ptrdiff_t>(i * size);
       if (zero) std::copy_n(kept_state.begin() + at, size, state.begin() + at);
-      const auto truth = static_cast<std::size_t>(chains[i].first + step) * size;
-      sum += squared_distance(&state[i * size], &chains[i].episode->observations[truth]);
+      const auto seen = chains[i].episode->observations.begin() +
+                        static_cast<std::ptrdiff_t>(size) * (chains[i].first + step);
+      truth.insert(truth.end(), seen, seen + static_cast<std::ptrdiff_t>(size));
     }
     if (std::find(std::begin(kSteps), std::end(kSteps), step) == std::end(kSteps)) continue;
-    errors[step] = std::nullopt;
-    if (!chains.empty()) {
-      errors[step] = kMillimetresPerMetre * std::sqrt(sum / static_cast<double>(chains.size()));
-    }
+    position[step] = std::nullopt;
+    heading[step] = std::nullopt;
+    if (chains.empty()) continue;
+    const StateError error = state_error(state, truth, state_size);
+    position[step] = error.position_rms_mm;
+    heading[step] = error.heading_rms_deg;
   }
+  runs::OpenLoopError errors;
+  errors.k_step_mm = std::move(position);
+  if (state_size == 3) errors.k_step_heading_deg = std::move(heading);
   return errors;
 }
 
@@ -221,11 +235,17 @@ DynamicsEvaluation evaluate_dynamics(const Model& model, const data::Dataset& da
   evaluation.one_step = state_error(predicted, table.next_state, table.state_size);
   evaluation.normalised_l2 = normalised_loss(model, table);
   evaluation.normalised_state_l2 = normalised_state_loss(model, predicted, table);
-  evaluation.k_step_mm = open_loop_errors(model, dataset);
+  evaluation.open_loop = open_loop_error(
+      [&](const auto& state, const auto& action) { return predict(model, state, action); }, dataset);
   runs::DynamicsBaselines& baselines = evaluation.baselines.emplace();
   baselines.no_motion = state_error(table.state, table.next_state, table.state_size);
   baselines.nearest_neighbours =
       state_error(neighbours.predict(table.state, table.action), table.next_state, table.state_size);
+  baselines.no_motion_open_loop =
+      open_loop_error([](const auto& state, const auto& /*action*/) { return state; }, dataset);
+  baselines.nearest_neighbours_open_loop = open_loop_error(
+      [&](const auto& state, const auto& action) { return neighbours.predict(state, action); }, dataset);
+  evaluation.region_coverage = region_coverage(model, table);
   evaluation.error_map = error_map(table, predicted);
   evaluation.predictions = some_predictions(table, predicted);
   return evaluation;

@@ -30,14 +30,20 @@ std::string learning_curve(const RunData& run, const std::string& prefix) {
                 "validation curve that turns upwards would mean memorising.");
 }
 
+/// Position errors over the number of pulses.
+Curve position_errors(const runs::OpenLoopError& error) {
+  Curve points;
+  if (error.k_step_mm)
+    for (const auto& [steps, rms_mm] : *error.k_step_mm)
+      if (rms_mm) points.emplace_back(steps, *rms_mm);
+  return points;
+}
+
 std::string open_loop(const runs::DynamicsEvaluation& evaluation, const std::string& prefix) {
   LineChart chart{prefix + "-open-loop", "Error without correction", "pulses predicted ahead",
                   "position error (mm RMS)"};
   chart.from_zero = true;
-  Curve points;
-  if (evaluation.k_step_mm)
-    for (const auto& [steps, error] : *evaluation.k_step_mm)
-      if (error) points.emplace_back(steps, *error);
+  const Curve points = position_errors(evaluation.open_loop);
   if (points.size() < 2) return "";
   chart.series.push_back({"learned simulator", points, kPolicyColour});
   const auto level = [&](const runs::StateError& error, const char* name, const char* colour) {
@@ -47,15 +53,21 @@ std::string open_loop(const runs::DynamicsEvaluation& evaluation, const std::str
          colour,
          true});
   };
+  std::string caption =
+      "<b>Open-loop error.</b> The simulator is fed its own prediction for several pulses in a row.";
   if (evaluation.baselines) {
-    level(evaluation.baselines->no_motion, "no motion, one pulse", kPaperColour);
-    level(evaluation.baselines->nearest_neighbours, "ten nearest neighbours, one pulse", kBaselineColour);
+    const runs::DynamicsBaselines& baselines = *evaluation.baselines;
+    level(baselines.no_motion, "no motion, one pulse", kPaperColour);
+    if (baselines.nearest_neighbours_open_loop) {
+      const Curve theirs = position_errors(*baselines.nearest_neighbours_open_loop);
+      chart.series.push_back({"ten nearest neighbours", theirs, kBaselineColour});
+      caption += " So are the nearest neighbours. Dashed: what no motion misses after a single pulse.";
+    } else {
+      level(baselines.nearest_neighbours, "ten nearest neighbours, one pulse", kBaselineColour);
+      caption += " Dashed lines: what the two baselines miss after a single pulse.";
+    }
   }
-  return figure(
-      chart_html(chart),
-      std::string(
-          "<b>Open-loop error.</b> The simulator is fed its own prediction for several pulses in a row.") +
-          (evaluation.baselines ? " Dashed lines: what the two baselines miss after a single pulse." : ""));
+  return figure(chart_html(chart), caption);
 }
 
 /// Points of one axis: what was predicted over what happened.
@@ -108,17 +120,59 @@ std::string error_rows_html(const runs::DynamicsEvaluation& evaluation) {
   return table(headers, rows, 1, {"strong"});
 }
 
-std::string metrics_table(const runs::DynamicsEvaluation& evaluation) {
-  std::string html = error_rows_html(evaluation);
-  std::vector<std::string> steps = {"pulses ahead"};
-  std::vector<std::string> errors = {"position error (mm RMS)"};
-  if (evaluation.k_step_mm)
-    for (const auto& [k, error] : *evaluation.k_step_mm) {
-      steps.push_back(std::to_string(k));
-      errors.push_back(fixed(error, 2));
+/// Errors by the number of pulses, those of the baselines below, which older runs do not tell.
+std::string open_loop_rows_html(const runs::DynamicsEvaluation& evaluation) {
+  if (!evaluation.open_loop.k_step_mm || evaluation.open_loop.k_step_mm->empty()) return "";
+  const runs::OpenLoopError::BySteps& steps = *evaluation.open_loop.k_step_mm;
+  std::vector<std::string> headers = {"pulses ahead"};
+  for (const auto& entry : steps) headers.push_back(std::to_string(entry.first));
+  std::vector<std::vector<std::string>> rows;
+  const auto add = [&](const std::string& name, const std::optional<runs::OpenLoopError::BySteps>& errors,
+                       int decimals) {
+    if (!errors) return;
+    std::vector<std::string>& row = rows.emplace_back(1, name);
+    for (const auto& entry : steps) {
+      const auto found = errors->find(entry.first);
+      row.push_back(fixed(found == errors->end() ? std::nullopt : found->second, decimals));
     }
-  if (steps.size() > 1) html += table(steps, {errors}, 1);
+  };
+  runs::OpenLoopError neighbours, still;
+  if (evaluation.baselines) {
+    neighbours = evaluation.baselines->nearest_neighbours_open_loop.value_or(runs::OpenLoopError{});
+    still = evaluation.baselines->no_motion_open_loop.value_or(runs::OpenLoopError{});
+  }
+  add("position error (mm RMS)", evaluation.open_loop.k_step_mm, 2);
+  add("of ten nearest neighbours", neighbours.k_step_mm, 2);
+  add("of no motion", still.k_step_mm, 2);
+  add("heading error (° RMS)", evaluation.open_loop.k_step_heading_deg, 1);
+  add("of ten nearest neighbours", neighbours.k_step_heading_deg, 1);
+  add("of no motion", still.k_step_heading_deg, 1);
+  return table(headers, rows, 1);
+}
 
+/// How many pulses ended where they were expected to, region by region; empty where none were predicted.
+std::string coverage_html(const runs::DynamicsEvaluation& evaluation) {
+  if (!evaluation.region_coverage || evaluation.region_coverage->position.empty()) return "";
+  const runs::RegionCoverage& coverage = *evaluation.region_coverage;
+  std::vector<std::string> headers = {"inside the region that should hold (95 % interval)"};
+  for (const auto& entry : coverage.position) headers.push_back(std::to_string(entry.first) + " %");
+  std::vector<std::vector<std::string>> rows;
+  const auto add = [&](const std::string& name, const runs::RegionCoverage::ByPercent& shares) {
+    std::vector<std::string>& row = rows.emplace_back(1, name);
+    for (const auto& entry : shares) {
+      const runs::CoveredFraction& covered = entry.second;
+      row.push_back(fixed(100.0 * covered.fraction, 1) + " % (" + fixed(100.0 * covered.interval[0], 1) +
+                    " to " + fixed(100.0 * covered.interval[1], 1) + ")");
+    }
+  };
+  add("position", coverage.position);
+  if (coverage.pose) add("position and heading", *coverage.pose);
+  return table(headers, rows, 1);
+}
+
+std::string metrics_table(const runs::DynamicsEvaluation& evaluation) {
+  std::string html =
+      error_rows_html(evaluation) + open_loop_rows_html(evaluation) + coverage_html(evaluation);
   std::vector<std::vector<std::string>> losses;
   const auto loss = [&](const char* name, const std::optional<double>& value, const char* paper) {
     if (value) losses.push_back({name, fixed(value, 4), paper});

@@ -51,7 +51,7 @@ with tempfile.TemporaryDirectory() as name:
     run(*train_dynamics, "--out", dynamics)
     evaluation = json.loads(run("evaluate", "dynamics", "--checkpoint", dynamics / "checkpoint", "--data",
                                 collect / "transitions.h5").stdout)
-    for key in ("position_rms_mm", "heading_rms_deg", "normalised_l2", "k_step", "baselines", "n"):
+    for key in ("position_rms_mm", "heading_rms_deg", "normalised_l2", "k_step", "k_step_heading_deg", "baselines", "n"):
         assert key in evaluation, key
     assert evaluation["n"] > 500 and evaluation["position_rms_mm"] > 0.0
 

@@ -1,7 +1,9 @@
 #include "lodestone/control/goal_seeker.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <set>
+#include <utility>
 
 #include "control/fakes.h"
 #include "paper_rig.h"
@@ -94,4 +96,37 @@ TEST_CASE("noise is added, clipped, and goes on after a restore") {
   one.reset();
   two.reset();
   CHECK(one.act(observation) == two.act(observation));
+}
+
+TEST_CASE("weak pulses are as many as asked for, over decades and all around, and stick no needle") {
+  control::GoalSeekerConfig config;
+  config.noise = 0.0;
+  config.stuck_pulses = 1;
+  config.weak_fraction = 0.5;
+  std::vector<Vector2> targets;
+  control::GoalSeeker seek = seeker(targets, config);
+  seek.reset();
+  task::Observation observation;
+  observation.pose.x_m = 0.040;
+  constexpr int kPulses = 4000;
+  int weak = 0;
+  int weaker = 0;
+  std::set<std::pair<bool, bool>> quadrants;
+  for (int i = 0; i < kPulses; ++i) {
+    const geometry::Drive action = seek.act(observation);
+    observation.last_action = action;  // which moves nothing
+    if (action.isZero(0.0)) continue;  // what the controller asks for
+    const double largest = action.cwiseAbs().maxCoeff();
+    CHECK(largest >= config.weakest_drive * (1.0 - 1e-12));
+    CHECK(largest <= 1.0 + 1e-12);
+    ++weak;
+    weaker += largest < std::sqrt(config.weakest_drive);
+    quadrants.insert({action[0] > 0.0, action[1] > 0.0});
+  }
+  CHECK_FALSE(seek.stuck());
+  CHECK(targets.size() == static_cast<std::size_t>(kPulses));
+  // Four standard errors.
+  CHECK(std::abs(weak - 0.5 * kPulses) < 4.0 * std::sqrt(0.25 * kPulses));
+  CHECK(std::abs(weaker - 0.5 * weak) < 4.0 * std::sqrt(0.25 * weak));
+  CHECK(quadrants.size() == 4);
 }

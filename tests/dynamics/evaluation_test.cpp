@@ -69,10 +69,10 @@ TEST_CASE("errors of a model that never moves are those of the motion", "[unit]"
   CHECK(evaluation.one_step.heading_rms_deg.value() == Approx(0.5 * 180.0 / geometry::kPi));
   CHECK(evaluation.baselines->no_motion.position_rms_mm == Approx(5.0));
   CHECK(evaluation.baselines->no_motion.heading_rms_deg.value() == Approx(0.5 * 180.0 / geometry::kPi));
-  CHECK(evaluation.k_step_mm->at(1).value() == Approx(5.0));
-  CHECK(evaluation.k_step_mm->at(2).value() == Approx(10.0));
-  CHECK(evaluation.k_step_mm->at(5).value() == Approx(25.0));
-  CHECK_FALSE(evaluation.k_step_mm->at(10).has_value());  // no episode is that long
+  CHECK(evaluation.open_loop.k_step_mm->at(1).value() == Approx(5.0));
+  CHECK(evaluation.open_loop.k_step_mm->at(2).value() == Approx(10.0));
+  CHECK(evaluation.open_loop.k_step_mm->at(5).value() == Approx(25.0));
+  CHECK_FALSE(evaluation.open_loop.k_step_mm->at(10).has_value());  // no episode is that long
   // Normalisers are the identity here but for their mean, so the loss is the mean square over three columns.
   CHECK(evaluation.normalised_l2 == Approx((9e-6 + 16e-6 + 0.25) / 3.0).epsilon(1e-3));
   CHECK(evaluation.baselines->nearest_neighbours.position_rms_mm == Approx(0.0).margin(1e-3));
@@ -84,8 +84,28 @@ TEST_CASE("a model that knows the motion has no error at any number of steps", "
   const DynamicsEvaluation evaluation = evaluate_dynamics(model, dataset);
   CHECK(evaluation.one_step.position_rms_mm == Approx(0.0).margin(1e-3));
   CHECK(evaluation.one_step.heading_rms_deg.value() == Approx(0.0).margin(1e-3));
-  CHECK(evaluation.k_step_mm->at(10).value() == Approx(0.0).margin(1e-3));
+  CHECK(evaluation.open_loop.k_step_mm->at(10).value() == Approx(0.0).margin(1e-3));
   CHECK(evaluation.normalised_state_l2 == Approx(0.0).margin(1e-6));
+}
+
+TEST_CASE("headings are followed open loop, of the model as of both baselines", "[unit]") {
+  const data::Dataset dataset = marching(data::StateLayout::kPose, 2, 12);
+  Model model = constant_model(data::StateLayout::kPose, {3e-3, 4e-3, 0.4}, dataset);  // 0.1 rad too little
+  const DynamicsEvaluation evaluation = evaluate_dynamics(model, dataset);
+  const runs::DynamicsBaselines& baselines = evaluation.baselines.value();
+  for (const int steps : {1, 2, 5, 10}) {
+    CAPTURE(steps);
+    CHECK(evaluation.open_loop.k_step_heading_deg->at(steps).value() ==
+          Approx(0.1 * steps * geometry::kDegPerRad));
+    CHECK(baselines.no_motion_open_loop->k_step_mm->at(steps).value() == Approx(5.0 * steps));
+    CHECK(baselines.no_motion_open_loop->k_step_heading_deg->at(steps).value() ==
+          Approx(std::abs(geometry::wrap_angle(0.5 * steps)) * geometry::kDegPerRad));
+    // Every training row moves alike, in float32.
+    CHECK(baselines.nearest_neighbours_open_loop->k_step_mm->at(steps).value() == Approx(0.0).margin(1e-3));
+    CHECK(baselines.nearest_neighbours_open_loop->k_step_heading_deg->at(steps).value() ==
+          Approx(0.0).margin(1e-3));
+  }
+  CHECK_FALSE(evaluation.region_coverage.has_value());
 }
 
 TEST_CASE("open-loop chains leave pulses without current at rest", "[unit]") {
@@ -98,7 +118,7 @@ TEST_CASE("open-loop chains leave pulses without current at rest", "[unit]") {
   const DynamicsEvaluation evaluation = evaluate_dynamics(model, dataset);
   CHECK(evaluation.n == 1);
   CHECK_FALSE(evaluation.one_step.heading_rms_deg.has_value());
-  CHECK(evaluation.k_step_mm->at(2).value() == Approx(0.0).margin(1e-4));
+  CHECK(evaluation.open_loop.k_step_mm->at(2).value() == Approx(0.0).margin(1e-4));
 }
 
 TEST_CASE("the error map holds every row once", "[unit]") {
@@ -140,8 +160,39 @@ TEST_CASE("the JSON has the keys that scripts read", "[unit]") {
   CHECK(json.at("k_step").at("1").get<double>() == Approx(5.0));
   CHECK(json.at("baselines").at("knn10").contains("position_rms_mm"));
   CHECK(json.at("baselines").at("no_motion").at("position_rms_mm").get<double>() == Approx(5.0));
+  CHECK(json.at("baselines").at("knn10_open_loop").at("k_step").at("1").get<double>() < 1e-3);
+  CHECK(json.at("baselines").at("no_motion_open_loop").at("k_step").at("2").get<double>() == Approx(10.0));
+  CHECK_FALSE(json.contains("k_step_heading_deg"));
+  CHECK_FALSE(json.contains("region_coverage"));
   CHECK(json.at("n") == 6);
   CHECK(json.contains("normalised_l2"));
+}
+
+TEST_CASE("what is written reads back, and so does what was written before there were regions", "[unit]") {
+  const data::Dataset dataset = marching(data::StateLayout::kPose, 2, 3);
+  Model model = constant_model(data::StateLayout::kPose, {0.0, 0.0, 0.0}, dataset);
+  DynamicsEvaluation evaluation = evaluate_dynamics(model, dataset);
+  runs::RegionCoverage& coverage = evaluation.region_coverage.emplace();
+  coverage.n = 2000;
+  coverage.position[90].fraction = 0.875;
+  coverage.position[90].interval = {0.86, 0.89};
+  coverage.pose = coverage.position;
+  const common::Json json = common::artefact_to_json(evaluation);
+  CHECK(json.at("k_step_heading_deg").at("10").is_null());
+  CHECK(json.at("region_coverage").at("position_and_heading").at("90").at("fraction") == 0.875);
+  CHECK(json.at("region_coverage").at("position").at("90").at("interval").at(1) == 0.89);
+  const auto again = common::artefact_from_json<DynamicsEvaluation>(json, "evaluation.json");
+  CHECK(common::artefact_to_json(again) == json);
+
+  const common::Json before = common::Json::parse(
+      R"({"position_rms_mm": 2.5, "heading_rms_deg": 18.0, "k_step": {"1": 2.5, "10": null}, "error_map": [],
+          "baselines": {"no_motion": {"position_rms_mm": 10.5}, "knn10": {"position_rms_mm": 3.75}}})");
+  const auto old = common::artefact_from_json<DynamicsEvaluation>(before, "evaluation.json");
+  CHECK(old.open_loop.k_step_mm->at(1).value() == 2.5);
+  CHECK_FALSE(old.open_loop.k_step_heading_deg.has_value());
+  CHECK_FALSE(old.baselines->nearest_neighbours_open_loop.has_value());
+  CHECK_FALSE(old.region_coverage.has_value());
+  CHECK(common::artefact_to_json(old) == before);
 }
 
 TEST_CASE("the test split is the one of the training, and layouts must agree", "[unit]") {

@@ -228,6 +228,10 @@ TEST_CASE("a mixture learns that the robot stays or jumps, which a mean hides", 
   CHECK(stayed > 0.35 * kDraws);
   CHECK(jumped > 0.35 * kDraws);
   CHECK(stayed + jumped > 0.9 * kDraws);
+  const DynamicsEvaluation evaluation = evaluate_dynamics(result.model, dataset);
+  REQUIRE(evaluation.region_coverage.has_value());
+  CHECK(evaluation.region_coverage->n == evaluation.n.value());
+  CHECK_FALSE(evaluation.region_coverage->pose.has_value());
 }
 
 TEST_CASE("learning goes on from a model as its rig would be, were it as strong", "[unit]") {

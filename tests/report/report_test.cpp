@@ -66,7 +66,7 @@ runs::DynamicsEvaluation evaluation() {
   made.one_step = {2.718, 20.5};
   made.normalised_l2 = 0.0625;
   made.n = 400;
-  made.k_step_mm = {{1, 2.718}, {2, 4.5}, {5, 9.0}, {10, std::nullopt}};
+  made.open_loop.k_step_mm = {{1, 2.718}, {2, 4.5}, {5, 9.0}, {10, std::nullopt}};
   made.baselines = runs::DynamicsBaselines{{13.5, 93.0}, {4.55, 32.0}};
   made.error_map = {{0.0, 0.0, 2.0, 10}};
   return made;

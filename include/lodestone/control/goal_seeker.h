@@ -15,6 +15,8 @@ struct GoalSeekerConfig {
   double reached_m = 0.0015;
   std::int64_t max_pulses_per_target = 12;
   double noise = 0.1;
+  double weak_fraction = 0.0;
+  double weakest_drive = 0.0133;
   std::int64_t stuck_pulses = 20;
   double stuck_threshold_m = 0.0005;
 
@@ -29,6 +31,13 @@ struct GoalSeekerConfig {
     v.retired("patience", "max_pulses_per_target");
     v.field("noise", noise, "action units", "standard deviation of what is added to every action",
             {0.0, 2.0});
+    v.field(
+        "weak_fraction", weak_fraction, "",
+        "fraction of pulses that are weak ones in any direction instead, which turn the needle where it lies",
+        {0.0, 1.0});
+    v.field("weakest_drive", weakest_drive, "",
+            "their largest number is log-uniform from this fraction of the largest current to all of it",
+            {1e-4, 0.9});
     v.field("stuck_pulses", stuck_pulses, "pulses",
             "so many in a row that do not move the needle, and the operator is asked to place it",
             {1, 100000});
@@ -37,8 +46,8 @@ struct GoalSeekerConfig {
   }
 };
 
-/// Sends a controller from target to target, with some noise on its actions: the second round of collection,
-/// which records what the policy will meet.
+/// Sends a controller from target to target, with some noise on its actions, and weak pulses among them where
+/// that is asked for: the second round of collection, which records what the policy will meet.
 class GoalSeeker final : public Controller {
  public:
   GoalSeeker(std::unique_ptr<Controller> inner, const GoalSeekerConfig& config, double dish_radius_m,
@@ -65,6 +74,7 @@ class GoalSeeker final : public Controller {
   geometry::Vector2 target_m_ = geometry::Vector2::Zero();
   std::int64_t steps_ = 0;
   std::int64_t still_pulses_ = 0;
+  bool weak_ = false;  // the last pulse was a weak one: that the needle has not moved tells nothing
 };
 
 }  // namespace lodestone::control

@@ -11,9 +11,10 @@ using runs::ErrorCell;
 using runs::StateError;
 
 /// How well an ensemble's mean predicts recorded transitions (section V-A, and more), the facts of training
-/// left out. Rows of `dataset` as evaluation uses them. Open-loop chains stay within episodes and leave
-/// zero-current pulses without motion, as the MBS does. Throws DataError when the dataset has another state
-/// layout or no row.
+/// left out. Rows of `dataset` as evaluation uses them. Open-loop chains, of the model and of both baselines,
+/// stay within episodes and leave zero-current pulses without motion, as the MBS does. Where distributions
+/// are predicted, how often their regions hold what was recorded (region_coverage.h). Throws DataError when
+/// the dataset has another state layout or no row.
 DynamicsEvaluation evaluate_dynamics(const Model& model, const data::Dataset& dataset);
 
 /// The episodes that were set aside when the model was trained on this data.

@@ -91,15 +91,62 @@ struct StateError {
   }
 };
 
-/// What a learned simulator is held against.
+/// Root-mean-square errors after several pulses, of which each but the first begins where the one before was
+/// predicted to end, by their number; none where no episode is that long. Pulses without current count here.
+struct OpenLoopError {
+  using BySteps = std::map<int, std::optional<double>>;
+  std::optional<BySteps> k_step_mm = {};           ///< of the position
+  std::optional<BySteps> k_step_heading_deg = {};  ///< wrapped; absent where the state has no heading
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("k_step", k_step_mm);
+    v.field("k_step_heading_deg", k_step_heading_deg);
+  }
+};
+
+/// What a learned simulator is held against. What they are off by open loop is absent in older runs.
 struct DynamicsBaselines {
   StateError no_motion;           ///< the next state is the state
   StateError nearest_neighbours;  ///< mean motion of the ten nearest training rows
+  std::optional<OpenLoopError> no_motion_open_loop = {};
+  std::optional<OpenLoopError> nearest_neighbours_open_loop = {};
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("no_motion", no_motion);
     v.field("knn10", nearest_neighbours);
+    v.field("no_motion_open_loop", no_motion_open_loop);
+    v.field("knn10_open_loop", nearest_neighbours_open_loop);
+  }
+};
+
+/// A share of recorded motions, with Wilson's 95 % interval, which takes them as independent.
+struct CoveredFraction {
+  double fraction = 0.0;
+  std::array<double, 2> interval = {};
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("fraction", fraction);
+    v.field("interval", interval);
+  }
+};
+
+/// What shares of recorded motions lie inside the regions in which a distribution expects 50, 90 and 99 % of
+/// them, by these per cent. One that is calibrated has shares of 0.5, 0.9 and 0.99; one that is too sure of
+/// itself less.
+struct RegionCoverage {
+  using ByPercent = std::map<int, CoveredFraction>;
+  std::int64_t n = 0;             ///< motions
+  ByPercent position;             ///< wherever the heading went
+  std::optional<ByPercent> pose;  ///< position and heading together; absent where the state has no heading
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("n", n);
+    v.field("position", position);
+    v.field("position_and_heading", pose);
   }
 };
 
@@ -107,17 +154,18 @@ struct DynamicsBaselines {
 struct DynamicsFacts {
   StateError one_step;
   std::optional<double> normalised_l2;  ///< mean squared error in the networks' own normalised output
-  /// Open-loop position RMS by the number of steps; none when no episode is that long.
-  std::optional<std::map<int, std::optional<double>>> k_step_mm;
+  OpenLoopError open_loop;
   std::optional<DynamicsBaselines> baselines;
-  std::optional<std::int64_t> n;  ///< rows with current
+  std::optional<RegionCoverage> region_coverage;  ///< absent where single values are predicted
+  std::optional<std::int64_t> n;                  ///< rows with current
 
   template <class Visitor>
   void visit(Visitor& v) {
     one_step.visit(v);
     v.field("normalised_l2", normalised_l2);
-    v.field("k_step", k_step_mm);
+    open_loop.visit(v);
     v.field("baselines", baselines);
+    v.field("region_coverage", region_coverage);
     v.field("n", n);
   }
 };
