@@ -35,18 +35,29 @@ void choose_segmenter(session::SensingConfig& sensor) {
   }
 }
 
-void use_models(CommonOptions& options, const std::string& folder) {
+namespace {
+
+/// Names a released model, and the simulator that its deploy.json names, by keys that begin with `group`.
+/// Returns that deploy.json; null where there is none.
+common::Json name_checkpoints(CommonOptions& options, const std::string& folder, const std::string& group) {
   const auto manifest = common::read_json_if_there(folder + "/manifest.json");
   const bool simulator = manifest.is_object() && manifest.value("kind", common::Json()) == "dynamics";
   options.overrides.push_back(
-      {(simulator ? "dynamics=" : "policy=") + common::Json(folder).dump(), "--models"});
-  options.config_files.insert(options.config_files.begin(), folder + "/deploy.json");
-  const auto preset = common::read_json_if_there(folder + "/deploy.json");
-  if (!preset.is_object() || !preset.contains("dynamics") || !preset["dynamics"].is_string()) return;
+      {group + (simulator ? "dynamics=" : "policy=") + common::Json(folder).dump(), "--models"});
+  common::Json preset = common::read_json_if_there(folder + "/deploy.json");
+  if (!preset.is_object() || !preset.contains("dynamics") || !preset["dynamics"].is_string()) return preset;
   const std::filesystem::path dynamics(preset["dynamics"].get<std::string>());  // as seen from that folder
   const std::string there = (std::filesystem::path(folder) / dynamics).lexically_normal().string();
-  options.overrides.insert(options.overrides.begin(), {"dynamics=" + common::Json(there).dump(),
+  options.overrides.insert(options.overrides.begin(), {group + "dynamics=" + common::Json(there).dump(),
                                                        folder + "/deploy.json: dynamics"});  // others win
+  return preset;
+}
+
+}  // namespace
+
+void use_models(CommonOptions& options, const std::string& folder) {
+  name_checkpoints(options, folder, "");
+  options.config_files.insert(options.config_files.begin(), folder + "/deploy.json");
 }
 
 void add_models_option(Verb& verb, CommonOptions& options) {
@@ -54,6 +65,19 @@ void add_models_option(Verb& verb, CommonOptions& options) {
       "--models", [&options](const std::string& folder) { use_models(options, folder); },
       "folder of a released model, with its deploy.json before any --config: a policy, or a simulator to "
       "plan in");
+}
+
+void add_points_models_option(Verb& verb, CommonOptions& options) {
+  const auto use = [&options](const std::string& folder) {
+    const common::Json preset = name_checkpoints(options, folder, "points.");
+    if (preset.is_object() && preset.contains("decorators"))
+      options.overrides.insert(options.overrides.begin(),
+                               {"points.decorators=" + preset["decorators"].dump(),
+                                folder + "/deploy.json: decorators"});  // others win
+  };
+  verb.add_option("--models", use,
+                  "folder of a released model that drives to the points at the end, decorated as its "
+                  "deploy.json says: a policy, or a simulator to plan in");
 }
 
 }  // namespace lodestone::apps

@@ -20,6 +20,9 @@ void choose_segmenter(session::SensingConfig& sensor);
 void use_models(CommonOptions& options, const std::string& folder);
 /// --models
 void add_models_option(Verb& verb, CommonOptions& options);
+/// --models of a verb that drives to `points` beside other things: of the model's deploy.json it takes the
+/// simulator and the decorators, as rig, loop and limits are the verb's own.
+void add_points_models_option(Verb& verb, CommonOptions& options);
 
 /// Path of this program, for the processes that a plan starts.
 std::string own_path();

@@ -45,9 +45,10 @@ void print_verdicts(const runs::RunFolder& run) {
   std::printf("%sreport   %s\n", text.c_str(), page.c_str());
 }
 
-void measure_bench(const QualificationConfig& config, const QualifyOptions& options, runs::RunFolder& run) {
+void measure_bench(const QualificationConfig& config, const experiments::ControllerSource& driver,
+                   const QualifyOptions& options, runs::RunFolder& run) {
   const std::unique_ptr<session::RigSession> bench = open_bench(config, options, run.path());
-  experiments::Qualification work(config, *bench);
+  experiments::Qualification work(config, *bench, driver);
   runs::run_resumably(run, work, {"qualify", "s of the bench", 0.0});
   const runs::QualificationResult result = work.result();
   const std::string file = run.file(runs::QualificationResult::kFile);
@@ -66,11 +67,12 @@ void qualify(const QualifyOptions& given) {
   auto config = resolve_config<QualificationConfig>(options);
   nets::use_one_blas_thread();
   choose_segmenter(config.sensor);
+  const experiments::ControllerSource driver = experiments::points_source(config);
   runs::RunRequest request{options.out, "qualify", common::config_to_json(config), config.seed,
                            options.resume};
   request.free_keys = {"threads", "rig.serial.port"};
   runs::RunFolder run(request);
-  if (!run.finished()) return measure_bench(config, options, run);
+  if (!run.finished()) return measure_bench(config, driver, options, run);
   common::log_info("qualify: " + run.path() + " is finished already");
   print_verdicts(run);
 }
@@ -79,8 +81,8 @@ void qualify(const QualifyOptions& given) {
 
 void add_qualify(Verb& program) {
   Verb& verb = program.add_verb("qualify",
-                                "what a bench can do, in at most 15 minutes of it: a verdict per item, and "
-                                "what to mend first");
+                                "what a bench can do, in at most 15 minutes of it: a verdict per item, "
+                                "what to mend first, and the error to expect");
   auto& options = configure<QualificationConfig>(verb, qualify);
   add_common_options(verb, options, /*with_resume=*/true);
   add_virtual_rig_options(verb, options);
@@ -88,6 +90,11 @@ void add_qualify(Verb& program) {
                 "serial port of the coil controller, such as /dev/ttyACM0");
   add_shorthand(verb, options, "--minutes", "minutes", Shorthand::kValue,
                 "of the bench, at most; with fewer there is less of every item");
+  add_points_models_option(verb, options);
+  add_shorthand(verb, options, "--policy", "points.policy", Shorthand::kText,
+                "folder of the policy checkpoint that drives to the points at the end");
+  add_shorthand(verb, options, "--controller", "points.controller", Shorthand::kText,
+                "what drives there: planner, policy or baseline");
   add_shorthand(verb, options, "--sensor", "sensor.kind", Shorthand::kText, "camera or simulated");
   verb.add_option("--virtual", &options.virtual_rig, "on a simulated rig, whatever rig.json says");
   verb.add_option("--yes", &options.yes, "answer every question with yes: coils will be energised");

@@ -26,6 +26,7 @@ constexpr std::int64_t kSameTries = 20;  // of so many tries
 constexpr std::int64_t kLatencyPulses = 20;
 constexpr double kMotionWithin_s = 0.6;   // of a pulse
 constexpr std::int64_t kVisits = 80;      // while it roams
+constexpr double kPointsShare = 0.4;      // of all the time, at most
 constexpr double kGoldenPart = 0.618034;  // multiples of it are spread evenly between whole numbers
 
 // Places, in dish radii.
@@ -65,6 +66,33 @@ std::vector<geometry::Vector2> weak_places_m(double radius_m) {
 
 }  // namespace
 
+DeployConfig QualificationConfig::deploy() const {
+  DeployConfig config;
+  config.policy = points.policy;
+  config.dynamics = points.dynamics;
+  config.controller = points.driven_by();
+  config.task = "point";
+  DeploymentConfig& deployment = config.deployment;
+  deployment.seed = seed;
+  deployment.rig_seed = rig_seed;
+  deployment.sensor_seed = sensor_seed;
+  deployment.trials.count = points.count;
+  deployment.trials.point_seconds = points.seconds;
+  deployment.loop = needle.loop;
+  deployment.safety = safety;
+  deployment.decorators = points.decorators;
+  deployment.baseline = needle.baseline;
+  deployment.planner = points.planner;
+  deployment.identification = points.identification;
+  deployment.rig = rig;
+  deployment.sensor = sensor;
+  return config;
+}
+
+ControllerSource points_source(const QualificationConfig& config) {
+  return plan_job(config.deploy()).sources.front();
+}
+
 std::unique_ptr<session::RigSession> make_qualification_session(const QualificationConfig& config) {
   const auto seed = static_cast<std::uint64_t>(config.seed);
   session::VirtualSeeds seeds;
@@ -75,16 +103,20 @@ std::unique_ptr<session::RigSession> make_qualification_session(const Qualificat
   return session::make_virtual_session(config.rig, config.sensor, config.safety, seeds);
 }
 
-Qualification::Qualification(const QualificationConfig& config, session::RigSession& bench)
+Qualification::Qualification(const QualificationConfig& config, session::RigSession& bench,
+                             ControllerSource driver)
     : config_(config),
       bench_(bench),
+      deployment_(config.deploy().deployment),
+      driver_(std::move(driver)),
       needle_(config.needle, config.rig, bench),
       pull_(config.rig),
       start_s_(bench.clock().now_s()) {
   state_.rises.resize(config.rig.coils.count());
 }
 
-/// Each ends before its time where it has all that it wants.
+/// Each ends before its time where it has all that it wants. What drives to points is less known than the
+/// rest, and may end a qualification: it comes last.
 const std::vector<Qualification::Item>& Qualification::items() {
   static const std::vector<Item> kItems = {{"still needle", 0.04, &Qualification::lie_still_at_first},
                                            {"coils", 0.14, &Qualification::measure_coils},
@@ -93,7 +125,8 @@ const std::vector<Qualification::Item>& Qualification::items() {
                                            {"weak pulses", 0.66, &Qualification::push_weakly},
                                            {"refusals", 0.83, &Qualification::roam},
                                            {"same pulse again", 0.95, &Qualification::repeat_pulse_at_end},
-                                           {"still needle again", 1.0, &Qualification::lie_still_at_end}};
+                                           {"still needle again", 1.0, &Qualification::lie_still_at_end},
+                                           {"points", 1.0, &Qualification::drive_to_point}};
   return kItems;
 }
 
@@ -101,8 +134,19 @@ double Qualification::passed_s() const { return bench_.clock().now_s() - start_s
 
 bool Qualification::ended() const { return static_cast<std::size_t>(state_.item) == items().size(); }
 
-bool Qualification::time_left() const {
-  return passed_s() < items()[static_cast<std::size_t>(state_.item)].until * 60.0 * config_.minutes;
+double Qualification::point_s() const { return config_.points.seconds + config_.needle.loop.period_s(); }
+
+/// Of all trials, or of as many as fit into their share.
+double Qualification::points_s() const {
+  const double fit = std::floor(kPointsShare * 60.0 * config_.minutes / point_s());
+  return point_s() * std::min(fit, static_cast<double>(config_.points.count));
+}
+
+bool Qualification::time_left(double needed_s) const {
+  const Item& item = items()[static_cast<std::size_t>(state_.item)];
+  const double all_s = 60.0 * config_.minutes;
+  const double shared_s = &item == &items().back() ? all_s : all_s - points_s();
+  return passed_s() + needed_s < item.until * shared_s;
 }
 
 runs::Progress Qualification::progress() const {
@@ -394,6 +438,19 @@ bool Qualification::roam() {
   return true;
 }
 
+bool Qualification::drive_to_point() {
+  if (state_.pieces >= config_.points.count || !time_left(point_s())) return false;
+  const auto fits = [this](const geometry::Pose2& pose) { return bench_.fits(pose); };
+  const TrialPlan plan = plan_trial(deployment_, "point", state_.pieces, std::nullopt, std::nullopt, fits);
+  const TrialResult trial = run_on_session(bench_, deployment_, plan, driver_);
+  if (!trial.completed && bench_.coils().latched()) throw common::HardwareError(trial.stop_reason);
+  if (trial.completed)
+    state_.points_mm.push_back(trial.sensed.final_error_mm);
+  else
+    ++state_.points_failed;
+  return true;
+}
+
 std::vector<runs::CoilFigures> Qualification::measured_coils() const {
   const physics::CoilsDescription& coils = config_.rig.coils;
   std::vector<std::string> names;
@@ -434,6 +491,11 @@ runs::QualificationResult Qualification::result() const {
   result.step_change = step_change(state_.early, state_.late);
   result.coils = measured_coils();
   if (state_.still) result.stick_slip = stick_slip_figures(state_.weak, sensing_m(*state_.still));
+  result.points = points_figures(state_.points_mm, state_.points_failed, state_.still);
+  if (result.points) {
+    result.points->controller = driver_.name;
+    result.points->trial_s = config_.points.seconds;
+  }
   judge(result, config_.needle.loop);
   return result;
 }

@@ -112,6 +112,16 @@ double crossing_s(const std::vector<CurrentSample>& samples, double level_A) {
   return samples.back().after_s;
 }
 
+/// RMS of true distances behind one of sensed ones (points_figures).
+double behind_sensed_mm(double sensed_mm, const runs::StillFigures& still) {
+  const double scatter_mm2 = std::pow(still.x_mm.value, 2) + std::pow(still.y_mm.value, 2);
+  const double reported_mm2 = 2.0 * std::pow(still.reported_mm.value_or(0.0), 2);
+  return std::sqrt(std::max(0.0, sensed_mm * sensed_mm - scatter_mm2) +
+                   std::max(0.0, reported_mm2 - scatter_mm2));
+}
+
+std::array<double, 2> edges(const common::Interval& interval) { return {interval.low, interval.high}; }
+
 }  // namespace
 
 runs::Measured measured(const std::vector<double>& values,
@@ -295,6 +305,30 @@ std::optional<runs::LatencyFigures> latency_figures(const std::vector<double>& m
   figures.ms = measured(began_ms, common::mean, "latency");
   figures.resolution_ms = 1e3 * look_s;
   figures.unseen = unseen;
+  return figures;
+}
+
+std::optional<runs::PointsFigures> points_figures(const std::vector<double>& sensed_mm, std::int64_t failed,
+                                                  const std::optional<runs::StillFigures>& still) {
+  const auto ended = static_cast<std::int64_t>(sensed_mm.size());
+  const std::int64_t trials = ended + failed;
+  if (trials == 0) return std::nullopt;
+  runs::PointsFigures figures;
+  figures.failed.value = static_cast<double>(failed) / static_cast<double>(trials);
+  figures.failed.n = trials;
+  figures.failed.interval = edges(common::wilson_interval(failed, trials));
+  if (ended == 0) return figures;
+  figures.sensed_rms_mm = measured(sensed_mm, common::root_mean_square, "points");
+  runs::Measured& p95_mm = figures.sensed_p95_mm.emplace();
+  p95_mm.value = common::percentile(sensed_mm, 0.95);
+  p95_mm.n = ended;
+  if (sensed_mm.size() >= kFewestPulses)
+    p95_mm.interval = edges(common::percentile_interval(sensed_mm, 0.95));
+  if (!still) return figures;
+  runs::Measured& rms_mm = figures.rms_mm.emplace(*figures.sensed_rms_mm);
+  rms_mm.value = behind_sensed_mm(rms_mm.value, *still);
+  if (rms_mm.interval)
+    for (double& edge : *rms_mm.interval) edge = behind_sensed_mm(edge, *still);
   return figures;
 }
 

@@ -159,6 +159,20 @@ void judge_motion(runs::QualificationResult& result, const control::ControlLoopC
                     "level and clean the dish"});
 }
 
+/// What all the others come to: nothing that could be mended by itself.
+void judge_points(runs::QualificationResult& result) {
+  MaybeValue rms_mm;
+  if (result.points)
+    rms_mm = value_of(result.points->rms_mm ? result.points->rms_mm : result.points->sensed_rms_mm);
+  const bool learned = result.points && result.points->controller != "baseline";
+  add_item(
+      result,
+      {"error to expect at points (RMS)", rms_mm, "mm", 0.5, 1.5, "",
+       "a sixth and half of the 3 mm that deploy counts as reached (score.success_radius_m)",
+       learned ? "mend what is to be mended first; where that is nothing, learn this rig (lodestone adapt)"
+               : "the baseline has learned nothing: name a model (--models, --policy)"});
+}
+
 std::string first_to_mend(const runs::QualificationResult& result) {
   const runs::QualifiedItem* worst = nullptr;
   double furthest = 0.0;
@@ -183,6 +197,7 @@ void judge(runs::QualificationResult& result, const control::ControlLoopConfig& 
   judge_coils(result, loop);
   judge_motion(result, loop);
   result.mend_first = first_to_mend(result);
+  judge_points(result);
 }
 
 }  // namespace lodestone::experiments

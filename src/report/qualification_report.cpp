@@ -159,6 +159,33 @@ std::string motion_section(const QualificationResult& result) {
                        "part.");
 }
 
+/// The best that is known of it: by true poses, where the still needle was measured.
+const std::optional<Measured>& expected_mm(const runs::PointsFigures& points) {
+  return points.rms_mm ? points.rms_mm : points.sensed_rms_mm;
+}
+
+std::string points_section(const runs::PointsFigures& points) {
+  const std::vector<std::vector<std::string>> rows = {
+      {"RMS of the distance at the end, as true poses would show it", shown_figure(points.rms_mm, 3), "mm"},
+      {"RMS as it was sensed", shown_figure(points.sensed_rms_mm, 3), "mm"},
+      {"95 % were sensed within", shown_figure(points.sensed_p95_mm, 3), "mm"},
+      {"trials that were stopped early, which no other row has", shown_figure(points.failed, 1, 100.0), "%"}};
+  return "<p>The error to expect, by the " + escape(points.controller) + ": " +
+         std::to_string(points.failed.n) + " trials of " + fixed(points.trial_s, 0) +
+         " s to points all over the dish, each from where the one before ended.</p>" +
+         figure(table({"", "(95 % interval)", "unit"}, rows, 1),
+                "As true poses would show it: less the scatter of a needle that lies still, more what the "
+                "sensor reports beyond that. A calibration that is off as a whole is not in it.");
+}
+
+std::string expected_text(const std::optional<runs::PointsFigures>& points) {
+  if (!points) return "error to expect at points: not measured\n";
+  return "error to expect at points, by the " + points->controller + ": " +
+         shown_figure(expected_mm(*points), 2) + " mm RMS; sensed " + shown_figure(points->sensed_rms_mm, 2) +
+         " mm RMS, 95 % within " + shown_figure(points->sensed_p95_mm, 2) + " mm; stopped early " +
+         shown_figure(points->failed, 0, 100.0) + " % of " + std::to_string(points->failed.n) + " trials\n";
+}
+
 std::string shown_gap(const runs::QualificationGap& gap) {
   return "broken off after " + fixed(gap.after_min, 1) + " minutes of it, gone on with " +
          fixed(gap.away_min, 1) + " minutes later";
@@ -183,7 +210,7 @@ std::string verdict_text(const QualificationResult& result) {
                         item.value ? fixed(item.value, 2) : "-", item.unit, item.verdict, fixed(item.good, 2),
                         fixed(item.acceptable, 2));
   for (const runs::QualificationGap& gap : result.gaps) text += shown_gap(gap) + "\n";
-  return text + "mend first: " + result.mend_first + "\n";
+  return text + "mend first: " + result.mend_first + "\n" + expected_text(result.points);
 }
 
 }  // namespace
@@ -203,6 +230,7 @@ std::string write_qualification_report(const std::string& folder, const std::str
   page.add_section("still", "A needle that lies still", still_rows(result));
   page.add_section("coils", "Coils", qualified_coils(result));
   page.add_section("motion", "What pulses do", motion_section(result));
+  if (result.points) page.add_section("points", "The error to expect", points_section(*result.points));
   common::write_file_atomically(out, page.render());
   return verdict_text(result);
 }

@@ -149,7 +149,7 @@ dynamics = ("train-dynamics", "--set", "model.hidden=[16]", "--set", "training.e
 segmenter = ("train-segmenter", "--set", "training.samples=8", "--set", "training.validation_samples=8", "--set",
              "training.epochs=2", "--set", "training.batch_size=4", "--set", "segmenter.network.width=2", "--set",
              "segmenter.network.depth=1", "--set", "images.crop_px=32", "--set", "training.evaluation_samples=4")
-qualify = ("qualify", "--virtual", "--sensor", "simulated", "--minutes", "0.5")
+qualify = ("qualify", "--virtual", "--sensor", "simulated", "--minutes", "0.5", "--set", "points.count=8", "--set", "points.seconds=1")
 with tempfile.TemporaryDirectory() as recorded:
     data = pathlib.Path(recorded) / "collect"
     assert start(collect, data).returncode == 0

@@ -8,8 +8,9 @@ import sys
 import tempfile
 import time
 
-program = sys.argv[1]
-QUICK = ("qualify", "--virtual", "--sensor", "simulated", "--deviation", "wide", "--rig-seed", "7")
+program, source = sys.argv[1], pathlib.Path(sys.argv[2])
+QUICK = ("qualify", "--virtual", "--sensor", "simulated", "--deviation", "wide", "--rig-seed", "7", "--set", "points.count=6", "--set",
+         "points.seconds=1.5")
 
 
 def start(*arguments, out):
@@ -43,6 +44,9 @@ with tempfile.TemporaryDirectory() as name:
     for item in verdicts:
         assert item in made.stdout, f"{item} is not in\n{made.stdout}"
     assert f"mend first: {result['mend_first']}" in made.stdout, made.stdout
+    points = result["points"]
+    assert points["controller"] == "baseline" and points["trial_s"] == 1.5 and 1 <= points["failed"]["n"] <= 6, points
+    assert points["rms_mm"]["value"] > 0.0 and "error to expect at points, by the baseline: " in made.stdout, made.stdout
     assert "next: open" in made.stderr, made.stderr
     page = (out / "report.html").read_text()
     assert "Looks without a pose over the dish" in page and "<svg" in page
@@ -53,9 +57,19 @@ with tempfile.TemporaryDirectory() as name:
     assert json.loads((folder / "again/qualify.json").read_text()) == result
     assert "not empty" in run(*QUICK, "--out", out, code=2).stderr
 
-    for words, text in ((("--minutes", "0"), "minutes = 0"), (("--minutes", "many"), "minutes"), (("--set", "test_curent_A=1"), "test_current_A")):
+    # A released model drives to the points as it does in deploy.
+    run(*QUICK, "--minutes", 0.5, "--models", source / "models/target", "--out", folder / "by a model")
+    assert json.loads((folder / "by a model/qualify.json").read_text())["points"]["controller"] == "policy"
+    used = json.loads((folder / "by a model/config.json").read_text())
+    preset = json.loads((source / "models/target/deploy.json").read_text())["decorators"]
+    assert used["points"]["decorators"] == {**used["points"]["decorators"], **preset}, used["points"]["decorators"]
+    assert used["points"]["policy"] == str(source / "models/target") and used["decorators"]["stall_gain"] == 1.5, used["points"]
+
+    for words, text in ((("--minutes", "0"), "minutes = 0"), (("--controller", "planner"), "points.controller"),
+                        (("--minutes", "many"), "minutes"), (("--set", "test_curent_A=1"), "test_current_A")):
         told = run(*QUICK, *words, "--out", folder / "none", code=2).stderr
         assert text in told and len(told.strip().splitlines()) == 1, told
+    assert "no such folder" in run(*QUICK, "--models", folder / "nothing", "--out", folder / "none", code=1).stderr
     assert not (folder / "none").exists()
 
     # Ctrl-C: the coils are off, and what was measured is kept.

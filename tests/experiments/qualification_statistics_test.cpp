@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lodestone/common/random.h"
+#include "lodestone/common/statistics.h"
 
 using namespace lodestone;
 
@@ -156,4 +157,67 @@ TEST_CASE("latency is known better than the time between two looks, as their pha
   CHECK(figures->resolution_ms == Approx(33.0));
   CHECK(figures->unseen == 2);
   CHECK_FALSE(experiments::latency_figures({0.01, 0.02}, kLook_s, 0));
+}
+
+TEST_CASE("the error to expect: its interval covers, and failed trials are counted apart") {
+  constexpr double kPerAxis_mm = 0.2;
+  const double true_mm = std::sqrt(2.0) * kPerAxis_mm;
+  int covered = 0, covered_p95 = 0;
+  for (std::uint64_t run = 0; run < 40; ++run) {
+    common::RandomStream random(7, "points", run);
+    std::vector<double> errors_mm;
+    for (int trial = 0; trial < 16; ++trial)
+      errors_mm.push_back(std::hypot(kPerAxis_mm * random.normal(), kPerAxis_mm * random.normal()));
+    const auto figures = experiments::points_figures(errors_mm, 4, std::nullopt);
+    REQUIRE(figures);
+    CHECK(figures->failed.value == Approx(0.2));
+    CHECK(figures->failed.n == 20);
+    CHECK(figures->failed.interval->at(0) < 0.1);
+    CHECK(figures->failed.interval->at(1) > 0.3);
+    CHECK(figures->sensed_rms_mm->value == Approx(common::root_mean_square(errors_mm)));
+    CHECK(figures->sensed_rms_mm->n == 16);
+    CHECK_FALSE(figures->rms_mm);
+    const std::array<double, 2>& interval = *figures->sensed_rms_mm->interval;
+    if (interval[0] <= true_mm && true_mm <= interval[1]) ++covered;
+    const double true_p95_mm = kPerAxis_mm * std::sqrt(-2.0 * std::log(0.05));
+    const std::array<double, 2>& p95 = *figures->sensed_p95_mm->interval;
+    if (p95[0] <= true_p95_mm && true_p95_mm <= p95[1]) ++covered_p95;
+  }
+  CHECK(covered >= 28);
+  CHECK(covered_p95 >= 12);  // the largest of 16 lies below it in 44 of 100
+  CHECK_FALSE(experiments::points_figures({}, 0, std::nullopt));
+  const auto failed = experiments::points_figures({}, 2, std::nullopt);
+  REQUIRE(failed);
+  CHECK(failed->failed.value == 1.0);
+  CHECK_FALSE(failed->sensed_rms_mm);
+  CHECK_FALSE(failed->sensed_p95_mm);
+  CHECK_FALSE(experiments::points_figures({0.3, 0.2}, 0, std::nullopt)->sensed_rms_mm->interval);
+}
+
+TEST_CASE("true errors are told from sensed ones by the looks at a needle that lies still") {
+  // Sensed: off the target by 0.2 mm an axis, and 0.05 mm more from look to look. Where the needle lies, each
+  // look is off by another 0.1 mm an axis, which nobody sees.
+  common::RandomStream random(5, "points");
+  std::vector<double> sensed_mm, true_mm;
+  for (int trial = 0; trial < 4000; ++trial) {
+    const double x_mm = 0.2 * random.normal(), y_mm = 0.2 * random.normal();
+    sensed_mm.push_back(std::hypot(x_mm + 0.05 * random.normal(), y_mm + 0.05 * random.normal()));
+    true_mm.push_back(std::hypot(x_mm + 0.1 * random.normal(), y_mm + 0.1 * random.normal()));
+  }
+  std::optional<runs::StillFigures> still;
+  still.emplace();
+  still->x_mm.value = still->y_mm.value = 0.05;
+  const auto rms_mm = [&] {
+    const auto figures = experiments::points_figures(sensed_mm, 0, still);
+    REQUIRE(figures);
+    REQUIRE(figures->rms_mm);
+    CHECK(figures->rms_mm->interval->at(0) < figures->rms_mm->value);
+    CHECK(figures->rms_mm->interval->at(1) > figures->rms_mm->value);
+    return figures->rms_mm->value;
+  };
+  CHECK(rms_mm() == Approx(0.2 * std::sqrt(2.0)).epsilon(0.03));  // of the rest nobody knows
+  still->reported_mm = std::hypot(0.05, 0.1);
+  CHECK(rms_mm() == Approx(common::root_mean_square(true_mm)).epsilon(0.03));
+  still->reported_mm = 0.01;  // less than is seen
+  CHECK(rms_mm() == Approx(0.2 * std::sqrt(2.0)).epsilon(0.03));
 }

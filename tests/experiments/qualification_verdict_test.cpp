@@ -30,6 +30,8 @@ runs::QualificationResult good_bench() {
   coil.first_C = 22.0;
   coil.last_C = 30.0;
   result.stick_slip.emplace().spread = runs::Measured{0.3, 9, {}};
+  result.points.emplace().controller = "planner";
+  result.points->rms_mm = runs::Measured{0.25, 16, {}};
   return result;
 }
 
@@ -89,4 +91,27 @@ TEST_CASE("what was not measured is no verdict, and is said") {
   experiments::judge(result, {});
   CHECK(judged(result, "latency from command to motion").verdict == "not measured");
   CHECK(result.mend_first == "nothing; but not measured: latency from command to motion");
+}
+
+TEST_CASE("the error to expect is judged, but is nothing to mend by itself") {
+  const char* const item = "error to expect at points (RMS)";
+  runs::QualificationResult result = good_bench();
+  result.points->sensed_rms_mm = runs::Measured{9.0, 16, {}};  // true poses come first
+  experiments::judge(result, {});
+  CHECK(result.items.back().item == item);
+  CHECK(*judged(result, item).value == 0.25);
+  result.points->rms_mm = runs::Measured{5.0, 16, {}};
+  experiments::judge(result, {});
+  CHECK(judged(result, item).verdict == "mend");
+  CHECK(judged(result, item).mend.find("adapt") != std::string::npos);
+  CHECK(result.mend_first == "nothing");
+  result.points->controller = "baseline";
+  result.points->rms_mm.reset();
+  experiments::judge(result, {});
+  CHECK(*judged(result, item).value == 9.0);
+  CHECK(judged(result, item).mend.find("--models") != std::string::npos);
+  result.points.reset();
+  experiments::judge(result, {});
+  CHECK(judged(result, item).verdict == "not measured");
+  CHECK(result.mend_first == "nothing");
 }

@@ -47,6 +47,7 @@ TEST_CASE("a qualification comes with verdicts, what to mend first and a map") {
   CHECK(tests::holds(text, "gain of a coil, off 1 by"));
   CHECK(tests::holds(text, "not measured"));
   CHECK(tests::holds(text, "mend first: gain of a coil, off 1 by: rig check\n"));
+  CHECK(tests::holds(text, "error to expect at points: not measured\n"));
 
   const std::string page = common::read_file(folder / "report.html");
   CHECK(tests::holds(page, "What this bench can do"));
@@ -59,6 +60,7 @@ TEST_CASE("a qualification comes with verdicts, what to mend first and a map") {
   CHECK(tests::holds(page, "id=\"steps\""));
   CHECK_FALSE(tests::holds(page, "It ended early"));
   CHECK_FALSE(tests::holds(page, "broken off"));
+  CHECK_FALSE(tests::holds(page, "id=\"points\""));
   CHECK(tests::holds(page, ">+y<"));
   // The coils that are drawn are those of the run's own rig.
   common::write_file_atomically(folder / "config.json",
@@ -97,4 +99,34 @@ TEST_CASE("a qualification that was stopped at once has a page, too") {
   const std::string page = common::read_file(folder / "report.html");
   CHECK(tests::holds(page, "It ended early: a key was pressed"));
   CHECK_FALSE(tests::holds(page, "id=\"refusals\""));
+}
+
+TEST_CASE("a qualification ends with the error to expect") {
+  const tests::TemporaryFolder folder;
+  runs::QualificationResult result = small_qualification();
+  runs::PointsFigures& points = result.points.emplace();
+  points.controller = "planner";
+  points.trial_s = 20.0;
+  points.failed = {0.25, 16, std::array<double, 2>{0.1, 0.5}};
+  points.sensed_rms_mm = runs::Measured{0.25, 12, std::array<double, 2>{0.2, 0.3}};
+  points.sensed_p95_mm = runs::Measured{0.4, 12, std::array<double, 2>{0.3, 0.5}};
+  points.rms_mm = runs::Measured{0.27, 12, std::array<double, 2>{0.22, 0.32}};
+  const auto ends_with = [](const std::string& text, const std::string& end) {
+    return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+  };
+  const auto written = [&] {
+    common::write_artefact(folder / runs::QualificationResult::kFile, result);
+    return report::write_qualification_report(folder.path(), folder / "report.html");
+  };
+  CHECK(
+      ends_with(written(),
+                "error to expect at points, by the planner: 0.27 (0.22 to 0.32) mm RMS; sensed 0.25 (0.20 to "
+                "0.30) mm RMS, 95 % within 0.40 (0.30 to 0.50) mm; stopped early 25 (10 to 50) % of 16 "
+                "trials\n"));
+  const std::string page = common::read_file(folder / "report.html");
+  CHECK(tests::holds(page, "id=\"points\""));
+  CHECK(tests::holds(page, "16 trials of 20 s"));
+  CHECK(tests::holds(page, "0.270 (0.220 to 0.320)"));
+  result.points->rms_mm.reset();
+  CHECK(tests::holds(written(), "by the planner: 0.25 (0.20 to 0.30) mm RMS"));
 }

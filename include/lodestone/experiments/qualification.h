@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "lodestone/control/dipole_pull.h"
+#include "lodestone/experiments/deployment_job.h"
 #include "lodestone/experiments/guided_needle.h"
+#include "lodestone/experiments/points_config.h"
 #include "lodestone/experiments/qualification_state.h"
 #include "lodestone/rig/rig_config.h"
 #include "lodestone/runs/qualification_result.h"
@@ -30,6 +32,7 @@ struct QualificationConfig {
   safety::SafetyConfig safety;
   rig::RigConfig rig;
   session::SensingConfig sensor;
+  PointsConfig points;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -44,24 +47,31 @@ struct QualificationConfig {
     v.group("safety", safety, "limits of the supervisor");
     v.group("rig", rig, "the rig");
     v.group("sensor", sensor, "how poses are sensed");
+    v.group("points", points, "the short deployment at the end, which tells the error to expect");
   }
   void validate() const { rig.validate(); }
+
+  /// What the points are driven as: `deploy --task point`, on this rig.
+  DeployConfig deploy() const;
 };
+
+/// What drives to points. Throws as plan_job does.
+ControllerSource points_source(const QualificationConfig& config);
 
 /// The virtual bench of a qualification.
 std::unique_ptr<session::RigSession> make_qualification_session(const QualificationConfig& config);
 
 /// Measures what a bench can do, item by item, each within its share of the time: how far looks at a still
 /// needle differ, the coils' currents, the same pulse from like starts, the time from command to motion, what
-/// weak pulses do at several places, where looks give no pose; at the end the pulse and the still needle
-/// again. It is resumable work, whose steps are pieces: a needle that lies still (in one piece, as a drift
-/// over a gap would be none), one pulse, a level of weak pulses, a place. Every piece of a bench counts once
-/// it is saved; what a step left half-done when it was stopped does not. A virtual bench goes on from where
-/// its item began, bitwise as if never stopped.
+/// weak pulses do at several places, where looks give no pose; then the pulse and the still needle again, and
+/// at last how near to points a short deployment comes. It is resumable work, whose steps are pieces: a
+/// needle that lies still (in one piece, as a drift over a gap would be none), one pulse, a level of weak
+/// pulses, a place, a trial. Every piece of a bench counts once it is saved; what a step left half-done when
+/// it was stopped does not. A virtual bench goes on from where its item began, bitwise as if never stopped.
 class Qualification : public runs::ResumableWork {
  public:
-  /// Both must outlive it. The needle lies in the dish, anywhere.
-  Qualification(const QualificationConfig& config, session::RigSession& bench);
+  /// `config` and `bench` must outlive it. The needle lies in the dish, anywhere. `driver`: points_source().
+  Qualification(const QualificationConfig& config, session::RigSession& bench, ControllerSource driver);
 
   /// Seconds of the bench, and the item that is next. Finished, too, where it was stopped (result().stopped)
   /// by a signal, the supervisor, or a needle that is lost; the coils are off then.
@@ -78,14 +88,17 @@ class Qualification : public runs::ResumableWork {
  private:
   struct Item {
     const char* name;
-    double until;                      ///< this share of all the time it may go on
+    double until;  ///< this share of the time it may go on: of what the points leave, and they of all
     bool (Qualification::*measure)();  ///< one more piece; false where there is none left
   };
   static const std::vector<Item>& items();
 
   double passed_s() const;
   bool ended() const;
-  bool time_left() const;
+  /// Whether so much is left of the item's time.
+  bool time_left(double needed_s = 0.0) const;
+  double point_s() const;
+  double points_s() const;
   void begin_item();
   void end_item();
   void measure_piece();
@@ -110,6 +123,8 @@ class Qualification : public runs::ResumableWork {
   bool push_level(const geometry::Vector2& at_m, double current_A);
   double weak_current_A(const geometry::Vector2& at_m) const;
   bool roam();
+  /// One trial, from where the needle lies.
+  bool drive_to_point();
   /// Back to the middle of the dish, where the needle has come far from it.
   void keep_inside();
   double largest_A() const;
@@ -119,6 +134,8 @@ class Qualification : public runs::ResumableWork {
 
   const QualificationConfig& config_;
   session::RigSession& bench_;
+  DeploymentConfig deployment_;  ///< of the points
+  ControllerSource driver_;
   GuidedNeedle needle_;
   control::DipolePull pull_;
   MotionThreshold threshold_;

@@ -45,6 +45,8 @@ struct QualificationState {
   WeakPulsesProgress weak_progress;
   std::vector<WeakPulse> weak;
   RefusalCounts refusals;
+  std::vector<double> points_mm;   ///< sensed distances to the targets at the ends of trials
+  std::int64_t points_failed = 0;  ///< trials that were stopped early
 
   common::Json bench;  ///< a virtual one, as it was; null where only the bench itself knows
 
@@ -69,6 +71,8 @@ struct QualificationState {
     v.field("weak_progress", weak_progress);
     v.field("weak", weak);
     v.field("refusals", refusals);
+    v.field("points_mm", points_mm);
+    v.field("points_failed", points_failed);
     v.field("bench", bench);
   }
 };

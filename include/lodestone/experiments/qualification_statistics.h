@@ -104,4 +104,19 @@ std::vector<runs::CoilFigures> coil_figures(const std::vector<std::string>& name
 std::optional<runs::LatencyFigures> latency_figures(const std::vector<double>& moved_s, double look_s,
                                                     std::int64_t unseen);
 
+/// Trials to points: `sensed_mm`, the sensed distances to the target at their ends, of those that went to
+/// their end, and how many were stopped early (`failed`). Controller and length of a trial stay empty.
+/// Nothing without trials.
+///
+/// A sensed distance has the scatter from look to look in it, which a true one has not; and it does not show
+/// what the sensor errs by at a place in every look there, as the needle was driven to where it is sensed to
+/// be at the target. So
+///   rms_mm^2 = (sensed_rms_mm^2 - scatter^2) + (reported^2 - scatter^2),
+/// each term at least 0, with the scatter of a needle that lies still and the spread that the sensor reports
+/// of it, both of x and y together: what is reported holds from place to place, so what it is more than the
+/// scatter is the part that stays. This takes the report for true; where there is none, that part is left
+/// out. A calibration that is off as a whole is in neither, nor are trials that failed.
+std::optional<runs::PointsFigures> points_figures(const std::vector<double>& sensed_mm, std::int64_t failed,
+                                                  const std::optional<runs::StillFigures>& still);
+
 }  // namespace lodestone::experiments

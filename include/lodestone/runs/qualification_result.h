@@ -187,6 +187,28 @@ struct StickSlipFigures {
   }
 };
 
+/// The error to expect: a short deployment to points of the bench itself, scored as deploy does, by the
+/// distance to the target at the end of a trial. RMS are over trials that went to their end.
+struct PointsFigures {
+  std::string controller;  ///< "policy", "planner" or "baseline"
+  double trial_s = 0.0;    ///< length of a trial
+  Measured failed;         ///< share of the trials that were stopped early
+  std::optional<Measured> sensed_rms_mm = {};
+  std::optional<Measured> sensed_p95_mm = {};  ///< 95th percentile
+  /// What true poses would show, as far as the still needle tells (experiments::points_figures).
+  std::optional<Measured> rms_mm = {};
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("controller", controller);
+    v.field("trial_s", trial_s);
+    v.field("failed", failed);
+    v.field("sensed_rms_mm", sensed_rms_mm);
+    v.field("sensed_p95_mm", sensed_p95_mm);
+    v.field("rms_mm", rms_mm);
+  }
+};
+
 /// One item, held against its bounds.
 struct QualifiedItem {
   std::string item;
@@ -240,6 +262,7 @@ struct QualificationResult {
   std::optional<Measured> step_change = {};  ///< of the same pulse, to the end, by its step
   std::vector<CoilFigures> coils;
   std::optional<StickSlipFigures> stick_slip = {};
+  std::optional<PointsFigures> points = {};
   std::vector<QualifiedItem> items;
   std::string mend_first;
 
@@ -257,6 +280,7 @@ struct QualificationResult {
     v.field("step_change", step_change);
     v.field("coils", coils);
     v.field("stick_slip", stick_slip);
+    v.field("points", points);
     v.field("items", items);
     v.field("mend_first", mend_first);
   }
