@@ -1,7 +1,9 @@
 #include "lodestone/env/physics_env.h"
 
 #include <algorithm>
+#include <string>
 
+#include "lodestone/common/error.h"
 #include "lodestone/geometry/angle.h"
 
 namespace lodestone::env {
@@ -31,6 +33,10 @@ PhysicsEnv::PhysicsEnv(const EpisodeSettings& settings, const physics::RigDescri
                   physics::PlainSimulator(rig, config.simulator)),
       episodes_(settings, {config.pose_noise_m, config.heading_noise_rad}, "physics"),
       pool_(static_cast<std::size_t>(threads)) {
+  if (settings.action.size != drive_.size())
+    throw common::ConfigError("an action is of " + std::to_string(settings.action.size) +
+                              " numbers, the rig's drive of " + std::to_string(drive_.size()) +
+                              "; leave the dynamics out, or take those of this rig");
   reset();
 }
 

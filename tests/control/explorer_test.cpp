@@ -158,6 +158,7 @@ TEST_CASE("of coils that are driven one by one, each is tried alone and with oth
   CHECK(least[0] == 0.0);
   CHECK(alone > 60);
   CHECK(together > 60);
+  explorer.reset();
   control::Explorer other(config, rig, common::RandomStream(2, "explorer"));
   other.restore(explorer.save());
   CHECK(other.act(observed_at({})) == explorer.act(observed_at({})));

@@ -45,11 +45,11 @@ TEST_CASE("looks come no faster than asked for, and a pulse needs a needle that 
   config.needle.look_s = 0.1;
   const auto bench = experiments::make_qualification_session(config);
   experiments::GuidedNeedle needle(config.needle, config.rig, *bench);
-  CHECK_THROWS_AS(needle.pulse(needle.pulse_of({1.0, 0.0}, {0.0, 0.0})), common::LogicFault);
+  CHECK_THROWS_AS(needle.pulse(needle.pulse_along({1.0, 0.0}, {0.0, 0.0})), common::LogicFault);
   const double first_s = needle.look().stamp_s;
   CHECK(needle.look().stamp_s == Approx(first_s + 0.1));
   REQUIRE(needle.here());
-  const rig::CoilPulse pulse = needle.pulse_of({3.0, 0.0}, {0.0, 0.0});
+  const rig::CoilPulse pulse = needle.pulse_along({3.0, 0.0}, {0.0, 0.0});
   CHECK(pulse.duration_s == config.needle.loop.pulse_s);
   const double start_s = bench->clock().now_s();
   needle.pulse(pulse);

@@ -8,6 +8,7 @@
 #include "lodestone/common/random.h"
 #include "lodestone/control/controller.h"
 #include "lodestone/control/freeing.h"
+#include "lodestone/physics/coil_drive.h"
 
 namespace lodestone::control {
 
