@@ -21,6 +21,7 @@
 #include "lodestone/env/mbs_env.h"
 #include "lodestone/imaging/scene_renderer.h"
 #include "lodestone/nets/tensors.h"
+#include "lodestone/physics/coil_drive.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/virtual_rig.h"
 #include "lodestone/rl/flat_network.h"
