@@ -1,6 +1,7 @@
 #include "lodestone/geometry/drive.h"
 
 #include <catch2/catch.hpp>
+#include <cstddef>
 #include <type_traits>
 
 #include "lodestone/geometry/pose2.h"
@@ -27,10 +28,10 @@ TEST_CASE("a drive holds the numbers in its braces, and as many as it was made f
 
 TEST_CASE("a drive holds no memory of its own, up to the most that there are") {
   const Drive most = Drive::Ones(geometry::kMostDrives);
-  const auto* begin = reinterpret_cast<const char*>(&most);
-  const auto* numbers = reinterpret_cast<const char*>(most.data());
-  CHECK(numbers >= begin);
-  CHECK(numbers + geometry::kMostDrives * sizeof(double) <= begin + sizeof(Drive));
+  const std::ptrdiff_t at = reinterpret_cast<const char*>(most.data()) - reinterpret_cast<const char*>(&most);
+  const auto size = static_cast<std::ptrdiff_t>(sizeof(Drive));
+  CHECK(at >= 0);
+  CHECK(at + geometry::kMostDrives * static_cast<std::ptrdiff_t>(sizeof(double)) <= size);
 }
 
 TEST_CASE("numbers in memory are a drive, and those of a pair are called x and y") {
