@@ -152,7 +152,7 @@ def save_policy(folder: str | os.PathLike[str], layers: Sequence[tuple[ArrayLike
 
     Args:
         folder: to write
-        layers: (weight [outputs, inputs], bias [outputs]) of each linear layer; the last has 2 outputs
+        layers: (weight [outputs, inputs], bias [outputs]) of each linear layer; the last has as many outputs as an action numbers
         contract: of the environment it was trained in (`env.contract`): encoder, action, goal and rig
 
     Raises:

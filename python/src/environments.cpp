@@ -162,6 +162,7 @@ void bind_environments(py::module_& module) {
            py::arg("threads"))
       .def_property_readonly("count", &Environments::count)
       .def_property_readonly("observation_size", &Environments::observation_size)
+      .def_property_readonly("action_size", &Environments::action_size)
       .def("contract", &Environments::contract)
       .def("observation", &Environments::observation)
       .def("reset", &Environments::reset, py::arg("seed"))

@@ -80,16 +80,23 @@ geometry::Drive Explorer::draw_action() {
     return random_.uniform() < 0.5 ? -magnitude : magnitude;
   };
   geometry::Drive action = geometry::drawn_drive(drive_.size(), drive);
-  for (Eigen::Index i = 0; i < action.size(); ++i)
-    if (drive_.least(static_cast<int>(i)) >= 0.0) action[i] = std::abs(action[i]);
   if (random_.uniform() < config_.single_axis_fraction) {
     const auto one = static_cast<Eigen::Index>(random_.below(static_cast<std::uint64_t>(action.size())));
     for (Eigen::Index i = 0; i < action.size(); ++i)  // of two numbers this one goes, of others it stays
       if ((i == one) == (action.size() == 2)) action[i] = 0.0;
   }
+  // Below 0 a coil that takes one sign only is off, which a simulator has to be shown; but not all at once.
+  if (strength(action) == 0.0) action = -action;
   if (config_.weak_fraction > 0.0 && random_.uniform() < config_.weak_fraction)
     action *= std::pow(config_.weakest_drive, random_.uniform()) / action.cwiseAbs().maxCoeff();
   return action;
+}
+
+double Explorer::strength(const geometry::Drive& action) const {
+  double most = 0.0;
+  for (Eigen::Index i = 0; i < action.size(); ++i)
+    most = std::max(most, drive_.least(static_cast<int>(i)) < 0.0 ? std::abs(action[i]) : action[i]);
+  return most;
 }
 
 double Explorer::cost(const geometry::Pose2& pose, const geometry::Drive& action) const {
@@ -157,7 +164,7 @@ geometry::Drive Explorer::act(const task::Observation& observation) {
   see(observation.pose.position_m());
   const geometry::Drive action = decide(observation.pose);
   // A needle that a weak pulse did not move is not stuck. An operator does not look so closely.
-  telling_ = !config_.self_reset || action.cwiseAbs().maxCoeff() >= config_.min_drive;
+  telling_ = !config_.self_reset || strength(action) >= config_.min_drive;
   keep_count(observation.pose, action);
   return action;
 }

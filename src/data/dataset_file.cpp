@@ -97,9 +97,10 @@ constexpr const char* kLater = "action_size";
 
 DatasetInfo read_info(hid_t root, const std::string& path) {
   common::Json json = info_to_json(DatasetInfo());
-  for (auto& [name, value] : json.items())
-    if (!read_value(root, name.c_str(), value, path) && (name != kLater || H5Aexists(root, kLater) > 0))
-      fail_without(name, path);
+  for (auto& [name, value] : json.items()) {
+    if (name == kLater && H5Aexists(root, kLater) == 0) continue;  // it stays what it means then
+    if (!read_value(root, name.c_str(), value, path)) fail_without(name, path);
+  }
   return info_from_json(json, path);
 }
 

@@ -34,10 +34,11 @@ DatasetInfo info_from_json(const common::Json& json, const std::string& source) 
     if (!named)
       throw common::DataError(source + ": layout \"" + common::shown(layout) + "\" must be pose or position");
     info.layout = *named;
-    info.action_size = json.value("action_size", info.action_size);
-    if (info.action_size < 1 || info.action_size > geometry::kMostDrives)
-      throw common::DataError(source + ": action_size is " + std::to_string(info.action_size) +
+    const auto numbers = json.value("action_size", std::int64_t{info.action_size});
+    if (numbers < 1 || numbers > geometry::kMostDrives)
+      throw common::DataError(source + ": action_size is " + std::to_string(numbers) +
                               ", must be within 1 and " + std::to_string(geometry::kMostDrives));
+    info.action_size = static_cast<int>(numbers);
     json.at("action_unit").get_to(info.action_unit);
     json.at("action_scale").get_to(info.action_scale);
     json.at("workspace_radius_m").get_to(info.workspace_radius_m);

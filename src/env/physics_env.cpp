@@ -1,6 +1,7 @@
 #include "lodestone/env/physics_env.h"
 
 #include <algorithm>
+#include <string>
 
 #include "lodestone/common/error.h"
 #include "lodestone/geometry/angle.h"
@@ -35,6 +36,10 @@ PhysicsEnv::PhysicsEnv(const EpisodeSettings& settings, const physics::RigDescri
   if (rig.needle.is_sphere() && settings.encoder.heading != task::HeadingEncoding::kNone)
     throw common::ConfigError("encoder.heading = \"" + common::name_of(settings.encoder.heading) +
                               "\", but a sphere has no heading; set it to \"none\"");
+  if (settings.action.size != drive_.size())
+    throw common::ConfigError("an action is of " + std::to_string(settings.action.size) +
+                              " numbers, the rig's drive of " + std::to_string(drive_.size()) +
+                              "; leave the dynamics out, or take those of this rig");
   reset();
 }
 

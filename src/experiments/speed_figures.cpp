@@ -21,6 +21,7 @@
 #include "lodestone/env/mbs_env.h"
 #include "lodestone/imaging/scene_renderer.h"
 #include "lodestone/nets/tensors.h"
+#include "lodestone/physics/coil_drive.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/virtual_rig.h"
 #include "lodestone/rl/flat_network.h"
@@ -191,24 +192,24 @@ RateFigure rig_rate(const SpeedConfig& config, std::int64_t threads) {
         std::make_unique<rig::VirtualRig>(config.rig, seed + i, i == 0 ? nullptr : rigs->owned[0]->fields()));
   }
   auto random = std::make_shared<common::RandomStream>(seed, "bench-currents");
-  return timed(
-      config, static_cast<double>(kRigs * kSteps), [rigs, random, drive = physics::CoilDrive(config.rig)] {
-        for (const auto& rig : rigs->owned) rig->place({0.0, 0.0, random->uniform(-3.0, 3.0)});
-        for (int step = 0; step < kSteps; ++step) {
-          for (rig::CoilPulse& pulse : rigs->pulses) {
-            const geometry::Drive drive_A =
-                geometry::drawn_drive(drive.size(), [&random] { return random->uniform(-8.0, 8.0); });
-            pulse.current_A = drive.current_A(drive_A, geometry::Vector2::Zero());
-            pulse.duration_s = 0.1;
-          }
-          rigs->pool.for_each(kRigs, [&](std::size_t i) {
-            rig::VirtualRig& rig = *rigs->owned[i];
-            const double start_s = rig.clock().now_s();
-            rig.coils().apply(rigs->pulses[i]);
-            rig.clock().sleep_until(start_s + rigs->pulses[i].duration_s + 0.2);
-          });
-        }
-      });
+  return timed(config, static_cast<double>(kRigs * kSteps),
+               [rigs, random, drive = physics::CoilDrive(config.rig)] {
+                 for (const auto& rig : rigs->owned) rig->place({0.0, 0.0, random->uniform(-3.0, 3.0)});
+                 for (int step = 0; step < kSteps; ++step) {
+                   for (rig::CoilPulse& pulse : rigs->pulses) {
+                     geometry::Drive drive_A(drive.size());
+                     for (double& number_A : drive_A) number_A = random->uniform(-8.0, 8.0);
+                     pulse.current_A = drive.current_A(drive_A, geometry::Vector2::Zero());
+                     pulse.duration_s = 0.1;
+                   }
+                   rigs->pool.for_each(kRigs, [&](std::size_t i) {
+                     rig::VirtualRig& rig = *rigs->owned[i];
+                     const double start_s = rig.clock().now_s();
+                     rig.coils().apply(rigs->pulses[i]);
+                     rig.clock().sleep_until(start_s + rigs->pulses[i].duration_s + 0.2);
+                   });
+                 }
+               });
 }
 
 struct ImageLatency::Bench {

@@ -12,8 +12,9 @@ namespace {
 using common::Json;
 
 double scale_in_ampere(const inference::Policy& policy, const std::string& what) {
-  if (policy.rig.is_object() && policy.rig.contains("drive") &&
-      policy.rig["drive"].value("kind", "opposed_pairs") != "opposed_pairs")
+  const bool pairs = !policy.rig.is_object() || !policy.rig.contains("drive") ||
+                     policy.rig["drive"].value("kind", "opposed_pairs") == "opposed_pairs";
+  if (!pairs || policy.action.size != 2)
     throw common::ConfigError(what +
                               ": its drives are not those of four coils in opposed pairs (rig.drive.kind); "
                               "only policies of such can be exported, as the export ends in currents");

@@ -22,7 +22,8 @@ LoggedStep logged(const data::DatasetInfo& info, const data::Episode& episode, s
   for (const double number : drive) step.facts.action.push_back(number / info.action_scale);
   const common::Json driven_by =
       info.rig.is_object() ? info.rig.value("drive", common::Json()) : common::Json();
-  const bool pairs = !driven_by.is_object() || driven_by.value("kind", "opposed_pairs") == "opposed_pairs";
+  const bool pairs = info.action_size == 2 &&
+                     (!driven_by.is_object() || driven_by.value("kind", "opposed_pairs") == "opposed_pairs");
   if (info.action_unit == "A" && pairs) {  // what else a drive asks of its coils is not on record
     step.current_A = physics::opposed_pairs_A(drive).list();
   }

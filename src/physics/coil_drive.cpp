@@ -3,6 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <string>
+
+#include "lodestone/common/error.h"
 
 namespace lodestone::physics {
 
@@ -31,6 +34,8 @@ double CoilDrive::least(int number) const {
 }
 
 PerCoil CoilDrive::current_A(const geometry::Drive& drive_A, const geometry::Vector2& position_m) const {
+  LODESTONE_CHECK(drive_A.size() == size_, "a drive of " + std::to_string(size_) + " numbers, not of " +
+                                               std::to_string(drive_A.size()));
   switch (kind_) {
     case DriveKind::kOpposedPairs:
       return opposed_pairs_A(drive_A);

@@ -1,5 +1,7 @@
 #include "lodestone/task/action.h"
 
+#include <cstdint>
+
 #include "lodestone/geometry/saturation.h"
 
 namespace lodestone::task {
@@ -23,7 +25,7 @@ ActionConfig action_from_json(common::Json json, const std::string& what) {
   if (!(scale > 0.0 && scale <= kLargestScale))
     throw common::ConfigError(what + ": scale = " + common::shown_json(json["scale"]) +
                               " must be above 0 and at most 1000");
-  const int size = json.value("size", ActionConfig{}.size);
+  const auto size = json.value("size", std::int64_t{ActionConfig{}.size});
   if (size < 1 || size > geometry::kMostDrives)
     throw common::ConfigError(what + ": size = " + common::shown_json(json["size"]) +
                               " must be within 1 .. 16");
@@ -31,7 +33,7 @@ ActionConfig action_from_json(common::Json json, const std::string& what) {
   auto config = common::config_from_json<ActionConfig>(json, what);
   config.scale = scale;
   config.unit = unit;
-  config.size = size;
+  config.size = static_cast<int>(size);
   return config;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace lodestone::task {
 namespace {
@@ -33,14 +34,14 @@ EncoderConfig encoder_from_json(common::Json json, const std::string& what) {
   if (!(length_scale_m >= kLeastLengthScale_m && length_scale_m <= kMostLengthScale_m))
     throw common::ConfigError(what + ": length_scale_m = " + common::shown_json(json["length_scale_m"]) +
                               " must be within 0.001 .. 1");
-  const int action_size = json.value("action_size", EncoderConfig{}.action_size);
+  const auto action_size = json.value("action_size", std::int64_t{EncoderConfig{}.action_size});
   if (action_size < 1 || action_size > geometry::kMostDrives)
     throw common::ConfigError(what + ": action_size = " + common::shown_json(json["action_size"]) +
                               " must be within 1 .. 16");
   for (const char* key : {"length_scale_m", "action_size"}) json.erase(key);
   auto config = common::config_from_json<EncoderConfig>(json, what);
   config.length_scale_m = length_scale_m;
-  config.action_size = action_size;
+  config.action_size = static_cast<int>(action_size);
   return config;
 }
 

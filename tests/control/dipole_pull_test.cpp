@@ -36,6 +36,7 @@ TEST_CASE("the simulator's pull points where it is asked to") {
 TEST_CASE("whatever drives the coils, the baseline pulls where it is asked to") {
   for (const physics::DriveKind kind : {physics::DriveKind::kIndependent, physics::DriveKind::kField})
     for (const int numbers : {2, 3, 4}) {
+      if (kind == physics::DriveKind::kIndependent && numbers > 2) continue;  // as many as there are coils
       physics::RigDescription rig = tests::ring_rig(8, 0.0, true);
       rig.drive.kind = kind;
       if (kind == physics::DriveKind::kField) rig.drive.field_numbers = numbers;

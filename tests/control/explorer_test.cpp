@@ -153,12 +153,13 @@ TEST_CASE("of coils that are driven one by one, each is tried alone and with oth
     const auto on = (action.array() != 0.0).count();
     alone += on == 1 ? 1 : 0;
     together += on == 6 ? 1 : 0;
+    CHECK((on == 0 || action[2] < 0.0 || action.maxCoeff() > 0.0));  // something happens
   }
   CHECK(most.minCoeff() > 0.8);
-  CHECK(least[2] < -0.8);
-  CHECK(least[0] == 0.0);
+  CHECK(least.maxCoeff() < -0.8);  // which all but the third coil take for off
   CHECK(alone > 60);
   CHECK(together > 60);
+  explorer.reset();
   control::Explorer other(config, rig, common::RandomStream(2, "explorer"));
   other.restore(explorer.save());
   CHECK(other.act(observed_at({})) == explorer.act(observed_at({})));

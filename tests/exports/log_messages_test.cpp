@@ -66,6 +66,20 @@ TEST_CASE("what is not known is absent, and zero is not") {
   CHECK(as_double(Message(warm.bytes.at(3)).bytes.at(2)) == 2.0);
 }
 
+TEST_CASE("an action of two numbers has a field for each, and one of others is a list") {
+  StepFacts facts;
+  facts.action = {0.5, -0.25};
+  const Message two(step_message(0, facts));
+  CHECK(as_double(two.bytes.at(7)) == 0.5);
+  CHECK(as_double(two.bytes.at(8)) == -0.25);
+  CHECK(two.bytes.count(12) == 0);
+  facts.action = {0.125, -0.25, 1.0};
+  const Message three(step_message(0, facts));
+  CHECK(three.bytes.count(7) == 0);
+  REQUIRE(three.bytes.at(12).size() == 3 * sizeof(double));
+  CHECK(as_double(three.bytes.at(12)) == 0.125);
+}
+
 TEST_CASE("a descriptor set is enough to decode its message") {
   google::protobuf::FileDescriptorSet files;
   REQUIRE(files.ParseFromString(file_descriptor_set("lodestone.CoilPulse")));

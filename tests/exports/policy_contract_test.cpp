@@ -62,7 +62,10 @@ TEST_CASE("a policy whose drives are fields is not exported as currents of four 
   CHECK_NOTHROW(PolicyContract(policy));
   policy.rig["drive"]["kind"] = "field";
   CHECK_THROWS_WITH(PolicyContract(policy, "models/x"),
-                    Catch::Contains("models/x: its drives are those of a field"));
+                    Catch::Contains("models/x: its drives are not those of four coils in opposed pairs"));
+  policy.rig = common::Json();  // whose nobody knows
+  policy.action.size = policy.encoder.action_size = 6;
+  CHECK_THROWS_WITH(PolicyContract(policy, "models/x"), Catch::Contains("in opposed pairs"));
 }
 
 TEST_CASE("every released policy has a contract with all its metadata", "[unit]") {

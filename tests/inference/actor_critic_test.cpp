@@ -111,8 +111,9 @@ TEST_CASE("of an actor's proposals the one with the highest score is given, and 
     const auto ranked = actor.ranked(observation.data(), workspace);
     CHECK(ranked.size() == kProposals + 1);
     CHECK(ranked.front() == lodestone::geometry::as_drive(action, 2));
-    CHECK(std::count_if(ranked.begin(), ranked.end(), [](const auto& one) { return one.isZero(0.0); }) ==
-          1);  // rests somewhere among them
+    const auto rests =
+        std::count_if(ranked.begin(), ranked.end(), [](const auto& one) { return one.isZero(0.0); });
+    CHECK(rests == 1);  // somewhere among them
     if (best == kProposals) {
       CHECK(action[0] == 0.0F);
       CHECK(action[1] == 0.0F);

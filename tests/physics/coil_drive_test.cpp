@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "lodestone/common/error.h"
 #include "other_rigs.h"
 
 namespace lodestone::physics {
@@ -61,6 +62,7 @@ TEST_CASE("independent: each number is the current of its coil, as far as that g
   const PerCoil given = drive.current_A(asked_A, {0.01, 0.0});
   CHECK(given == PerCoil{0.2 * full_A, 0.25 * full_A, -0.4 * full_A, 0.0, 0.6 * full_A, 0.0});
   CHECK(drive.current_A(3.0 * asked_A, {0.01, 0.0})[4] == full_A);
+  CHECK_THROWS_AS(drive.current_A({1.0, 2.0}, Vector2(0.0, 0.0)), common::LogicFault);
   CHECK(drive.least(0) == 0.0);
   CHECK(drive.least(2) == -1.0);
   CHECK(drive.turned(asked_A, 1.0) == asked_A);  // it has no direction of its own
@@ -83,7 +85,7 @@ TEST_CASE("what two numbers mean is near the same for every kind of drive") {
     for (const CoilDrive& drive : {alone, three, four}) {
       const PerCoil given = drive.current_A(drive.along(direction_A, place_m), place_m);
       for (std::size_t coil = 0; coil < 8; ++coil)  // the table interpolates between places and directions
-        CHECK(given[coil] == Approx(wanted[coil]).margin(0.06 * rig.coils.max_current_A));
+        CHECK(given[coil] == Approx(wanted[coil]).margin(0.12 * rig.coils.max_current_A));
     }
   }
   CHECK(alone.along({0.0, 0.0}, place_m) == geometry::Drive::Zero(8));

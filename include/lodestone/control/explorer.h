@@ -8,6 +8,7 @@
 #include "lodestone/common/random.h"
 #include "lodestone/control/controller.h"
 #include "lodestone/control/freeing.h"
+#include "lodestone/physics/coil_drive.h"
 
 namespace lodestone::control {
 
@@ -101,6 +102,8 @@ class Explorer final : public Controller {
   geometry::Drive decide(const geometry::Pose2& pose);
   void keep_count(const geometry::Pose2& pose, const geometry::Drive& action);
   geometry::Drive draw_action();
+  /// The largest of an action's numbers that drive a coil.
+  double strength(const geometry::Drive& action) const;
   std::int64_t cell_of(const geometry::Vector2& position_m) const;
   std::int64_t heading_of(double heading_rad) const;
   std::int64_t level_of(const geometry::Drive& action) const;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lodestone/common/random.h"
+#include "lodestone/geometry/drive.h"
 #include "lodestone/geometry/pose2.h"
 #include "lodestone/task/region.h"
 
