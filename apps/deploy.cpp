@@ -1,12 +1,14 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common_options.h"
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/files.h"
 #include "lodestone/common/log.h"
 #include "lodestone/experiments/deployment_run.h"
+#include "lodestone/experiments/task_file.h"
 #include "lodestone/nets/blas.h"
 #include "models.h"
 #include "terminal.h"
@@ -116,6 +118,18 @@ void deploy(const CommonOptions& options) {
                 common::read_artefact<runs::DeploymentSummary>(run.file(runs::DeploymentSummary::kFile)));
 }
 
+/// A task, or what the file that describes one says; single values win over that.
+void use_task(CommonOptions& options, const std::string& value) {
+  if (!experiments::is_task_file(value)) {
+    options.overrides.push_back({"task=" + common::Json(value).dump(), "--task"});
+    return;
+  }
+  std::vector<Override> settings;
+  for (const std::string& setting : experiments::settings_of_task(value))
+    settings.push_back({setting, "--task " + value});
+  options.overrides.insert(options.overrides.begin(), settings.begin(), settings.end());
+}
+
 }  // namespace
 
 void add_deploy(Verb& program) {
@@ -132,7 +146,10 @@ void add_deploy(Verb& program) {
     add_shorthand(verb, options, flag, key, Shorthand::kText, meaning);
   };
   text("--policy", "policy", "folder of the policy checkpoint");
-  text("--task", "task", "centre, point, pose, square, circle, all, or FILE.csv with columns x_m,y_m");
+  verb.add_option(
+      "--task", [&options](const std::string& value) { use_task(options, value); },
+      "centre, point, pose, square, circle, all, FILE.csv with columns x_m,y_m (and heading_rad), or a "
+      "FILE.json that describes one");
   add_shorthand(verb, options, "--trials", "trials.count", Shorthand::kValue, "trials per task");
   text("--on", "on_rig", "the rig that was explored, rigs never seen, or both: explored, unseen, both");
   text("--sensor", "sensor.kind", "camera or simulated");
