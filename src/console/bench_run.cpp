@@ -89,7 +89,10 @@ void Bench::State::note(const control::StepRecord& step) {
   note_camera();
   shown.pose = step.estimate;
   if (step.estimate.valid) remember(step.estimate.pose.position_m());
-  if (attendance.driving() != Driving::kByHand) shown.target_m = step.target_m;
+  if (attendance.driving() != Driving::kByHand) {
+    shown.target_m = step.target_m;
+    shown.target_heading_rad = step.target_heading_rad;
+  }
   shown.run->time_s = step.time_s;
   ++shown.run->steps;
   last_A = step.current_A;

@@ -432,7 +432,7 @@ struct Console::State {
         {"kind", "plan"}, {"ok", false}, {"text", ""}, {"points", Json::array()}, {"bad", Json::array()}};
     std::optional<geometry::Path> path;
     try {
-      path = make();
+      path = experiments::headed_path(make(), parts.bench.config.trials);
     } catch (const common::Error& error) {
       told["text"] = error.what();
     }
