@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,11 +22,11 @@ namespace {
 using experiments::DeployConfig;
 using experiments::DeploymentJob;
 
-constexpr const char* kRow = "%-9s %-9s %-7s %7s %7s %7s %7s %9s %9s %8s %8s %8s %7s %7s\n";
+constexpr const char* kRow = "%-9s %-9s %-7s %7s %7s %7s %7s %9s %9s %8s %8s %8s %8s %7s %7s\n";
 
 void print_heading() {
   std::printf(kRow, "rig", "control", "task", "mean", "std", "median", "sensed", "time rms", "complete",
-              "corners", "reach s", "success", "stopped", "trials");
+              "corners", "heading", "reach s", "success", "stopped", "trials");
 }
 
 void print_tasks(const std::string& rig, const std::string& controller, const runs::TaskTable& table) {
@@ -43,12 +44,15 @@ void print_tasks(const std::string& rig, const std::string& controller, const ru
     if (found == table.by_task.end()) continue;
     const runs::TaskSummary& summary = found->second;
     const runs::ErrorStatistics& errors = summary.truth ? *summary.truth : summary.sensed;
+    const std::optional<double>& heading_deg =
+        errors.heading_rms_deg ? errors.heading_rms_deg : errors.heading_error_deg;
     std::printf(kRow, rig.c_str(), controller.c_str(), task, text(errors.mean_error_mm).c_str(),
                 text(errors.std_error_mm).c_str(), text(errors.median_error_mm).c_str(),
                 text(summary.sensed.mean_error_mm).c_str(), text(errors.time_rms_error_mm).c_str(),
                 share(errors.completion).c_str(), share(errors.corners_reached).c_str(),
-                text(errors.seconds_to_reach).c_str(), share(errors.success_rate).c_str(),
-                std::to_string(summary.stopped).c_str(), std::to_string(summary.n_trials).c_str());
+                number(heading_deg, "%.1f").c_str(), text(errors.seconds_to_reach).c_str(),
+                share(errors.success_rate).c_str(), std::to_string(summary.stopped).c_str(),
+                std::to_string(summary.n_trials).c_str());
   }
 }
 
@@ -59,7 +63,8 @@ void print_rig(const std::string& rig, const runs::RigSummary& summary) {
 
 void print_summary(const DeploymentJob& job, const runs::DeploymentSummary& summary) {
   std::printf(
-      "Errors in mm %s. centre, point: distance at the end of a trial; paths: cross-track RMS of a trial.\n",
+      "Errors in mm %s. centre, point: distance at the end of a trial; paths: cross-track RMS of a trial; "
+      "heading, in degrees: at the end, or RMS along a path.\n",
       job.rigs.front() == experiments::RigKind::kReal
           ? "as the camera saw them: nobody knows the true pose on a real bench"
           : "against the true pose");
