@@ -450,7 +450,7 @@ struct Console::State {
       }
       if (!objection.why_not.empty()) path.reset();
     }
-    bench->show_plan(path ? path->points_m() : std::vector<Vector2>{});
+    bench->show_plan(path);
     {
       const std::lock_guard<common::PriorityMutex> lock(mutex);
       planned = std::move(path);

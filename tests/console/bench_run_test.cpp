@@ -48,6 +48,7 @@ TEST_CASE("a bench shows how the needle shall lie along a path that has headings
   path.path = geometry::Path::circle(0.005).with_heading(geometry::PathHeading::fixed(0.5));
   REQUIRE(lab.bench->drive(path).empty());
   CHECK(lab.reach([](const BenchState& state) { return state.target_heading_rad == 0.5; }));
+  CHECK(lab.bench->state().plan_headings.size() == 6);  // about 5 mm apart
   REQUIRE(lab.bench->drive(point(0.01, 0.0)).empty());
   CHECK(lab.reach([](const BenchState& state) { return state.target_m && !state.target_heading_rad; }));
 }
