@@ -1,12 +1,15 @@
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "common_options.h"
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/files.h"
 #include "lodestone/common/log.h"
 #include "lodestone/experiments/deployment_run.h"
+#include "lodestone/experiments/task_file.h"
 #include "lodestone/nets/blas.h"
 #include "models.h"
 #include "terminal.h"
@@ -19,11 +22,11 @@ namespace {
 using experiments::DeployConfig;
 using experiments::DeploymentJob;
 
-constexpr const char* kRow = "%-9s %-9s %-7s %7s %7s %7s %7s %9s %9s %8s %8s %8s %7s %7s\n";
+constexpr const char* kRow = "%-9s %-9s %-7s %7s %7s %7s %7s %9s %9s %8s %8s %8s %8s %7s %7s\n";
 
 void print_heading() {
   std::printf(kRow, "rig", "control", "task", "mean", "std", "median", "sensed", "time rms", "complete",
-              "corners", "reach s", "success", "stopped", "trials");
+              "corners", "heading", "reach s", "success", "stopped", "trials");
 }
 
 void print_tasks(const std::string& rig, const std::string& controller, const runs::TaskTable& table) {
@@ -41,12 +44,15 @@ void print_tasks(const std::string& rig, const std::string& controller, const ru
     if (found == table.by_task.end()) continue;
     const runs::TaskSummary& summary = found->second;
     const runs::ErrorStatistics& errors = summary.truth ? *summary.truth : summary.sensed;
+    const std::optional<double>& heading_deg =
+        errors.heading_rms_deg ? errors.heading_rms_deg : errors.heading_error_deg;
     std::printf(kRow, rig.c_str(), controller.c_str(), task, text(errors.mean_error_mm).c_str(),
                 text(errors.std_error_mm).c_str(), text(errors.median_error_mm).c_str(),
                 text(summary.sensed.mean_error_mm).c_str(), text(errors.time_rms_error_mm).c_str(),
                 share(errors.completion).c_str(), share(errors.corners_reached).c_str(),
-                text(errors.seconds_to_reach).c_str(), share(errors.success_rate).c_str(),
-                std::to_string(summary.stopped).c_str(), std::to_string(summary.n_trials).c_str());
+                number(heading_deg, "%.1f").c_str(), text(errors.seconds_to_reach).c_str(),
+                share(errors.success_rate).c_str(), std::to_string(summary.stopped).c_str(),
+                std::to_string(summary.n_trials).c_str());
   }
 }
 
@@ -57,7 +63,8 @@ void print_rig(const std::string& rig, const runs::RigSummary& summary) {
 
 void print_summary(const DeploymentJob& job, const runs::DeploymentSummary& summary) {
   std::printf(
-      "Errors in mm %s. centre, point: distance at the end of a trial; paths: cross-track RMS of a trial.\n",
+      "Errors in mm %s. centre, point: distance at the end of a trial; paths: cross-track RMS of a trial; "
+      "heading, in degrees: at the end, or RMS along a path.\n",
       job.rigs.front() == experiments::RigKind::kReal
           ? "as the camera saw them: nobody knows the true pose on a real bench"
           : "against the true pose");
@@ -117,6 +124,18 @@ void deploy(const CommonOptions& options) {
                 common::read_artefact<runs::DeploymentSummary>(run.file(runs::DeploymentSummary::kFile)));
 }
 
+/// A task, or what the file that describes one says; single values win over that.
+void use_task(CommonOptions& options, const std::string& value) {
+  if (!experiments::is_task_file(value)) {
+    options.overrides.push_back({"task=" + common::Json(value).dump(), "--task"});
+    return;
+  }
+  std::vector<Override> settings;
+  for (const std::string& setting : experiments::settings_of_task(value))
+    settings.push_back({setting, "--task " + value});
+  options.overrides.insert(options.overrides.begin(), settings.begin(), settings.end());
+}
+
 }  // namespace
 
 void add_deploy(Verb& program) {
@@ -133,7 +152,10 @@ void add_deploy(Verb& program) {
     add_shorthand(verb, options, flag, key, Shorthand::kText, meaning);
   };
   text("--policy", "policy", "folder of the policy checkpoint");
-  text("--task", "task", "centre, point, pose, square, circle, all, or FILE.csv with columns x_m,y_m");
+  verb.add_option(
+      "--task", [&options](const std::string& value) { use_task(options, value); },
+      "centre, point, pose, square, circle, all, FILE.csv with columns x_m,y_m (and heading_rad), or a "
+      "FILE.json that describes one");
   add_shorthand(verb, options, "--trials", "trials.count", Shorthand::kValue, "trials per task");
   text("--on", "on_rig", "the rig that was explored, rigs never seen, or both: explored, unseen, both");
   text("--sensor", "sensor.kind", "camera or simulated");

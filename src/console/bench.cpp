@@ -244,9 +244,9 @@ std::string Bench::drive(const Goal& goal) {
   return "";
 }
 
-void Bench::show_plan(const std::vector<geometry::Vector2>& points_m) {
+void Bench::show_plan(const std::optional<geometry::Path>& path) {
   const std::lock_guard<common::PriorityMutex> lock(state_->mutex);
-  if (state_->shown.mode != Mode::kRunning) state_->shown.plan_m = points_m;
+  if (state_->shown.mode != Mode::kRunning) state_->show(path);
 }
 
 std::string Bench::hold(const geometry::Vector2& drive) {

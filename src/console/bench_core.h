@@ -105,6 +105,7 @@ struct Bench::State {
   void follow(const Goal& to);
   /// Under the mutex.
   void aim(const Goal& to);
+  void show(const std::optional<geometry::Path>& path);
   void note(const control::StepRecord& step);
   void finish(const control::LoopOutcome& outcome);
   /// Under the mutex.

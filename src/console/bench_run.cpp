@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lodestone/common/random.h"
+#include "lodestone/console/drawn_path.h"
 
 namespace lodestone::console {
 
@@ -80,8 +81,13 @@ void Bench::State::aim(const Goal& to) {
   shown.run->task = to.task;
   shown.run->aimed_s = shown.run->time_s;
   shown.target_heading_rad = point ? to.heading_rad : std::nullopt;
-  shown.plan_m = to.path ? to.path->points_m() : std::vector<geometry::Vector2>{};
+  show(to.path);
   shown.target_m = point ? std::optional(to.target_m) : std::nullopt;
+}
+
+void Bench::State::show(const std::optional<geometry::Path>& path) {
+  shown.plan_m = path ? path->points_m() : std::vector<geometry::Vector2>{};
+  shown.plan_headings = path ? shown_headings(*path) : std::vector<geometry::Pose2>{};
 }
 
 void Bench::State::note(const control::StepRecord& step) {
@@ -89,7 +95,10 @@ void Bench::State::note(const control::StepRecord& step) {
   note_camera();
   shown.pose = step.estimate;
   if (step.estimate.valid) remember(step.estimate.pose.position_m());
-  if (attendance.driving() != Driving::kByHand) shown.target_m = step.target_m;
+  if (attendance.driving() != Driving::kByHand) {
+    shown.target_m = step.target_m;
+    shown.target_heading_rad = step.target_heading_rad;
+  }
   shown.run->time_s = step.time_s;
   ++shown.run->steps;
   last_A = step.current_A;

@@ -432,7 +432,7 @@ struct Console::State {
         {"kind", "plan"}, {"ok", false}, {"text", ""}, {"points", Json::array()}, {"bad", Json::array()}};
     std::optional<geometry::Path> path;
     try {
-      path = make();
+      path = experiments::headed_path(make(), parts.bench.config.trials);
     } catch (const common::Error& error) {
       told["text"] = error.what();
     }
@@ -450,7 +450,7 @@ struct Console::State {
       }
       if (!objection.why_not.empty()) path.reset();
     }
-    bench->show_plan(path ? path->points_m() : std::vector<Vector2>{});
+    bench->show_plan(path);
     {
       const std::lock_guard<common::PriorityMutex> lock(mutex);
       planned = std::move(path);

@@ -15,6 +15,8 @@ using geometry::Vector2;
 constexpr double kStep_m = 0.001;
 constexpr double kSmooth_m = 0.0015;
 constexpr double kReach = 3.0;  // of the Gaussian, in its standard deviations
+constexpr double kHeadingsApart_m = 0.005;
+constexpr double kMostHeadings = 200.0;
 
 /// Empty where it is short enough.
 std::string too_long(const geometry::Path& path) {
@@ -58,6 +60,10 @@ geometry::Path smoothed(const std::vector<Vector2>& points_m, bool closed) {
     points.push_back(sum / weights);
   }
   return {points, closed};
+}
+
+std::vector<geometry::Pose2> shown_headings(const geometry::Path& path) {
+  return path.poses(std::max(kHeadingsApart_m, path.length_m() / kMostHeadings));
 }
 
 std::string Reachable::why_not(const Vector2& point_m) const {

@@ -21,6 +21,7 @@ constexpr int kArrows = 7;               // along a diameter of the dish
 constexpr double kFullArrow_T = 0.02;    // a field that has the full length,
 constexpr double kFullArrow_m = 0.006;   // which is this
 constexpr double kPointer_m = 0.008;     // from a target along its heading
+constexpr double kTick_m = 0.003;        // the same along a path
 constexpr std::size_t kMostPlan = 2000;  // points that are shown, as each state has them
 
 Vector2 unit(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad)}; }
@@ -135,6 +136,9 @@ void LiveView::draw(const BenchState& state, const ImageMap& map, Json& view) co
   if (state.target_m && state.target_heading_rad)
     view["target_head"] = map.json(Vector2(*state.target_m + kPointer_m * unit(*state.target_heading_rad)));
   if (!state.plan_m.empty()) view["plan"] = map.json(thinned(state.plan_m, kMostPlan));
+  for (const geometry::Pose2& lies : state.plan_headings)
+    view["plan_heads"].push_back(map.json(
+        std::vector<Vector2>{lies.position_m(), lies.position_m() + kTick_m * unit(lies.heading_rad)}));
   view["fence"] =
       map.json(ring(Vector2::Zero(), safety_.geofence * rig_.dish.radius_m * Eigen::Matrix2d::Identity()));
   view["field"] = field(state, map);

@@ -152,7 +152,9 @@ struct Recording::State {
       if (state.target_m) annotation.error_m = (*state.target_m - *annotation.last_seen_m).norm();
     }
     annotation.target_m = state.target_m;
+    annotation.target_heading_rad = state.target_heading_rad;
     annotation.reference_m = state.plan_m;
+    annotation.reference_headings = state.plan_headings;
     annotation.travelled_m = {state.trail_m};
     annotation.coil_current_A = state.on_A.list();
     annotation.task = state.run ? state.run->task : common::name_of(state.mode);

@@ -176,10 +176,11 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     const geometry::Vector2 seen_m =
         record.estimate.valid ? record.estimate.pose.position_m() : memory.position_m;
     record.target_m = reference.target(due_s, seen_m);
+    record.target_heading_rad = reference.target_heading_rad();
     record.last = reference.finished(due_s);
     const auto observed = [&] {
       task::Observation observation =
-          memory.observe(record.estimate.pose, record.target_m, reference.target_heading_rad());
+          memory.observe(record.estimate.pose, record.target_m, record.target_heading_rad);
       if (identifier_ != nullptr) observation.drive_gain = identifier_->gain();
       observation.ahead = reference.ahead(due_s, config_.period_s(), kStepsAhead);
       return observation;

@@ -15,9 +15,10 @@ constexpr int kStallsBeforeDither = 2;
 // A way is straight while the bee line is at least so much of it: a gentle bend is, a corner is not.
 constexpr double kStraight = 0.95;
 
-/// The farthest point of the way ahead, at most `lead_s` from now, to which that way is straight.
-geometry::Vector2 straight_ahead_m(const task::Observation& observation, double lead_s) {
-  geometry::Vector2 farthest_m = observation.target_m;
+/// The farthest point of the way ahead, at most `lead_s` from now, to which that way is straight; with the
+/// heading of the step that it lies in.
+task::TargetAhead straight_ahead(const task::Observation& observation, double lead_s) {
+  task::TargetAhead farthest{observation.target_m, 0.0, observation.target_heading_rad};
   geometry::Vector2 last_m = observation.target_m;
   double last_s = 0.0;
   double way_m = 0.0;
@@ -26,12 +27,13 @@ geometry::Vector2 straight_ahead_m(const task::Observation& observation, double 
     const geometry::Vector2 point_m = last_m + share * (next.point_m - last_m);
     way_m += (point_m - last_m).norm();
     if ((point_m - observation.target_m).norm() < kStraight * way_m) break;
-    farthest_m = point_m;
+    farthest = {point_m, last_s + share * (next.in_s - last_s),
+                next.heading_rad ? next.heading_rad : observation.target_heading_rad};
     if (next.in_s >= lead_s) break;
     last_m = next.point_m;
     last_s = next.in_s;
   }
-  return farthest_m;
+  return farthest;
 }
 }  // namespace
 
@@ -93,7 +95,9 @@ geometry::Drive Hold::act(const task::Observation& observation) {
 
 geometry::Drive Lead::act(const task::Observation& observation) {
   task::Observation led = observation;
-  led.target_m = straight_ahead_m(observation, lead_s_);
+  const task::TargetAhead there = straight_ahead(observation, lead_s_);
+  led.target_m = there.point_m;
+  led.target_heading_rad = there.heading_rad;
   led.ahead.clear();
   return inner_->act(led);
 }

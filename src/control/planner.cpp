@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/statistics.h"
@@ -121,6 +122,7 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
   const double fraction = 1.0 / static_cast<double>(particles * horizon);
   for (std::size_t t = 0; t < horizon; ++t) {
     const geometry::Vector2 target_m = observation.target_after_m(t + 1);
+    const std::optional<double> heading_rad = observation.target_heading_after_rad(t + 1);
     for (std::size_t c = 0; c < count; ++c)
       cost_mm_[c] += config_.current_cost * candidates_[c][t].squaredNorm();
     for (std::size_t p = 0; p < particles; ++p) {
@@ -149,9 +151,8 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
       if (driven) std::copy_n(&next_[row * size], size, state);
       const geometry::Vector2 position_m(state[0], state[1]);
       double cost_mm = geometry::kMmPerM * std::max(config_.goal_radius_m, (position_m - target_m).norm());
-      if (observation.target_heading_rad && size == 3)
-        cost_mm += config_.heading_cost_mm *
-                   std::abs(geometry::wrap_angle(state[2] - *observation.target_heading_rad));
+      if (heading_rad && size == 3)
+        cost_mm += config_.heading_cost_mm * std::abs(geometry::wrap_angle(state[2] - *heading_rad));
       if (position_m.norm() > model_->dish_radius_m) cost_mm += kOutside_mm;
       cost_mm_[row % count] += fraction * cost_mm;
     }

@@ -39,7 +39,8 @@ geometry::Drive TurnInPlace::act(const task::Observation& observation) {
   const double error_deg = std::abs(turn_deg);
   // Two bounds, as a needle moves a little while it turns, and a pull would undo the turn.
   const double distance_m = (observation.target_m - pose.position_m()).norm();
-  arrived_ = observation.target_heading_rad && distance_m <= (arrived_ ? config_.leave_m : config_.arrive_m);
+  const bool stays = observation.target_heading_rad && observation.ahead.empty();
+  arrived_ = stays && distance_m <= (arrived_ ? config_.leave_m : config_.arrive_m);
   const bool good = error_deg <= config_.heading_deg;
   if (!arrived_ || good) turning_ = false;
   if (!arrived_) return inner_->act(observation);

@@ -139,6 +139,25 @@ void check_in_dish(const physics::RigDescription& rig, const geometry::Vector2& 
   throw common::ConfigError(key + text);
 }
 
+geometry::Path headed_path(const geometry::Path& path, const TrialsConfig& trials) {
+  using geometry::HeadingRule;
+  using geometry::PathHeading;
+  switch (trials.path_heading) {
+    case HeadingRule::kNone:
+      break;
+    case HeadingRule::kTangent:
+      return path.with_heading(PathHeading::tangent());
+    case HeadingRule::kFixed:
+      return path.with_heading(PathHeading::fixed(geometry::kRadPerDeg * trials.path_heading_deg));
+    case HeadingRule::kColumn:
+      if (path.heading().rule() == HeadingRule::kColumn) return path;
+      throw common::ConfigError(
+          "trials.path_heading = \"column\": the path has no headings of its own; follow a file with header "
+          "x_m,y_m,heading_rad, or use tangent or fixed");
+  }
+  return path.with_heading({});
+}
+
 TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, std::int64_t index,
                      const std::optional<geometry::Vector2>& target_m,
                      const std::optional<geometry::Path>& path,
@@ -174,7 +193,10 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
     plan.path = path;
   else
     LODESTONE_CHECK(task == "centre", "a task: centre, point, pose, square, circle or path, not " + task);
+  if (plan.path) plan.path = headed_path(*plan.path, config.trials);
   if (task == "pose") plan.target_heading_rad = random.uniform(-geometry::kPi, geometry::kPi);
+  if (task == "pose" && config.trials.path_heading == geometry::HeadingRule::kFixed)
+    plan.target_heading_rad = geometry::wrap_angle(geometry::kRadPerDeg * config.trials.path_heading_deg);
   return plan;
 }
 

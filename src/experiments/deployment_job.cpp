@@ -4,12 +4,38 @@
 
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
+#include "lodestone/common/log.h"
 #include "lodestone/experiments/heading_need.h"
 
 namespace lodestone::experiments {
 namespace {
 
 const std::vector<std::string> kTasks = {"centre", "point", "square", "circle"};
+
+bool follows_path(const std::vector<std::string>& tasks) {
+  return std::any_of(tasks.begin(), tasks.end(), [](const std::string& task) {
+    return task == "square" || task == "circle" || task == "path";
+  });
+}
+
+/// Whether paths are followed that say how the needle shall lie.
+bool wants_headings(const DeployConfig& config, const DeploymentJob& job) {
+  return config.deployment.trials.path_heading != geometry::HeadingRule::kNone && follows_path(job.tasks);
+}
+
+/// Before anything is driven.
+void check_headings(const DeployConfig& config, const DeploymentJob& job) {
+  const TrialsConfig& trials = config.deployment.trials;
+  if (wants_headings(config, job) && config.deployment.rig.needle.is_sphere())
+    throw common::InvalidConfig("trials.path_heading", common::name_of(trials.path_heading),
+                                "be none: a sphere (rig.needle.shape) has no heading");
+  if (wants_headings(config, job))
+    headed_path(job.path.value_or(geometry::Path::square(trials.square_side_m)), trials);
+  if (job.path && job.path->heading().rule() == geometry::HeadingRule::kColumn &&
+      trials.path_heading == geometry::HeadingRule::kNone)
+    common::log_warning(
+        config.task + ": its column heading_rad is left aside; --set trials.path_heading=column follows it");
+}
 
 bool is_path_file(const std::string& task) {
   return task.size() > 4 && task.compare(task.size() - 4, 4, ".csv") == 0;
@@ -36,18 +62,25 @@ void choose_tasks(const DeployConfig& config, DeploymentJob& job) {
   if (job.path)
     for (const geometry::Vector2& point_m : job.path->points_m())
       check_in_dish(config.deployment.rig, point_m, config.task + ": point");
+  check_headings(config, job);
 }
 
 /// A policy can do what it was trained for, and no other task.
 void check_goal(const DeployConfig& config, const inference::Policy& policy, DeploymentJob& job) {
   const std::string name = policy.goal;
+  const bool headed = wants_headings(config, job);
+  if (headed && !policy.encoder.target_heading)
+    common::log_warning(config.policy +
+                        " was trained without headings (encoder.target_heading): it is not told how the "
+                        "needle shall lie along a path");
   if (config.task == "all") {
     if (name != "point") job.tasks = {name};
     return;
   }
   // Any needle that has come to a point can be turned there.
   const bool turns = config.deployment.turn.current_A > 0.0;
-  const bool fits = name == "point" ? config.task != "pose" || turns : config.task == name;
+  const bool fits =
+      name == "point" ? config.task != "pose" || turns : config.task == name || (name == "pose" && headed);
   if (!fits)
     throw common::ConfigError(
         "task = \"" + config.task + "\": " + config.policy + " was trained for goal \"" + name +

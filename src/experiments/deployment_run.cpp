@@ -28,6 +28,7 @@ void forget_trajectories(runs::TrialRecord& record) {
   record.trajectory.reset();
   record.sensed_trajectory.clear();
   record.reference_mm.reset();
+  record.reference_heading_rad.reset();
   record.approach.reset();
   record.time_s.clear();
 }

@@ -143,6 +143,9 @@ runs::TrialRecord record_of(const TrialResult& result) {
       record.path_mm->push_back(point_mm(point_m));
     record.reference_mm.emplace();
     record.approach.emplace();
+    const auto headed = [](const TrialSample& sample) { return sample.step.target_heading_rad.has_value(); };
+    if (!result.samples.empty() && std::all_of(result.samples.begin(), result.samples.end(), headed))
+      record.reference_heading_rad.emplace();
   } else {
     record.target_mm = point_mm(plan.target_m);
   }
@@ -171,6 +174,8 @@ runs::TrialRecord record_of(const TrialResult& result) {
                                                            : std::nullopt);
     if (!plan.path) continue;
     record.reference_mm->push_back(point_mm(sample.step.target_m));
+    if (record.reference_heading_rad)
+      record.reference_heading_rad->push_back(*sample.step.target_heading_rad);
     record.approach->push_back(sample.approach ? 1 : 0);
   }
   return record;

@@ -65,6 +65,9 @@ runs::RigsTaskSummary summarise(const Records& trials, std::int64_t per_rig) {
     summary.corners_within_1_5_mm = common::mean(corners);
     summary.corners_within_1_5_mm_interval = interval_of(corners, "corners");
   }
+  const std::vector<double> headings_deg =
+      by_rig(trials, per_rig, [](const runs::TrialFigures& figures) { return figures.heading_rms_deg; });
+  if (!headings_deg.empty()) summary.heading_rms_interval_deg = interval_of(headings_deg, "heading");
   return summary;
 }
 

@@ -5,6 +5,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/statistics.h"
+#include "lodestone/geometry/angle.h"
 #include "lodestone/geometry/frechet.h"
 
 namespace lodestone::experiments {
@@ -106,11 +107,15 @@ runs::TrialFigures score_path(const std::vector<ScoredSample>& samples, const ge
   LODESTONE_CHECK(!followed.empty(), "at least one sample that is not of the approach");
   std::vector<double> cross_track_mm;
   std::vector<double> to_target_mm;
+  std::vector<double> heading_error_deg;
   std::vector<geometry::Vector2> needle_m;
   std::vector<geometry::Vector2> reference_m;
   for (const ScoredSample& sample : followed) {
     cross_track_mm.push_back(geometry::kMmPerM * path.nearest(sample.position_m).distance_m);
     to_target_mm.push_back(geometry::kMmPerM * distance_m(sample));
+    if (sample.target_heading_rad)
+      heading_error_deg.push_back(geometry::kDegPerRad *
+                                  geometry::wrap_angle(sample.heading_rad - *sample.target_heading_rad));
     needle_m.push_back(sample.position_m);
     reference_m.push_back(sample.target_m);
   }
@@ -123,6 +128,10 @@ runs::TrialFigures score_path(const std::vector<ScoredSample>& samples, const ge
   score.completion = completion(followed, config);
   score.success = *score.completion >= config.success_completion &&
                   *score.cross_track_rms_mm <= geometry::kMmPerM * config.success_radius_m;
+  if (!heading_error_deg.empty()) {
+    score.heading_rms_deg = common::root_mean_square(heading_error_deg);
+    score.success = score.success && *score.heading_rms_deg <= config.success_heading_deg;
+  }
   note_corners(needle_m, path, config, score);
   note_reach(samples, config.success_radius_m, score);
   return score;
@@ -147,6 +156,7 @@ runs::ErrorStatistics summarise_trials(const std::vector<const runs::TrialFigure
   out.seconds_to_reach = mean_of(trials, &Figures::seconds_to_reach);
   out.hold_error_mm = mean_of(trials, &Figures::hold_error_mm);
   out.heading_error_deg = mean_of(trials, &Figures::heading_error_deg);
+  out.heading_rms_deg = mean_of(trials, &Figures::heading_rms_deg);
   out.cross_track_rms_mm = mean_of(trials, &Figures::cross_track_rms_mm);
   out.time_rms_error_mm = mean_of(trials, &Figures::time_rms_error_mm);
   out.target_deviation_mm = mean_of(trials, &Figures::target_deviation_mm);

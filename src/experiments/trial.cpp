@@ -23,22 +23,29 @@ struct Aftermath {
   std::optional<geometry::Pose2> truly_lies;
 };
 
-geometry::Vector2 last_sensed_m(const TrialResult& result) {
-  geometry::Vector2 position_m = result.plan.start.position_m();
+/// One moment of a run with the needle at a pose.
+ScoredSample moment(double time_s, const geometry::Pose2& lies, const geometry::Vector2& target_m,
+                    bool approach, const std::optional<double>& target_heading_rad) {
+  return {time_s, lies.position_m(), target_m, approach, lies.heading_rad, target_heading_rad};
+}
+
+geometry::Pose2 last_sensed(const TrialResult& result) {
+  geometry::Pose2 lies = result.plan.start;
   for (const TrialSample& sample : result.samples)
-    if (const auto pose = pose_of(sample, /*truth=*/false)) position_m = pose->position_m();
-  return position_m;
+    if (const auto pose = pose_of(sample, /*truth=*/false)) lies = *pose;
+  return lies;
 }
 
 std::vector<ScoredSample> missed_by(const TrialResult& result, control::Reference& reference,
                                     const control::PathReference* path, double period_s) {
-  const geometry::Vector2 lies_m = last_sensed_m(result);
+  const geometry::Pose2 lies = last_sensed(result);
   std::vector<ScoredSample> missed;
   double time_s = result.samples.back().step.time_s;
   while (!reference.finished(time_s)) {
     time_s += period_s;
-    const geometry::Vector2 target_m = reference.target(time_s, lies_m);
-    missed.push_back({time_s, lies_m, target_m, path != nullptr && path->approaching()});
+    const geometry::Vector2 target_m = reference.target(time_s, lies.position_m());
+    missed.push_back(moment(time_s, lies, target_m, path != nullptr && path->approaching(),
+                            reference.target_heading_rad()));
   }
   return missed;
 }
@@ -47,14 +54,16 @@ std::vector<ScoredSample> missed_by(const TrialResult& result, control::Referenc
 /// aftermath.
 std::vector<ScoredSample> scored(const TrialResult& result, const Aftermath& after, bool truth) {
   std::vector<ScoredSample> out;
-  geometry::Vector2 position_m = result.plan.start.position_m();
+  geometry::Pose2 lies = result.plan.start;
   for (const TrialSample& sample : result.samples) {
-    if (const auto pose = pose_of(sample, truth)) position_m = pose->position_m();
-    out.push_back({sample.step.time_s, position_m, sample.step.target_m, sample.approach});
+    if (const auto pose = pose_of(sample, truth)) lies = *pose;
+    out.push_back(moment(sample.step.time_s, lies, sample.step.target_m, sample.approach,
+                         sample.step.target_heading_rad));
   }
-  if (truth && after.truly_lies) position_m = after.truly_lies->position_m();
+  if (truth && after.truly_lies) lies = *after.truly_lies;
   for (ScoredSample sample : after.missed) {
-    sample.position_m = position_m;
+    sample.position_m = lies.position_m();
+    sample.heading_rad = lies.heading_rad;
     out.push_back(sample);
   }
   return out;
@@ -108,6 +117,7 @@ TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control
   if (result.samples.empty()) {
     control::StepRecord step;
     step.target_m = plan.path ? plan.path->at(0.0) : plan.target_m;
+    step.target_heading_rad = plan.path ? plan.path->heading_rad(0.0) : plan.target_heading_rad;
     result.samples.push_back({step, truth(), plan.path.has_value(), std::nullopt});
   }
   Aftermath after;

@@ -30,7 +30,7 @@ void TrialRecording::show(const TrialSample& sample) {
   if (log_) {
     const geometry::Vector2& target_m = sample.step.target_m;
     log_->step(sample.step,
-               {geometry::Pose2{target_m.x(), target_m.y(), plan_.target_heading_rad.value_or(0.0)},
+               {geometry::Pose2{target_m.x(), target_m.y(), sample.step.target_heading_rad.value_or(0.0)},
                 sample.true_pose});
   }
   if (video_ && camera_->calibration())

@@ -6,6 +6,11 @@
 #include "lodestone/imaging/image_file.h"
 
 namespace lodestone::experiments {
+namespace {
+
+constexpr double kHeadingsApart_m = 0.005;  // that are drawn along a path
+
+}  // namespace
 
 TrialVideo::TrialVideo(const std::string& file, const RecordingConfig& config, double period_s,
                        const imaging::BenchGeometry& bench, double max_current_A, const TrialPlan& plan)
@@ -14,6 +19,7 @@ TrialVideo::TrialVideo(const std::string& file, const RecordingConfig& config, d
   annotation_.max_current_A = max_current_A;
   annotation_.task = plan.task;
   if (plan.path) annotation_.reference_m = plan.path->points_m();
+  if (plan.path) annotation_.reference_headings = plan.path->poses(kHeadingsApart_m);
 }
 
 TrialVideo::~TrialVideo() = default;
@@ -25,6 +31,7 @@ void TrialVideo::show(const imaging::Frame& frame, const imaging::CameraModel& c
   annotation_.error_m.reset();
   annotation_.no_pose_reason = step.estimate.reason;
   annotation_.target_m = step.target_m;
+  annotation_.target_heading_rad = step.target_heading_rad;
   annotation_.time_s = step.time_s;
   annotation_.coil_current_A = step.current_A.list();
   if (!step.estimate.valid) {

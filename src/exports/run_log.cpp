@@ -175,8 +175,7 @@ class RunLog {
     LoggedStep step = rows.step();
     step.time_ns = now_ns_ =
         start_ns_ + static_cast<std::uint64_t>(std::llround(1e9 * std::max(0.0, time_s_)));
-    if (record_ != nullptr && step.target)
-      step.target->heading_rad = record_->target_heading_rad.value_or(0.0);
+    if (record_ != nullptr && step.target) step.target->heading_rad = target_heading_rad();
     if (record_ != nullptr && record_->temperature_C && sample_ < record_->temperature_C->size())
       if (const auto& temperature_C = (*record_->temperature_C)[sample_])
         step.reading.emplace().temperature_C = temperature_C;
@@ -188,6 +187,13 @@ class RunLog {
     log_.step(step);
     ++sample_;
     ++facts_.steps;
+  }
+
+  /// At this sample; 0 where any will do.
+  double target_heading_rad() const {
+    const auto& along_path_rad = record_->reference_heading_rad;
+    if (along_path_rad && sample_ < along_path_rad->size()) return (*along_path_rad)[sample_];
+    return record_->target_heading_rad.value_or(0.0);
   }
 
   void end() {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "lodestone/common/csv_table.h"
 #include "lodestone/common/spelling.h"
@@ -11,6 +13,34 @@
 namespace lodestone::geometry {
 
 using common::DataError;
+
+namespace {
+
+/// Of a CSV file of points, with a heading for each of them or for none.
+struct Rows {
+  std::vector<Vector2> points_m;
+  std::vector<double> heading_rad;
+};
+
+/// `may_head`: there may be a column of headings.
+Rows read_rows(const std::string& file, bool may_head) {
+  common::CsvTable table(file);
+  const bool headed = may_head && table.header() == std::vector<std::string>{"x_m", "y_m", "heading_rad"};
+  if (!headed && table.header() != std::vector<std::string>{"x_m", "y_m"})
+    throw DataError(file + ":1: the header must be x_m,y_m" + (may_head ? " or x_m,y_m,heading_rad" : "") +
+                    ", found \"" + common::joined(table.header(), ",") + "\"");
+  Rows rows;
+  while (table.next()) {
+    table.check_width();
+    rows.points_m.emplace_back(table.number(0), table.number(1));
+    if (headed) rows.heading_rad.push_back(table.number(2));
+  }
+  if (rows.points_m.empty())
+    throw DataError(file + ": no points; expected at least one row below the header");
+  return rows;
+}
+
+}  // namespace
 
 Path::Path(std::vector<Vector2> points_m, bool closed) : points_m_(std::move(points_m)), closed_(closed) {
   if (points_m_.size() < 2)
@@ -36,27 +66,26 @@ Path Path::circle(double radius_m, int segments) {
   return Path(std::move(points), true);
 }
 
-std::vector<Vector2> read_points_csv(const std::string& file) {
-  common::CsvTable table(file);
-  if (table.header() != std::vector<std::string>{"x_m", "y_m"})
-    throw DataError(file + ":1: the header must be x_m,y_m, found \"" + common::joined(table.header(), ",") +
-                    "\"");
-  std::vector<Vector2> points;
-  while (table.next()) {
-    table.check_width();
-    points.emplace_back(table.number(0), table.number(1));
-  }
-  if (points.empty()) throw DataError(file + ": no points; expected at least one row below the header");
-  return points;
-}
+std::vector<Vector2> read_points_csv(const std::string& file) { return read_rows(file, false).points_m; }
 
 Path Path::from_csv(const std::string& file) {
-  std::vector<Vector2> points = read_points_csv(file);
-  const bool closed = points.size() > 2 && points.front() == points.back();
-  return Path(std::move(points), closed);
+  Rows rows = read_rows(file, true);
+  const bool closed = rows.points_m.size() > 2 && rows.points_m.front() == rows.points_m.back();
+  Path path(std::move(rows.points_m), closed);
+  if (rows.heading_rad.empty()) return path;
+  return path.with_heading(PathHeading::column(std::move(rows.heading_rad)));
 }
 
-Vector2 Path::at(double arc_m) const {
+Path Path::with_heading(PathHeading heading) const {
+  if (heading.rule() == HeadingRule::kColumn && heading.points() != points_m_.size())
+    throw DataError("a path of " + std::to_string(points_m_.size()) + " points has " +
+                    std::to_string(heading.points()) + " headings: give one for each point");
+  Path path = *this;
+  path.heading_ = std::move(heading);
+  return path;
+}
+
+Path::Place Path::place(double arc_m) const {
   const double length = length_m();
   if (closed_) {
     arc_m = std::fmod(arc_m, length);
@@ -67,7 +96,33 @@ Vector2 Path::at(double arc_m) const {
   const auto i = static_cast<std::size_t>(upper - arc_m_.begin());
   const double step = arc_m_[i] - arc_m_[i - 1];
   const double t = step > 0.0 ? (arc_m - arc_m_[i - 1]) / step : 0.0;
-  return points_m_[i - 1] + t * (points_m_[i] - points_m_[i - 1]);
+  return {i - 1, t};
+}
+
+Vector2 Path::at(double arc_m) const {
+  const Place on = place(arc_m);
+  const Vector2& from_m = points_m_[on.point];
+  return from_m + on.share * (points_m_[on.point + 1] - from_m);
+}
+
+std::optional<double> Path::heading_rad(double arc_m) const {
+  const Place on = place(arc_m);
+  // A path that ends in the same point twice ends in the direction of the way there.
+  std::size_t from = on.point;
+  while (from > 0 && points_m_[from + 1] == points_m_[from]) --from;
+  return heading_.at(on.point, on.share, points_m_[from + 1] - points_m_[from]);
+}
+
+std::vector<Pose2> Path::poses(double step_m) const {
+  std::vector<Pose2> drawn;
+  if (heading_.rule() == HeadingRule::kNone) return drawn;
+  const auto count = std::max<std::int64_t>(1, std::llround(length_m() / step_m));
+  for (std::int64_t i = 0; i < count; ++i) {
+    const double arc_m = length_m() * (static_cast<double>(i) + 0.5) / static_cast<double>(count);
+    const Vector2 point_m = at(arc_m);
+    drawn.push_back({point_m.x(), point_m.y(), *heading_rad(arc_m)});
+  }
+  return drawn;
 }
 
 Path::Nearest Path::nearest(const Vector2& position_m) const {

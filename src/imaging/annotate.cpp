@@ -26,6 +26,9 @@ const cv::Scalar kBlack(0, 0, 0);
 
 constexpr int kFont = cv::FONT_HERSHEY_DUPLEX;
 
+// Along a heading that is wanted: of a path, and of the target.
+constexpr double kTick_m = 0.003, kPointer_m = 0.008;
+
 /// One frame being drawn into.
 class Pen {
  public:
@@ -128,6 +131,13 @@ void draw_target(Pen& pen, const Vector2& target_m) {
   const double arm = 14.0 * pen.unit();
   for (const cv::Point2d& way : {cv::Point2d(arm, arm), cv::Point2d(arm, -arm)})
     pen.stroke({at - way, at + way}, kPurple, 4.0, kBlack);
+}
+
+/// From a point along a heading.
+void draw_heading(Pen& pen, const Vector2& at_m, double heading_rad, double length_m,
+                  const cv::Scalar& colour, const cv::Scalar& halo) {
+  const Vector2 end_m = at_m + length_m * Vector2(std::cos(heading_rad), std::sin(heading_rad));
+  pen.path({at_m, end_m}, colour, 2.0, false, halo);
 }
 
 void draw_ring(Pen& pen, const Vector2& centre_m, double radius_m, const cv::Scalar& colour) {
@@ -247,7 +257,11 @@ void annotate(cv::Mat& image, const CameraModel& camera, const Annotation& annot
   Pen pen(image, camera);
   draw_ring(pen, Vector2::Zero(), annotation.bench.dish_radius_m, kWhite);
   pen.path(annotation.reference_m, kBlue, 2.0);
+  for (const geometry::Pose2& lies : annotation.reference_headings)
+    draw_heading(pen, lies.position_m(), lies.heading_rad, kTick_m, kBlue, kWhite);
   draw_travelled(pen, annotation.travelled_m);
+  if (annotation.target_m && annotation.target_heading_rad)
+    draw_heading(pen, *annotation.target_m, *annotation.target_heading_rad, kPointer_m, kPurple, kBlack);
   if (annotation.target_m) draw_target(pen, *annotation.target_m);
   if (annotation.pose) {
     if (annotation.bench.sphere)

@@ -52,16 +52,22 @@ std::string path_table(const std::vector<ErrorRow>& rows) {
   for (const ErrorRow& row : rows)
     if (row.target_deviation_mm) paths.push_back(row);
   if (paths.empty()) return "";
-  return rows_table(paths,
-                    {"deviation from the targets (mm)", "RMS to moving reference (mm)", "completion",
-                     "corners reached", "Fréchet distance (mm)"},
-                    [](const ErrorRow& row) -> std::vector<std::string> {
-                      return {row.published
-                                  ? plus_minus(row.target_deviation_mm, row.target_deviation_std_mm, 1)
-                                  : fixed(row.target_deviation_mm, 2),
-                              fixed(row.time_rms_mm, 2), percent(row.completion),
-                              percent(row.corners_reached), fixed(row.frechet_mm, 2)};
-                    });
+  const bool headed = std::any_of(paths.begin(), paths.end(),
+                                  [](const ErrorRow& row) { return row.heading_rms_deg.has_value(); });
+  std::vector<std::string> columns = {"deviation from the targets (mm)", "RMS to moving reference (mm)",
+                                      "completion", "corners reached", "Fréchet distance (mm)"};
+  if (headed) columns.emplace_back("heading RMS (degrees)");
+  if (headed) columns.emplace_back("95 % interval (degrees)");
+  return rows_table(paths, columns, [headed](const ErrorRow& row) {
+    std::vector<std::string> cells = {
+        row.published ? plus_minus(row.target_deviation_mm, row.target_deviation_std_mm, 1)
+                      : fixed(row.target_deviation_mm, 2),
+        fixed(row.time_rms_mm, 2), percent(row.completion), percent(row.corners_reached),
+        fixed(row.frechet_mm, 2)};
+    if (headed) cells.push_back(fixed(row.heading_rms_deg, 1));
+    if (headed) cells.push_back(interval(row.heading_rms_interval_deg, 1.0, 1));
+    return cells;
+  });
 }
 
 std::string error_tables(const std::vector<ErrorRow>& rows) {

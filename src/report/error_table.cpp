@@ -35,6 +35,7 @@ ErrorRow measured(const runs::TaskSummary& summary, const char* task, const std:
   row.corners_reached = best.corners_reached;
   row.time_rms_mm = best.time_rms_error_mm;
   row.frechet_mm = best.frechet_mm;
+  row.heading_rms_deg = best.heading_rms_deg;
   if (!summary.truth) return row;
   row.mean_mm = summary.truth->mean_error_mm;
   row.std_mm = summary.truth->std_error_mm;
@@ -47,12 +48,16 @@ ErrorRow measured(const runs::TaskSummary& summary, const char* task, const std:
 }
 
 void add_intervals(const std::vector<const Trial*>& trials, ErrorRow& row) {
-  std::vector<double> errors_mm;
+  std::vector<double> errors_mm, headings_deg;
   std::int64_t successes = 0;
   for (const Trial* trial : trials) {
+    if (trial->heading_rms_deg) headings_deg.push_back(*trial->heading_rms_deg);
     if (std::isfinite(trial->error_mm)) errors_mm.push_back(trial->error_mm);
     successes += trial->success ? 1 : 0;
   }
+  if (!headings_deg.empty())
+    row.heading_rms_interval_deg =
+        common::bootstrap_interval({headings_deg}, common::mean, common::RandomStream(1, "bootstrap"));
   if (errors_mm.empty()) return;
   row.rms_interval_mm =
       common::bootstrap_interval({errors_mm}, common::root_mean_square, common::RandomStream(1, "bootstrap"));

@@ -46,6 +46,7 @@ const std::vector<std::string>& headings() {
                                                      "success",
                                                      "moving reference (mm)",
                                                      "corners within 1.5 mm",
+                                                     "heading RMS (degrees)",
                                                      "worst rig (mm)",
                                                      "against the baseline (mm)",
                                                      "against identified only (mm)",
@@ -64,6 +65,7 @@ std::vector<std::string> row_of(const std::string& task, const std::string& cont
       with_interval(errors.success_rate, summary.success_interval, 1, 100.0, " %"),
       with_interval(errors.time_rms_error_mm, summary.time_rms_error_interval_mm, 2, 1.0, ""),
       with_interval(summary.corners_within_1_5_mm, summary.corners_within_1_5_mm_interval, 1, 100.0, " %"),
+      with_interval(errors.heading_rms_deg, summary.heading_rms_interval_deg, 1, 1.0, ""),
       fixed(summary.worst.mean_error_mm, 2) + ", rig " + std::to_string(summary.worst.rig),
       with_interval(summary.minus_baseline_mm, summary.minus_baseline_interval_mm, 2, 1.0, ""),
       with_interval(summary.minus_planner_mm, summary.minus_planner_interval_mm, 3, 1.0, ""),
@@ -91,10 +93,11 @@ std::string text_of(const std::vector<std::vector<std::string>>& rows) {
     text += fmt::format("{:<7} {:<{}} error {} mm, success {}", row[0], row[1], widest, row[2], row[3]);
     if (row[4] != "–") text += ", moving reference " + row[4] + " mm";
     if (row[5] != "–") text += ", corners within 1.5 mm " + row[5];
-    text += "; worst rig " + row[6];
-    if (row[7] != "–") text += "; against the baseline " + row[7] + " mm";
-    if (row[8] != "–") text += "; against identified only " + row[8] + " mm";
-    text += "; " + row[9] + " of " + row[10] + " trials stopped\n";
+    if (row[6] != "–") text += ", heading " + row[6] + " degrees";
+    text += "; worst rig " + row[7];
+    if (row[8] != "–") text += "; against the baseline " + row[8] + " mm";
+    if (row[9] != "–") text += "; against identified only " + row[9] + " mm";
+    text += "; " + row[10] + " of " + row[11] + " trials stopped\n";
   }
   return text;
 }

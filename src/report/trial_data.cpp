@@ -44,6 +44,8 @@ Trial read_trial(const runs::TrialRecord& record) {
   trial.reference_mm = points_of(record.reference_mm);
   if (trial.reference_mm.empty() && trial.target_mm)
     trial.reference_mm.assign(trial.track_mm.size(), *trial.target_mm);
+  if (record.reference_heading_rad) trial.reference_heading_rad = *record.reference_heading_rad;
+  trial.target_heading_rad = record.target_heading_rad;
   if (record.approach)
     while (trial.approach < record.approach->size() && record.approach->at(trial.approach) == 1)
       ++trial.approach;
@@ -60,6 +62,7 @@ Trial read_trial(const runs::TrialRecord& record) {
   }
   const runs::TrialFigures& figures = record.figures();
   trial.error_mm = figures.error_mm();
+  trial.heading_rms_deg = figures.heading_rms_deg;
   trial.success = figures.success;
   trial.completed = record.completed;
   trial.stop_reason = record.stop_reason;

@@ -23,6 +23,9 @@ struct Trial {
   bool track_is_true = true;
   std::vector<bool> unseen;  ///< whether there was no pose
   Points reference_mm;       ///< where it should have been; the target, or the moving point of a path
+  std::vector<double> reference_heading_rad = {};  ///< and how it should have lain; empty: any way
+  std::optional<double> target_heading_rad = {};   ///< likewise, of a pose
+  std::optional<double> heading_rms_deg = {};      ///< of a path that has headings
   std::size_t approach = 0;  ///< so many observations at the start are the way to a path, not scored
   std::vector<double> time_s;
   std::vector<std::vector<double>> current_A;      ///< of each coil; empty when not recorded

@@ -1,7 +1,10 @@
 #include "trial_drawing.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <optional>
+#include <utility>
 
 #include "lodestone/common/files.h"
 #include "lodestone/report/charts.h"
@@ -10,6 +13,8 @@ namespace lodestone::report {
 namespace {
 
 constexpr double kSuccessRadius_mm = 3.0;
+constexpr double kTick_mm = 3.0;        // along a wanted heading,
+constexpr double kTicksApart_mm = 4.0;  // at least
 constexpr const char* kTargetColour = "#2f7d4f";
 constexpr const char* kApproachColour = "#9aa5b0";
 constexpr const char* kUnseenColour = "#d55e00";
@@ -30,9 +35,32 @@ void draw_trial(const Trial& trial, DishSvg& dish) {
   dish.dot(track.back().first, track.back().second, 0.95, colour);
 }
 
+/// How the needle should lie at a point.
+void draw_heading(const std::pair<double, double>& at_mm, double heading_rad, DishSvg& dish) {
+  const auto& [x_mm, y_mm] = at_mm;
+  const std::pair<double, double> end_mm(x_mm + kTick_mm * std::cos(heading_rad),
+                                         y_mm + kTick_mm * std::sin(heading_rad));
+  dish.line({at_mm, end_mm}, kTargetColour, 0.5, 0.9);
+}
+
+/// The same along a path that has headings, without the approach.
+void draw_path_headings(const Trial& trial, DishSvg& dish) {
+  const std::size_t known = std::min(trial.reference_mm.size(), trial.reference_heading_rad.size());
+  std::optional<std::pair<double, double>> last_mm;
+  for (std::size_t i = trial.approach; i < known; ++i) {
+    const std::pair<double, double>& at_mm = trial.reference_mm[i];
+    if (last_mm && std::hypot(at_mm.first - last_mm->first, at_mm.second - last_mm->second) < kTicksApart_mm)
+      continue;
+    draw_heading(at_mm, trial.reference_heading_rad[i], dish);
+    last_mm = at_mm;
+  }
+}
+
 void draw_targets(const std::vector<const Trial*>& trials, DishSvg& dish) {
   Points marked;
   for (const Trial* trial : trials) {
+    if (trial->target_mm && trial->target_heading_rad)
+      draw_heading(*trial->target_mm, *trial->target_heading_rad, dish);
     if (!trial->target_mm || std::find(marked.begin(), marked.end(), *trial->target_mm) != marked.end())
       continue;
     marked.push_back(*trial->target_mm);
@@ -54,6 +82,7 @@ std::string draw_trials(const std::vector<const Trial*>& trials, const DrawnRig&
       trials.begin(), trials.begin() + static_cast<std::ptrdiff_t>(std::min(trials.size(), kDrawnTrials)));
   DishSvg dish(rig, true);
   dish.line(drawn.front()->path_mm, kTargetColour, 0.7, 0.9, true);
+  draw_path_headings(*drawn.front(), dish);
   for (const Trial* trial : drawn) draw_trial(*trial, dish);
   draw_targets(drawn, dish);
   return dish.svg(label);
@@ -73,6 +102,10 @@ std::string legend_of(const std::vector<const Trial*>& trials) {
   if (any([](const Trial& trial) { return trial.target_mm.has_value(); }))
     text += "; green circles: the 3 mm around a target that count as reached";
   if (any([](const Trial& trial) { return !trial.path_mm.empty(); })) text += "; green, dashed: the path";
+  if (any([](const Trial& trial) {
+        return trial.target_heading_rad.has_value() || !trial.reference_heading_rad.empty();
+      }))
+    text += "; green ticks: where the needle's head should point";
   if (any([](const Trial& trial) { return trial.approach > 0; }))
     text += "; grey lines: the way to the start of a path, which is not scored";
   const auto blind = [](const Trial& trial) {

@@ -76,9 +76,15 @@ std::optional<PairedFigure> paired_if_any(const std::vector<Pair>& pairs, const 
   return result.pairs > 0 ? std::optional(std::move(result)) : std::nullopt;
 }
 
+/// That which a path begins with, where it has headings.
+std::optional<double> first_heading_rad(const TrialRecord& trial) {
+  const auto& headings_rad = trial.reference_heading_rad;
+  return headings_rad && !headings_rad->empty() ? std::optional(headings_rad->front()) : std::nullopt;
+}
+
 bool same_trial(const TrialRecord& a, const TrialRecord& b) {
   return a.start == b.start && a.target_mm == b.target_mm && a.target_heading_rad == b.target_heading_rad &&
-         a.path_mm == b.path_mm;
+         a.path_mm == b.path_mm && first_heading_rad(a) == first_heading_rad(b);
 }
 
 using Key = std::tuple<std::string, std::string, std::int64_t>;  // task, kind of rig, number

@@ -14,6 +14,7 @@ void TrialRecord::validate() const {
                               " observations");
   };
   if (reference_mm) check("reference_mm", reference_mm->size());
+  if (reference_heading_rad) check("reference_heading_rad", reference_heading_rad->size());
   if (approach) check("approach", approach->size());
 }
 

@@ -83,7 +83,8 @@ void ObservationEncoder::encode(const Observation& observation, float* out) cons
     *out++ = static_cast<float>(vector.y() / scale);
   };
   const geometry::Vector2 position_m = observation.pose.position_m();
-  const geometry::Vector2 target_m = observation.target_after_m(config_.target_ahead ? 1 : 0);
+  const std::size_t pulses_ahead = config_.target_ahead ? 1 : 0;
+  const geometry::Vector2 target_m = observation.target_after_m(pulses_ahead);
   put(position_m, config_.length_scale_m);
   if (config_.heading == HeadingEncoding::kAngle) {
     *out++ = static_cast<float>(observation.pose.heading_rad);
@@ -95,7 +96,8 @@ void ObservationEncoder::encode(const Observation& observation, float* out) cons
   if (config_.relative_target) put_relative(target_m - position_m, out);
   if (config_.target_heading) {
     const double heading_rad = observation.pose.heading_rad;
-    const double turn_rad = observation.target_heading_rad.value_or(heading_rad) - heading_rad;
+    const double turn_rad =
+        observation.target_heading_after_rad(pulses_ahead).value_or(heading_rad) - heading_rad;
     *out++ = static_cast<float>(std::sin(turn_rad));
     *out++ = static_cast<float>(std::cos(turn_rad));
   }

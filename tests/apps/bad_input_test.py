@@ -166,6 +166,11 @@ with tempfile.TemporaryDirectory() as folder:
     check(["collect", "--set", "rig.serial.port=\udcff", "--out", "run"], 2, "argument 3 (rig.serial.port=\\xff) is no UTF-8")
     check(["collect", "--set", "\x1b[2J=1", "--out", "run"], 2, "\\x1b[2J")
     check(["collect", "--seed", "many", "--out", "run"], 2, "--seed", "many")
+    for text, *words in (('{"task": "triangle"}', "task = ", "must be one of"), ('{"task": "path"}', "path is missing"), ("{", "task.json:1:"),
+                         ('{"task": "square", "side": 3}', "unknown key side = 3", "did you mean side_m?"),
+                         ('{"task": "square", "heading": "sideways"}', "trials.path_heading = ", "one of none, tangent"),
+                         ('{"task": "square", "heading": "column"}', "trials.path_heading = ", "x_m,y_m,heading_rad")):
+        check(["deploy", "--controller", "baseline", "--sensor", "simulated", "--task", written("task.json", text), "--out", "run"], 2, *words)
     os.mkfifo(place / "pipe")
     for path in ("pipe", "/dev/zero", "."):
         path = str(place / path)

@@ -39,6 +39,20 @@ TEST_CASE("a bench is armed, driven to a target and to another one, and ended") 
   CHECK(lab.bench->state().mode == Mode::kDisarmed);
 }
 
+TEST_CASE("a bench shows how the needle shall lie along a path that has headings") {
+  Laboratory lab;
+  REQUIRE(lab.reach(Mode::kDisarmed));
+  REQUIRE(lab.arm().empty());
+  console::Goal path;
+  path.task = "path";
+  path.path = geometry::Path::circle(0.005).with_heading(geometry::PathHeading::fixed(0.5));
+  REQUIRE(lab.bench->drive(path).empty());
+  CHECK(lab.reach([](const BenchState& state) { return state.target_heading_rad == 0.5; }));
+  CHECK(lab.bench->state().plan_headings.size() == 6);  // about 5 mm apart
+  REQUIRE(lab.bench->drive(point(0.01, 0.0)).empty());
+  CHECK(lab.reach([](const BenchState& state) { return state.target_m && !state.target_heading_rad; }));
+}
+
 TEST_CASE("a controller that cannot be had stops the bench, and another one drives after that") {
   Laboratory lab;
   REQUIRE(lab.reach(Mode::kDisarmed));

@@ -30,6 +30,17 @@ TEST_CASE("a closed line stays closed, and a straight one straight") {
   CHECK_THROWS_AS(console::smoothed({{0.0, 0.0}, {0.0, 0.0}}, false), common::DataError);
 }
 
+TEST_CASE("of the headings along a path so many are shown that they can be told apart") {
+  const geometry::Path line({{0.0, 0.0}, {0.03, 0.0}}, false);
+  CHECK(console::shown_headings(line).empty());
+  const auto shown = console::shown_headings(line.with_heading(geometry::PathHeading::fixed(0.5)));
+  REQUIRE(shown.size() == 6);
+  CHECK(shown[1].x_m == Approx(0.0075));
+  CHECK(shown[1].heading_rad == 0.5);
+  const geometry::Path spiral({{0.0, 0.0}, {9.0, 0.0}}, false);  // as long as one
+  CHECK(console::shown_headings(spiral.with_heading(geometry::PathHeading::tangent())).size() == 200);
+}
+
 TEST_CASE("a path is only followed where the needle can and may be") {
   console::Reachable reachable{tests::paper_rig(), 0.03, std::nullopt};
   const double radius_m = reachable.rig.dish.radius_m;

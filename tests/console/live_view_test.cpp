@@ -66,6 +66,12 @@ TEST_CASE("a bench's state is told as the page has it, and what is not known is 
     warmest = warmest || (limit["name"] == "coil temperature" && limit["value"] == 40.0);
   CHECK(warmest);
 
+  CHECK_FALSE(json.contains("plan_heads"));
+  state.plan_headings.push_back({0.0, 0.01, 0.5 * geometry::kPi});
+  json = view.json(state);
+  REQUIRE(json["plan_heads"].size() == 1);
+  CHECK(json["plan_heads"][0][1][1] < json["plan_heads"][0][0][1]);  // towards +y, which is up
+
   for (int i = 0; i < 10000; ++i) state.plan_m.emplace_back(1e-6 * i, 0.0);
   json = view.json(state);
   CHECK(json["plan"].size() > 1000);

@@ -87,6 +87,25 @@ TEST_CASE("a controller is told the next points of a path, and of a point that i
   REQUIRE(ahead.size() >= 10);
   CHECK(ahead[1].in_s == Approx(0.6));
   CHECK(ahead[1].point_m.x() == Approx(0.006));
+  CHECK_FALSE(controller.seen.front().target_heading_rad);
+}
+
+TEST_CASE("a controller is told how the needle shall lie along a path, and so is whoever looks on") {
+  Bench bench;
+  for (int step = 0; step < 8; ++step) bench.sensor.push(0.0, 0.0);
+  tests::FunctionController controller([](const task::Observation&) { return Vector2(0.1, 0.0); });
+  safety::Supervisor coils(bench.device, bench.safety, tests::paper_rig(), bench.clock);
+  control::ControlLoop loop(bench.config, bench.action, coils, bench.sensor, bench.clock);
+  control::PathReferenceConfig config;
+  config.speed_m_s = 0.01;
+  control::PathReference reference(geometry::Path({{0.0, 0.0}, {0.01, 0.0}}, false)
+                                       .with_heading(geometry::PathHeading::column({0.0, 1.0})),
+                                   config);
+  const auto outcome = loop.run(controller, reference);
+  REQUIRE(outcome.steps.size() >= 3);
+  CHECK(*controller.seen[1].target_heading_rad == Approx(0.3));
+  CHECK(*controller.seen[1].ahead[0].heading_rad == Approx(0.6));
+  CHECK(*outcome.steps[1].target_heading_rad == Approx(0.3));
 }
 
 TEST_CASE("every fault stops the coils and is the reason of the outcome") {

@@ -94,6 +94,23 @@ TEST_CASE("a needle is led to where its target will be, but not around a corner"
   CHECK((asked.seen.back().target_m - Vector2(0.002, 0.00375)).norm() < 1e-12);
 }
 
+TEST_CASE("a needle that is led is led to the heading that it shall have there") {
+  control::DecoratorConfig config;
+  config.lead_s = 0.5;
+  auto inner =
+      std::make_unique<tests::FunctionController>([](const task::Observation&) { return Vector2(); });
+  const tests::FunctionController& asked = *inner;
+  control::Lead controller(std::move(inner), config);
+  task::Observation observation;
+  observation.target_heading_rad = 0.1;
+  controller.act(observation);
+  CHECK(asked.seen.back().target_heading_rad == 0.1);
+  observation.ahead = {{{0.001, 0.0}, 0.4, 0.2}, {{0.002, 0.0}, 0.8, 0.3}, {{0.003, 0.0}, 1.2, 0.4}};
+  controller.act(observation);
+  CHECK((asked.seen.back().target_m - Vector2(0.00125, 0.0)).norm() < 1e-12);
+  CHECK(asked.seen.back().target_heading_rad == 0.3);
+}
+
 TEST_CASE("decorators that are off leave the controller as it is") {
   auto inner = constant(0.3, 0.0);
   control::Controller* raw = inner.get();

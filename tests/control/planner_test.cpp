@@ -84,6 +84,24 @@ TEST_CASE("in a world it knows, the planner is where a moving target is when tha
   }
 }
 
+TEST_CASE("the planner turns the needle to the heading that it shall have when a pulse is over") {
+  const auto turning = std::make_shared<const control::LearnedSimulator>(
+      env::tests::linear_model(data::StateLayout::kPose, {kGain_m}, {0.3}));  // with every pulse
+  control::PlannerConfig config;
+  config.candidates = 200;
+  control::Planner planner(turning, config, 1);
+  planner.reset();
+  task::Observation observation;
+  observation.target_heading_rad = 0.0;
+  observation.ahead.push_back({{0.0, 0.0}, 0.3, 0.0});
+  CHECK(planner.act(observation).isZero(0.0));
+  observation.ahead[0].heading_rad = 0.3;
+  CHECK_FALSE(planner.act(observation).isZero(0.0));
+  observation.target_heading_rad.reset();
+  observation.ahead[0].heading_rad.reset();
+  CHECK(planner.act(observation).isZero(0.0));
+}
+
 TEST_CASE("plans repeat after a reset, and bad settings are refused") {
   control::Planner planner(model(), {}, 1);
   task::Observation observation;

@@ -37,6 +37,18 @@ TEST_CASE("a steered reference ends when somebody says so") {
   CHECK(steered.finished(3600.3));
 }
 
+TEST_CASE("a steered reference has the headings of what it follows") {
+  control::PathReferenceConfig config;
+  config.speed_m_s = 0.01;
+  SteeredReference steered(std::make_shared<control::PathReference>(
+      geometry::Path::square(0.02).with_heading(geometry::PathHeading::fixed(0.5)), config));
+  steered.reset();
+  steered.target(0.0, {0.01, -0.01});
+  CHECK(steered.target_heading_rad() == 0.5);
+  REQUIRE(steered.ahead(0.0, 0.3, 2).size() == 2);
+  CHECK(steered.ahead(0.0, 0.3, 2)[1].heading_rad == 0.5);
+}
+
 TEST_CASE("a held drive is given until another is held") {
   control::HeldDrive hand;
   CHECK(hand.act({}) == geometry::Vector2(0.0, 0.0));

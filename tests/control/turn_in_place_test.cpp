@@ -5,6 +5,7 @@
 
 #include "control/controller_conformance.h"
 #include "control/fakes.h"
+#include "lodestone/control/reference.h"
 #include "paper_rig.h"
 
 using namespace lodestone;
@@ -51,6 +52,26 @@ TEST_CASE("a needle at its target is turned by a weak field along the wanted hea
   task::Observation point = seen_at(0.0, 0.0, 2.0);
   point.target_heading_rad.reset();
   CHECK(controller.act(point) == Vector2(0.5, -0.5));
+}
+
+TEST_CASE("along a path no needle is turned in place, nor on the way to its start") {
+  control::TurnInPlace controller = turner();
+  controller.reset();
+  control::PathReferenceConfig config;
+  config.approach_radius_m = 0.0005;
+  control::PathReference path(
+      geometry::Path({{0.0, 0.0}, {0.02, 0.0}}, false).with_heading(geometry::PathHeading::fixed(2.0)),
+      config);
+  task::Observation observation = seen_at(0.001, 0.0, 2.0);
+  CHECK_FALSE(controller.act(observation) == Vector2(0.5, -0.5));  // a pose
+  for (const double x_m : {0.001, 0.0}) {
+    observation.pose.x_m = x_m;
+    observation.target_m = path.target(1.0, observation.pose.position_m());
+    CHECK(path.approaching() == (x_m > 0.0));
+    observation.target_heading_rad = path.target_heading_rad();
+    observation.ahead = path.ahead(1.0, 0.3, 5);
+    CHECK(controller.act(observation) == Vector2(0.5, -0.5));
+  }
 }
 
 TEST_CASE("the current grows while the needle does not turn, and starts over when it does") {

@@ -61,6 +61,23 @@ TEST_CASE("a path is read from its file, and must lie in the dish") {
   CHECK_THROWS_AS(experiments::plan_job(config), common::ConfigError);
 }
 
+TEST_CASE("headings of a path are looked for before anything is driven") {
+  const tests::TemporaryFolder folder;
+  DeployConfig config = by_baseline();
+  config.deployment.trials.path_heading = geometry::HeadingRule::kColumn;
+  config.task = folder / "way.csv";
+  common::write_file_atomically(config.task, "x_m,y_m\n0,0\n0.01,0\n");
+  CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("trials.path_heading = \"column\""));
+  common::write_file_atomically(config.task, "x_m,y_m,heading_rad\n0,0,0.5\n0.01,0,1\n");
+  CHECK(experiments::plan_job(config).path->heading().rule() == geometry::HeadingRule::kColumn);
+  config.task = "square";
+  CHECK_THROWS_AS(experiments::plan_job(config), common::ConfigError);
+  config.task = "all";
+  CHECK_THROWS_AS(experiments::plan_job(config), common::ConfigError);
+  config.task = "pose";
+  CHECK_NOTHROW(experiments::plan_job(config));  // there is no path
+}
+
 TEST_CASE("what cannot be driven is refused in words") {
   DeployConfig config = by_baseline();
   config.task = "triangle";
@@ -109,5 +126,9 @@ TEST_CASE("a policy drives to what it was trained for") {
   config.task = "square";
   CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("trained for goal \"centre\""));
   config.policy = saved_policy(folder, "point");
+  CHECK(experiments::plan_job(config).tasks == std::vector<std::string>{"square"});
+  config.policy = saved_policy(folder, "pose");
+  CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("trained for goal \"pose\""));
+  config.deployment.trials.path_heading = geometry::HeadingRule::kTangent;  // a pose after the other
   CHECK(experiments::plan_job(config).tasks == std::vector<std::string>{"square"});
 }

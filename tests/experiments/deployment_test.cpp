@@ -204,6 +204,36 @@ TEST_CASE("trials of a pose have a heading to reach, and those within a region k
   }
 }
 
+TEST_CASE("paths have the headings that are configured, and nothing else changes by them") {
+  experiments::DeploymentConfig config;
+  const auto anywhere = [](const geometry::Pose2&) { return true; };
+  const auto planned = [&](const std::string& task, const std::optional<geometry::Path>& path = {}) {
+    return experiments::plan_trial(config, task, 3, std::nullopt, path, anywhere);
+  };
+  const experiments::TrialPlan plain = planned("circle");
+  CHECK_FALSE(plain.path->heading_rad(0.0));
+  const double drawn_rad = *planned("pose").target_heading_rad;
+  config.trials.path_heading = geometry::HeadingRule::kTangent;
+  const experiments::TrialPlan tangent = planned("circle");
+  CHECK(*tangent.path->heading_rad(0.0) == Approx(geometry::kPi / 2.0).margin(0.02));
+  CHECK(tangent.start.x_m == plain.start.x_m);
+  CHECK_FALSE(tangent.target_heading_rad);  // of a point
+  CHECK(*planned("pose").target_heading_rad == drawn_rad);
+  config.trials.path_heading = geometry::HeadingRule::kFixed;
+  config.trials.path_heading_deg = -270.0;
+  CHECK(*planned("square").path->heading_rad(0.05) == Approx(geometry::kPi / 2.0));
+  CHECK(*planned("pose").target_heading_rad == Approx(geometry::kPi / 2.0));
+  CHECK(planned("pose").start.x_m == experiments::plan_trial({}, "pose", 3, {}, {}, anywhere).start.x_m);
+  config.trials.path_heading = geometry::HeadingRule::kColumn;
+  const geometry::Path way({{0.0, 0.0}, {0.01, 0.0}}, false);
+  const geometry::Path headed = way.with_heading(geometry::PathHeading::column({0.5, 1.0}));
+  CHECK(*planned("path", headed).path->heading_rad(0.0) == 0.5);
+  CHECK_THROWS_WITH(planned("path", way), Catch::Contains("x_m,y_m,heading_rad"));
+  CHECK_THROWS_AS(planned("square"), common::ConfigError);
+  config.trials.path_heading = geometry::HeadingRule::kNone;
+  CHECK_FALSE(planned("path", headed).path->heading_rad(0.0));
+}
+
 TEST_CASE("an unseen rig is as warm as its trial says, an explored one as configured") {
   experiments::DeploymentConfig config = quick_config();
   config.trials.temperature_C = {20.0, 20.0};

@@ -70,6 +70,17 @@ TEST_CASE("how strong the rig was taken to be is recorded where it was identifie
   CHECK(rows[1].find(",2,0.25,0.5") != std::string::npos);
 }
 
+TEST_CASE("how the needle should have lain along a path is recorded where that has headings") {
+  experiments::TrialResult result = trial(true);
+  result.plan.path = geometry::Path({{0.0, 0.0}, {0.01, 0.0}}, false);
+  CHECK_FALSE(experiments::record_of(result).reference_heading_rad);
+  for (std::size_t i = 0; i < result.samples.size(); ++i)
+    result.samples[i].step.target_heading_rad = 0.5 * static_cast<double>(i);
+  CHECK(experiments::record_of(result).reference_heading_rad == std::vector<double>{0.0, 0.5, 1.0});
+  result.plan.path.reset();
+  CHECK_FALSE(experiments::record_of(result).reference_heading_rad);  // a pose has one heading
+}
+
 TEST_CASE("where nobody knows the true pose there are no columns for it") {
   const tests::TemporaryFolder folder;
   experiments::Recorder(folder / "t.csv", false).write(trial(false));

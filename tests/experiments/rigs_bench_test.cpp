@@ -12,7 +12,8 @@ using namespace lodestone;
 
 namespace {
 
-/// The planner errs by as many mm as its rig's number, the baseline by one more.
+/// The planner errs by as many mm as its rig's number, the baseline by one more; headings by ten degrees
+/// more.
 experiments::TrialDriver numbered_driver(std::int64_t per_rig) {
   experiments::TrialDriver driver;
   driver.drive = [per_rig](const std::vector<experiments::TrialPlan>& plans, experiments::RigKind kind,
@@ -27,6 +28,7 @@ experiments::TrialDriver numbered_driver(std::int64_t per_rig) {
       result.truth.emplace().final_error_mm =
           static_cast<double>(plan.index / per_rig) + (source.name == "baseline" ? 1.0 : 0.0);
       result.truth->success = result.truth->final_error_mm < 1.5;
+      result.truth->heading_rms_deg = 10.0 + result.truth->final_error_mm;
       result.sensed = *result.truth;
       result.completed = true;
       results.push_back(result);
@@ -72,6 +74,10 @@ TEST_CASE("rigs are summed up by controller and task, and the baseline is what i
   CHECK(planner.truth->success_rate == Approx(0.5));
   CHECK(planner.mean_error_interval_mm[0] < 1.0);  // four rigs, which differ
   CHECK(planner.mean_error_interval_mm[1] > 2.0);
+  REQUIRE(planner.heading_rms_interval_deg);
+  CHECK(*planner.truth->heading_rms_deg == Approx(11.5));
+  CHECK(planner.heading_rms_interval_deg->at(0) < 11.0);
+  CHECK(planner.heading_rms_interval_deg->at(1) > 12.0);
   CHECK(planner.worst.rig == 3);
   CHECK(planner.worst.mean_error_mm == Approx(3.0));
   REQUIRE(planner.minus_baseline_mm);

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <random>
 
 #include "lodestone/common/error.h"
@@ -168,6 +169,34 @@ TEST_CASE("a circle has no corners to be reached, and a path needs more than its
                   common::LogicFault);
 }
 
+TEST_CASE("where a path has headings, the needle's counts moment by moment, after the approach") {
+  const geometry::Path square = geometry::Path::square(0.03).with_heading(geometry::PathHeading::tangent());
+  const auto lying = [&](const std::function<double(int)>& off_rad) {
+    std::vector<ScoredSample> samples = {{-kPeriod_s, {0.0, 0.0}, square.at(0.0), true, 3.0, 0.0}};
+    for (int step = 0; step <= 200; ++step) {
+      const double arc_m = kSpeed_m_s * kPeriod_s * step;
+      const std::optional<double> wanted_rad = square.heading_rad(arc_m);
+      samples.push_back({kPeriod_s * step, square.at(arc_m), square.at(arc_m), false,
+                         *wanted_rad + off_rad(step), wanted_rad});
+    }
+    return experiments::score_path(samples, square, {});
+  };
+  const auto exact = lying([](int) { return 2.0 * geometry::kPi; });
+  REQUIRE(exact.heading_rms_deg);
+  CHECK(*exact.heading_rms_deg == Approx(0.0).margin(1e-6));
+  CHECK(exact.success);
+  const auto swaying = lying([](int step) { return (step % 2 == 0 ? 10.0 : -10.0) * geometry::kRadPerDeg; });
+  CHECK(*swaying.heading_rms_deg == Approx(10.0));
+  CHECK(swaying.success);
+  const auto half = lying([](int step) { return step > 100 ? 20.0 * geometry::kRadPerDeg : 0.0; });
+  CHECK(*half.heading_rms_deg == Approx(20.0 * std::sqrt(100.0 / 201.0)));
+  const auto askew = lying([](int) { return 20.0 * geometry::kRadPerDeg; });
+  CHECK(*askew.heading_rms_deg == Approx(20.0));
+  CHECK_FALSE(askew.success);
+  CHECK(*askew.completion == 1.0);
+  CHECK_FALSE(along_the_square([&](double) { return square.at(0.0); }).heading_rms_deg);
+}
+
 TEST_CASE("every trial counts the same, and they are summed up as known numbers are") {
   const auto summed_up = [](const std::vector<double>& errors_mm) {
     std::vector<runs::TrialFigures> trials(errors_mm.size());
@@ -175,6 +204,7 @@ TEST_CASE("every trial counts the same, and they are summed up as known numbers 
     for (std::size_t i = 0; i < trials.size(); ++i) {
       trials[i].cross_track_rms_mm = errors_mm[i];
       trials[i].completion = 0.1 * errors_mm[i];
+      if (i > 0) trials[i].heading_rms_deg = 2.0 * errors_mm[i];
       pointers.push_back(&trials[i]);
     }
     return experiments::summarise_trials(pointers);
@@ -185,6 +215,7 @@ TEST_CASE("every trial counts the same, and they are summed up as known numbers 
   CHECK(summary.std_error_mm == Approx(std::sqrt(5.0 / 3.0)));
   CHECK(summary.rms_error_mm == Approx(std::sqrt(7.5)));
   CHECK(*summary.completion == Approx(0.25));
+  CHECK(*summary.heading_rms_deg == Approx(4.0));  // of those that have it
   CHECK_FALSE(summary.corners_reached);
   CHECK(summed_up({3.0, 1.0, 2.0}).median_error_mm == 2.0);
 }

@@ -1,6 +1,7 @@
 #include "lodestone/experiments/trial.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "lodestone/control/dipole_pull.h"
 #include "lodestone/session/rig_session.h"
@@ -84,6 +85,27 @@ TEST_CASE("a trial that is stopped on its path is scored to the end of the sched
   CHECK(*stopped.truth->corners_reached == 0.5);  // the ends of an open path: it began at one
   CHECK(stopped.truth->final_error_mm > 3.0);
   CHECK(stopped.sensed.final_error_mm > 3.0);
+}
+
+TEST_CASE("a heading along a path is scored to the end of the schedule, as the needle lies") {
+  Bench bench;
+  bench.plan.path = geometry::Path({{0.015, 0.0}, {0.009, 0.0}}, false)
+                        .with_heading(geometry::PathHeading::fixed(geometry::kPi / 2.0));
+  bench.plan.task = "path";
+  const auto whole = bench.run([] { return geometry::Pose2{0.015, 0.0, geometry::kPi / 2.0}; });
+  REQUIRE(whole.completed);
+  REQUIRE(whole.samples.size() == 11);
+  CHECK(*whole.samples[4].step.target_heading_rad == Approx(geometry::kPi / 2.0));
+  CHECK(*whole.truth->heading_rms_deg == Approx(0.0).margin(1e-6));
+  CHECK(*whole.sensed.heading_rms_deg > 1.0);  // it truly lay otherwise
+  CHECK_FALSE(whole.truth->heading_error_deg);
+  int seen = 0;
+  const auto stopped = bench.run([&] {
+    if (++seen == 3) bench.session->coils().request_stop("no");
+    return geometry::Pose2{0.015, 0.0, seen > 3 ? 0.0 : geometry::kPi / 2.0};
+  });
+  CHECK_FALSE(stopped.completed);
+  CHECK(*stopped.truth->heading_rms_deg == Approx(90.0 * std::sqrt(8.0 / 11.0)));
 }
 
 TEST_CASE("a heading that is off fails a trial of a pose") {

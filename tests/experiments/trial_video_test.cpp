@@ -2,7 +2,9 @@
 
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <optional>
 
+#include "lodestone/common/files.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "temporary_folder.h"
 
@@ -10,13 +12,15 @@ using namespace lodestone;
 
 namespace {
 
-/// Files of a trial of three images.
-std::vector<std::string> film(const tests::TemporaryFolder& folder, bool gif, int images) {
+/// Files of a trial of some images, along a path where there is one.
+std::vector<std::string> film(const tests::TemporaryFolder& folder, bool gif, int images,
+                              const std::optional<geometry::Path>& path = {}) {
   experiments::RecordingConfig config;
   config.gif = gif;
   imaging::CameraModel camera;
   experiments::TrialPlan plan;
   plan.task = "point";
+  plan.path = path;
   experiments::TrialVideo video(folder / "trial", config, 0.3, rig::bench_of({}), 15.0, plan);
   for (int i = 0; i < images; ++i) {
     imaging::Frame frame;
@@ -43,6 +47,14 @@ TEST_CASE("a film, its last image and, where asked for, a GIF lie beside each ot
   CHECK(film(plain, false, 3) == std::vector<std::string>{"trial.jpg", "trial.mp4"});
   const tests::TemporaryFolder with_gif;
   CHECK(film(with_gif, true, 3) == std::vector<std::string>{"trial.gif", "trial.jpg", "trial.mp4"});
+}
+
+TEST_CASE("a film shows how the needle shall lie along its path") {
+  const tests::TemporaryFolder plain, headed;
+  const geometry::Path circle = geometry::Path::circle(0.015);
+  film(plain, false, 1, circle);
+  film(headed, false, 1, circle.with_heading(geometry::PathHeading::tangent()));
+  CHECK(common::read_file(plain / "trial.jpg") != common::read_file(headed / "trial.jpg"));
 }
 
 TEST_CASE("a trial without an image leaves no film") {

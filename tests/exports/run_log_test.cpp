@@ -1,6 +1,8 @@
 #include "lodestone/exports/run_log.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -58,6 +60,17 @@ std::uint64_t time_ns(const std::string& message) {
   return part(1) * 1'000'000'000 + part(2);
 }
 
+/// Of a foxglove.PoseInFrame.
+double heading_rad(const std::string& message) {
+  const Message turned(Message(Message(message).bytes.at(3)).bytes.at(2));
+  const auto part = [&](int field) {
+    double value = 0.0;
+    if (turned.bytes.count(field) == 1) std::memcpy(&value, turned.bytes.at(field).data(), sizeof value);
+    return value;
+  };
+  return 2.0 * std::atan2(part(3), part(4));
+}
+
 }  // namespace
 
 TEST_CASE("a run's trials become one log, a second between two") {
@@ -82,6 +95,23 @@ TEST_CASE("a run's trials become one log, a second between two") {
   CHECK(told(messages) == std::vector<std::string>{"trial explored-policy-point-0", "no pose: none was found",
                                                    "the trial has ended", "trial explored-policy-point-1",
                                                    "the needle is seen again", "stopped: too warm"});
+}
+
+TEST_CASE("a target has the heading that its trial or its path wants at that moment") {
+  const TemporaryFolder run;
+  write(run / "trajectories.csv", kHeading + row(0, 0.0, true) + row(0, 0.3, true) + row(1, 0.0, true));
+  runs::TrialRecord along_path = record(0, true);
+  along_path.reference_heading_rad = std::vector<double>{0.25, 0.5};
+  runs::TrialRecord pose = record(1, true);
+  pose.target_heading_rad = 1.5;
+  write(run / "trials.json",
+        common::Json({common::artefact_to_json(along_path), common::artefact_to_json(pose)}).dump());
+  exports::write_run_log(run.path(), run / "run.mcap");
+  const auto targets = mcap_messages(run / "run.mcap").at("/target");
+  REQUIRE(targets.size() == 3);
+  CHECK(heading_rad(targets[0]) == Approx(0.25));
+  CHECK(heading_rad(targets[1]) == Approx(0.5));
+  CHECK(heading_rad(targets[2]) == Approx(1.5));
 }
 
 TEST_CASE("of a run that was cut off, its journal and the trials that were cut short are in the log") {

@@ -91,6 +91,24 @@ TEST_CASE("a sphere is a ring, without a head") {
   CHECK(drawing.drawn(0.010 + 4e-3, 0.005, 3) == 0);
 }
 
+TEST_CASE("headings that are wanted are drawn from where they are wanted") {
+  Drawing drawing;
+  drawing.annotation.target_m = geometry::Vector2(0.0, 0.01);
+  drawing.annotation.reference_m = {{-0.03, -0.02}, {0.03, -0.02}};
+  drawing.draw();
+  CHECK(drawing.drawn(0.0, 0.01 + 0.0075, 2) == 0);
+  CHECK(drawing.drawn(0.01, -0.0175, 2) == 0);
+  drawing.annotation.target_heading_rad = 0.5 * geometry::kPi;
+  drawing.annotation.reference_headings.push_back({0.01, -0.02, 0.5 * geometry::kPi});
+  drawing.draw();
+  CHECK(drawing.drawn(0.0, 0.01 + 0.0075, 2) > 0);
+  CHECK(bluish(drawing.at(0.01, -0.0175)));
+  CHECK(drawing.drawn(0.0, 0.01 - 0.0075, 2) == 0);  // towards the tail there is nothing
+  drawing.annotation.target_m.reset();
+  drawing.draw();
+  CHECK(drawing.drawn(0.0, 0.01 + 0.0075, 2) == 0);
+}
+
 TEST_CASE("a frame shows how sure the pose is, and where the needle was while it is not seen") {
   Drawing drawing;
   const double far_m = 0.012;  // beside the needle, which lies along x

@@ -30,6 +30,18 @@ TEST_CASE("every controller and rig has bars and a legend of its own") {
   }
 }
 
+TEST_CASE("headings along a path stand beside its other figures, where it has any") {
+  RunData run = small_run();
+  lodestone::runs::TaskSummary& circle = run.rigs.front().summary.tasks.by_task["circle"];
+  circle = run.rigs.front().summary.tasks.by_task["point"];
+  circle.truth->target_deviation_mm = 1.0;
+  CHECK_FALSE(holds(deployment_section(run), "heading RMS (degrees)"));
+  circle.truth->heading_rms_deg = 9.75;
+  const std::string html = deployment_section(run);
+  CHECK(holds(html, "heading RMS (degrees)"));
+  CHECK(holds(html, "9.8"));
+}
+
 TEST_CASE("a run without a deployment says how to make one") {
   CHECK(holds(deployment_section(RunData{}), "lodestone deploy"));
 }

@@ -48,6 +48,14 @@ TEST_CASE("a bench of rigs comes with its table and a dot for each rig") {
   CHECK_FALSE(tests::holds(page, "id=\"square-minutes\""));
   CHECK(tests::holds(page, "against the baseline (mm)"));
   CHECK_FALSE(tests::holds(page, "against identified only (mm)"));  // nothing was learned
+  CHECK_FALSE(tests::holds(page, "heading RMS (degrees)"));
+
+  square.truth->heading_rms_deg = 9.5;
+  square.heading_rms_interval_deg = {8.0, 11.0};
+  common::write_artefact(folder / runs::RigsSummary::kFile, summary);
+  CHECK(tests::holds(report::write_rigs_report(folder.path(), folder / "report.html"),
+                     "mm, heading 9.5 (8.0 to 11.0) degrees; worst rig"));
+  CHECK(tests::holds(common::read_file(folder / "report.html"), "heading RMS (degrees)"));
 }
 
 TEST_CASE("what was learned of the rigs stands over the minutes that it took") {

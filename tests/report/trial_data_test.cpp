@@ -26,6 +26,19 @@ TEST_CASE("a path's reference moves, its error is that across the track, its app
   CHECK_FALSE(trial.target_mm.has_value());
 }
 
+TEST_CASE("a trial that has headings brings them along") {
+  lodestone::runs::TrialRecord record = path_trial("planner", "unseen");
+  CHECK(read_trials({record}).front().reference_heading_rad.empty());
+  record.reference_heading_rad = std::vector<double>{0.0, 0.5, 1.0};
+  record.truth->heading_rms_deg = 7.5;
+  const Trial path = read_trials({record}).front();
+  CHECK(path.reference_heading_rad == std::vector<double>{0.0, 0.5, 1.0});
+  CHECK(path.heading_rms_deg == 7.5);
+  record = point_trial("planner", "unseen");
+  record.target_heading_rad = 2.0;
+  CHECK(read_trials({record}).front().target_heading_rad == 2.0);
+}
+
 TEST_CASE("where nobody knows the true pose, the way is what was seen") {
   lodestone::runs::TrialRecord record = point_trial("policy", "real");
   record.trajectory.reset();

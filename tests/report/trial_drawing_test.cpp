@@ -29,6 +29,28 @@ TEST_CASE("the caption names what is drawn and nothing else") {
   CHECK_FALSE(holds(legend_of({&trials[1]}), "3 mm"));
 }
 
+TEST_CASE("how the needle should lie is ticked along a path that has headings, and at a pose") {
+  const auto ticks = [](const std::string& svg) {  // of the width that nothing else has
+    int count = 0;
+    for (std::size_t at = 0; (at = svg.find("stroke-width=\"0.50\"", at)) != std::string::npos; ++at) ++count;
+    return count;
+  };
+  auto trials = read_trials({path_trial("policy", "explored"), point_trial("policy", "explored")});
+  const int none = ticks(draw_trials({&trials[0]}, 42.5, "path"));
+  const int of_point = ticks(draw_trials({&trials[1]}, 42.5, "point"));
+  trials[0].approach = 0;
+  trials[0].reference_mm = {{0.0, 0.0}, {1.0, 0.0}, {5.0, 0.0}, {6.0, 0.0}, {10.0, 0.0}};
+  trials[0].reference_heading_rad = {0.0, 0.0, 1.0, 1.0, 2.0};
+  CHECK(ticks(draw_trials({&trials[0]}, 42.5, "path")) == none + 3);  // 4 mm apart at least
+  CHECK(holds(legend_of({&trials[0]}), "green ticks"));
+  trials[0].approach = 2;
+  CHECK(ticks(draw_trials({&trials[0]}, 42.5, "path")) == none + 2);
+  CHECK_FALSE(holds(legend_of({&trials[1]}), "green ticks"));
+  trials[1].target_heading_rad = 0.5;
+  CHECK(ticks(draw_trials({&trials[1]}, 42.5, "pose")) == of_point + 1);
+  CHECK(holds(legend_of({&trials[1]}), "green ticks"));
+}
+
 TEST_CASE("moments at which the needle was not seen are marked, and said in the caption") {
   auto trials = read_trials({path_trial("policy", "explored")});
   trials[0].unseen = {false, true, false};

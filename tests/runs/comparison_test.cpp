@@ -138,6 +138,10 @@ TEST_CASE("only trials that both have are counted, and runs that share none are 
   const auto row = runs::compare_runs({run_of("A", kErrors_mm), other}).rows.front();
   CHECK(row.error_mm.pairs == 6);
   CHECK(row.left_out == 3);  // A's first and last, B's first
+  ComparedRun headed = run_of("B", plus(kErrors_mm, 0.1));
+  for (std::size_t i = 0; i < 2; ++i)  // the needle was to lie otherwise
+    headed.trials[i].reference_heading_rad = std::vector<double>{0.5};
+  CHECK(runs::compare_runs({run_of("A", kErrors_mm), headed}).rows.front().error_mm.pairs == 6);
   for (runs::TrialRecord& trial : other.trials) trial.start[0] += 0.1;
   CHECK_THROWS_WITH(runs::compare_runs({run_of("A", kErrors_mm), other}),
                     Catch::Contains("B shares no trial with A"));

@@ -22,9 +22,11 @@ runs::TrialRecord record(bool known) {
   made.path_mm = {{0.0, 0.0}, {15.0, 0.1}};
   made.time_s = {0.0, 0.3};
   made.sensed_trajectory = {runs::PoseMm{1.1, -2.0, 0.5}, std::nullopt};
+  made.reference_heading_rad = std::vector<double>{0.1, 1.0 / 3.0};
   made.approach = {1, 0};
   made.sensed.corner_errors_mm = {0.1, 1.0 / 3.0};
   made.sensed.cross_track_rms_mm = 0.2;
+  made.sensed.heading_rms_deg = 7.5;
   if (!known) return made;
   made.trajectory = {{1.0, -2.0, 0.5}, {1.5, -2.0, 0.5}};
   made.truth = made.sensed;
@@ -50,6 +52,8 @@ TEST_CASE("trials read back to the last digit, and one without a true pose has n
   CHECK_FALSE(trials->at(1).trajectory);
   CHECK_FALSE(list[1].contains("final_error_mm"));
   CHECK(trials->at(1).figures().cross_track_rms_mm == 0.2);
+  CHECK(trials->at(1).figures().heading_rms_deg == 7.5);
+  CHECK(trials->at(0).reference_heading_rad->at(1) == 1.0 / 3.0);
   common::write_file_atomically(folder / runs::kTrialsFile, "[{\"task\": \"point\"}]");
   CHECK_THROWS_WITH(runs::find_trials(folder.path()), Catch::Contains("trials.json: rig is missing"));
   runs::TrialRecord short_by_one = record(true);
@@ -57,6 +61,11 @@ TEST_CASE("trials read back to the last digit, and one without a true pose has n
   common::write_json(folder / runs::kTrialsFile, Json::array({common::artefact_to_json(short_by_one)}));
   CHECK_THROWS_WITH(runs::find_trials(folder.path()),
                     Catch::Contains("trials.json: trial 3: approach has 1 rows for 2 observations"));
+  short_by_one = record(true);
+  short_by_one.reference_heading_rad->pop_back();
+  common::write_json(folder / runs::kTrialsFile, Json::array({common::artefact_to_json(short_by_one)}));
+  CHECK_THROWS_WITH(runs::find_trials(folder.path()),
+                    Catch::Contains("trial 3: reference_heading_rad has 1 rows for 2 observations"));
 }
 
 TEST_CASE("a summary has the tasks of the first rig at its top, each rig by name, and the baseline apart") {

@@ -145,3 +145,33 @@ TEST_CASE("the target is known as far ahead as the way is told, and where it is 
   CHECK(observation.target_after_m(2).x() == 0.03);
   CHECK(observation.target_after_m(9).x() == 0.03);
 }
+
+TEST_CASE("so is how the needle shall lie", "[unit]") {
+  Observation observation;
+  observation.ahead = {{{0.02, 0.0}, 0.3}, {{0.03, 0.0}, 0.6}};
+  CHECK_FALSE(observation.target_heading_after_rad(1));
+  observation.target_heading_rad = 0.5;
+  CHECK(observation.target_heading_after_rad(2) == 0.5);  // one for all of it
+  observation.ahead = {{{0.02, 0.0}, 0.3, 0.6}, {{0.03, 0.0}, 0.6, 0.7}};
+  CHECK(observation.target_heading_after_rad(0) == 0.5);
+  CHECK(observation.target_heading_after_rad(1) == 0.6);
+  CHECK(observation.target_heading_after_rad(9) == 0.7);
+}
+
+TEST_CASE("a policy is told the heading of the target that it is told") {
+  EncoderConfig config = lodestone::tests::paper_encoder();
+  config.heading = HeadingEncoding::kNone;
+  config.target_heading = true;
+  Observation seen;
+  seen.pose.heading_rad = 0.25;
+  seen.target_heading_rad = 0.5;
+  seen.ahead.push_back({{0.02, 0.0}, 0.3, 1.0});
+  std::vector<float> row(6);
+  REQUIRE(ObservationEncoder(config).size() == 6);
+  ObservationEncoder(config).encode(seen, row.data());
+  CHECK(row[4] == Approx(std::sin(0.25)));
+  config.target_ahead = true;
+  ObservationEncoder(config).encode(seen, row.data());
+  CHECK(row[4] == Approx(std::sin(0.75)));
+  CHECK(row[5] == Approx(std::cos(0.75)));
+}

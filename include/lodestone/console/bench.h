@@ -70,7 +70,7 @@ class Bench {
   /// Begins a run, or gives the one that is under way another goal.
   std::string drive(const Goal& goal);
   /// Shown, not followed.
-  void show_plan(const std::vector<geometry::Vector2>& points_m);
+  void show_plan(const std::optional<geometry::Path>& path);
   /// The drive that the operator's hand holds, in [-1, 1]^2; begins a run where none is, and (0, 0) ends it.
   std::string hold(const geometry::Vector2& drive);
   std::string end_run();

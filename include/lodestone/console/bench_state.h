@@ -70,6 +70,8 @@ struct BenchState {
   std::vector<geometry::Vector2> plan_m;   ///< the path that is shown or followed
   std::vector<geometry::Vector2> trail_m;  ///< where the needle was, oldest first
   physics::PerCoil on_A;                   ///< what the coils have been asked for and still hold
+  /// How the needle shall lie along that path, where it has headings, at some places.
+  std::vector<geometry::Pose2> plan_headings;
   std::optional<imaging::CameraModel> camera;
   std::optional<BenchSample> sample;  ///< the last one,
   std::int64_t samples = 0;           ///< of so many

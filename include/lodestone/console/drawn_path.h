@@ -18,6 +18,9 @@ constexpr double kLongestPath_m = 10.0;
 /// all points are one, or the line is longer than kLongestPath_m.
 geometry::Path smoothed(const std::vector<geometry::Vector2>& points_m, bool closed);
 
+/// How the needle shall lie along a path that has headings, at places that can be told apart, 200 at most.
+std::vector<geometry::Pose2> shown_headings(const geometry::Path& path);
+
 /// Where a needle may be driven: inside the dish and the fence and, where it is known, where needles have
 /// been seen to come and go.
 struct Reachable {

@@ -50,6 +50,7 @@ struct StepRecord {
   double time_s = 0.0;  ///< since the start of the run
   PoseEstimate estimate;
   geometry::Vector2 target_m = geometry::Vector2::Zero();
+  std::optional<double> target_heading_rad;            ///< where the task wants one
   geometry::Drive action = geometry::Drive::Zero(2);   ///< as given, clipped to [-1, 1]
   geometry::Drive drive_A = geometry::Drive::Zero(2);  ///< in A of the rig's drive (physics::CoilDrive),
   physics::PerCoil current_A;                          ///< and what that asks of the coils

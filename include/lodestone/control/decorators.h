@@ -79,7 +79,7 @@ class AdaptiveGain final : public Controller {
 };
 
 /// Gives no current while the needle is sensed within the hold radius, and at the target's heading where it
-/// has one.
+/// has one. A target that moves takes both along: what lies well where it is now is left until it is not.
 class Hold final : public Controller {
  public:
   Hold(std::unique_ptr<Controller> inner, const DecoratorConfig& config)

@@ -46,8 +46,9 @@ struct PlannerConfig {
 /// Plans anew at every step by the cross-entropy method (Rubinstein; Chua et al., PETS, 2018): tries
 /// sequences of pulses in the learned simulator, keeps the best, looks around them again, and gives the first
 /// pulse of the one that is best on outcomes that none was chosen by. The cost is the mean distance over the
-/// horizon to where the target will be, over particles: each has a member of the ensemble, luck that is the
-/// same for every sequence, and where the rig is identified a gain of the drive.
+/// horizon to where the target will be, and to how the needle shall lie there, over particles: each has a
+/// member of the ensemble, luck that is the same for every sequence, and where the rig is identified a gain
+/// of the drive.
 class Planner final : public Controller {
  public:
   Planner(std::shared_ptr<const LearnedSimulator> model, const PlannerConfig& config, std::uint64_t seed);

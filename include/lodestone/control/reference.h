@@ -60,14 +60,21 @@ struct PathReferenceConfig {
 };
 
 /// A point that waits at the start of the path until the needle has come there, then moves along at constant
-/// speed: section V-D feeds the policy "each point along that path one by one, until the path is done".
+/// speed: section V-D feeds the policy "each point along that path one by one, until the path is done". The
+/// heading is the path's where the point is; where that jumps, at a corner say, it is that of the way on, and
+/// at the end that of the way there.
 class PathReference final : public Reference {
  public:
   PathReference(geometry::Path path, const PathReferenceConfig& config)
       : path_(std::move(path)), config_(config) {}
-  void reset() override { started_s_ = -1.0; }
+  void reset() override {
+    started_s_ = -1.0;
+    heading_rad_.reset();
+  }
   geometry::Vector2 target(double time_s, const geometry::Vector2& position_m) override;
-  /// Empty during the approach: when the target will set out depends on the needle.
+  std::optional<double> target_heading_rad() const override { return heading_rad_; }
+  /// Empty during the approach: when the target will set out depends on the needle. A path with headings is
+  /// at its start all along then, so that nobody takes that for a pose to stay at.
   std::vector<task::TargetAhead> ahead(double time_s, double step_s, int count) const override;
   bool finished(double time_s) const override;
 
@@ -78,11 +85,14 @@ class PathReference final : public Reference {
   double duration_s() const;
 
  private:
+  double way_m() const;
   geometry::Vector2 moving_target(double time_s) const;
+  std::optional<double> heading_at_rad(double time_s) const;
 
   geometry::Path path_;
   PathReferenceConfig config_;
   double started_s_ = -1.0;
+  std::optional<double> heading_rad_;  // at the last target
 };
 
 }  // namespace lodestone::control

@@ -42,7 +42,7 @@ struct TurnConfig {
 
 /// Position first, heading then: lets the controller inside bring the needle to the target, and turns it
 /// there by a field along the wanted heading, too weak to pull it far. Does nothing where the target has no
-/// heading.
+/// heading, and along a path: a needle that is turned in place comes late, so what is inside steers both.
 class TurnInPlace final : public Controller {
  public:
   /// Knows the rig as it is described. `scale_A`: current that an action of 1 maps to.

@@ -20,6 +20,7 @@
 #include "lodestone/experiments/score.h"
 #include "lodestone/experiments/trial.h"
 #include "lodestone/experiments/trial_recording.h"
+#include "lodestone/geometry/path_heading.h"
 #include "lodestone/inference/policy.h"
 #include "lodestone/rig/rig_config.h"
 #include "lodestone/session/rig_session.h"
@@ -41,6 +42,8 @@ struct TrialsConfig {
   double point_seconds = 20.0;
   double square_side_m = 0.030;
   double circle_radius_m = 0.015;
+  geometry::HeadingRule path_heading = geometry::HeadingRule::kNone;
+  double path_heading_deg = 0.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -66,6 +69,12 @@ struct TrialsConfig {
             {0.1, 3600.0});
     v.field("square_side_m", square_side_m, "m", "side of the square", {1e-3, 1.0});
     v.field("circle_radius_m", circle_radius_m, "m", "radius of the circle", {1e-3, 1.0});
+    v.field(
+        "path_heading", path_heading, "",
+        "how the needle shall lie along square, circle or path: any way, along the direction of travel, at "
+        "path_heading_deg, or as the path's file says (column heading_rad); fixed is that of `pose`, too, "
+        "which is drawn otherwise");
+    v.field("path_heading_deg", path_heading_deg, "deg", "the heading, where it is fixed", {-360.0, 360.0});
   }
 };
 
@@ -128,6 +137,10 @@ UnseenRig unseen_rig(const DeploymentConfig& config, const std::string& task, st
 /// Throws ConfigError, naming `key`, where the middle of a needle of this rig cannot be.
 void check_in_dish(const physics::RigDescription& rig, const geometry::Vector2& point_m,
                    const std::string& key);
+
+/// The path with the headings that `trials` asks for. Throws ConfigError where they are to be those of its
+/// file, and that has none.
+geometry::Path headed_path(const geometry::Path& path, const TrialsConfig& trials);
 
 /// Start, target or path of trial `index` of a task ("centre", "point", "pose", "square", "circle", or "path"
 /// with `path`). `target_m`, when given, replaces the drawn target of `point`. `fits` says whether a start

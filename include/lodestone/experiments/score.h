@@ -16,6 +16,8 @@ struct ScoredSample {
   geometry::Vector2 position_m = geometry::Vector2::Zero();
   geometry::Vector2 target_m = geometry::Vector2::Zero();
   bool approach = false;  ///< still on the way to the start of a path: not scored
+  double heading_rad = 0.0;
+  std::optional<double> target_heading_rad = {};  ///< where a path wants one
 };
 
 /// Rules of scoring.
@@ -30,7 +32,9 @@ struct ScoreConfig {
   void visit(Visitor& v) {
     v.field("success_radius_m", success_radius_m, "m", "distance that counts as reached", {1e-5, 1.0});
     v.field("success_heading_deg", success_heading_deg, "deg",
-            "heading error that counts as reached (task pose)", {0.1, 180.0});
+            "heading error that counts as reached (task pose), and largest heading RMS along a path that has "
+            "headings",
+            {0.1, 180.0});
     v.field("hold_s", hold_s, "s",
             "the error while holding is the mean over this long at the end, from the first "
             "time within the success radius on",
@@ -50,7 +54,9 @@ runs::TrialFigures score_point(const std::vector<ScoredSample>& samples, const S
 /// Scores a run along a path, to the end of its schedule; samples of the approach are left out, and at least
 /// one is not. The reference's points are the targets of the samples. Success: enough of them reached (see
 /// completion()), every corner approached to within the radius, and the cross-track RMS within it, so that
-/// neither a needle that lies still nor one that comes late or cuts corners succeeds.
+/// neither a needle that lies still nor one that comes late or cuts corners succeeds. Where the samples have
+/// target headings, the heading's RMS error against them, moment by moment, must be within
+/// `success_heading_deg`, too.
 runs::TrialFigures score_path(const std::vector<ScoredSample>& samples, const geometry::Path& path,
                               const ScoreConfig& config);
 

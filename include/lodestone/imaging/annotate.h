@@ -23,6 +23,9 @@ struct Annotation {
   std::optional<geometry::Vector2> last_seen_m;  ///< and where the needle was when there was one
   std::optional<geometry::Vector2> target_m;
   std::vector<geometry::Vector2> reference_m;  ///< path to follow
+  /// Where the head should point at the target, and along the path, at some of its points.
+  std::optional<double> target_heading_rad;
+  std::vector<geometry::Pose2> reference_headings;
   /// Path so far, in the stretches along which the needle was seen; the way between them is dashed.
   std::vector<std::vector<geometry::Vector2>> travelled_m;
 
@@ -36,9 +39,10 @@ struct Annotation {
 };
 
 /// Draws into `image` (8-bit BGR, of the camera's size), antialiased, in colours that the colour-blind can
-/// tell apart (Okabe and Ito 2008): dish rim white, reference blue, path so far orange, target purple cross,
-/// pose vermilion with a yellow head, where it was seen last a yellow ring. Stroke widths follow the image's
-/// height. Throws LogicFault when the image is of another type or size.
+/// tell apart (Okabe and Ito 2008): dish rim white, reference blue with ticks along its headings, path so far
+/// orange, target purple cross with a line along its heading, pose vermilion with a yellow head, where it was
+/// seen last a yellow ring. Stroke widths follow the image's height. Throws LogicFault when the image is of
+/// another type or size.
 void annotate(cv::Mat& image, const CameraModel& camera, const Annotation& annotation);
 
 }  // namespace lodestone::imaging

@@ -18,9 +18,12 @@ struct ErrorRow {
   std::optional<double> sensed_mean_mm = {}, sensed_std_mm = {};
   std::optional<double> target_deviation_mm = {}, target_deviation_std_mm = {};
   std::optional<double> completion = {}, corners_reached = {}, time_rms_mm = {}, frechet_mm = {};
+  std::optional<double> heading_rms_deg = {};  ///< of paths that have headings
   std::optional<double> hold_mm = {}, seconds_to_reach = {}, success_rate = {}, trials = {}, stopped = {};
   /// 95 %: bootstrap over the trials, each with its RMS error; Wilson's of the fraction of successes.
   std::optional<common::Interval> rms_interval_mm = {}, success_interval = {};
+  /// 95 %: bootstrap of the mean over the trials.
+  std::optional<common::Interval> heading_rms_interval_deg = {};
   bool published = false;  ///< from Table II of the paper
 };
 

@@ -23,6 +23,8 @@ struct TrialFigures {
   bool success = false;
   std::optional<double> hold_error_mm;
   std::optional<double> heading_error_deg;
+  /// Of paths that have headings: RMS error of the heading against that of the moving reference.
+  std::optional<double> heading_rms_deg;
   std::optional<double> cross_track_rms_mm;
   std::optional<double> time_rms_error_mm;    ///< paths: RMS distance to the moving reference
   std::optional<double> target_deviation_mm;  ///< the same as a mean: the paper's measure of a path (V-D)
@@ -39,6 +41,7 @@ struct TrialFigures {
     v.field("success", success);
     v.field("hold_error_mm", hold_error_mm);
     v.field("heading_error_deg", heading_error_deg);
+    v.field("heading_rms_deg", heading_rms_deg);
     v.field("cross_track_rms_mm", cross_track_rms_mm);
     v.field("time_rms_error_mm", time_rms_error_mm);
     v.field("target_deviation_mm", target_deviation_mm);
@@ -73,6 +76,8 @@ struct TrialRecord {
   std::optional<std::vector<PointMm>> reference_mm;      ///< paths only
   std::optional<std::vector<int>> approach;              ///< paths only: 1 on the way to the start
   std::optional<std::vector<PerCoil>> current_A;         ///< asked of the coils; absent in older runs
+  /// Of paths that have headings: how the needle should have lain.
+  std::optional<std::vector<double>> reference_heading_rad;
   /// As they reported last, null before; likewise.
   std::optional<std::vector<std::optional<PerCoil>>> temperature_C;
   /// Mean and standard deviation of what was identified, null where no pose was found; absent where nothing
@@ -102,6 +107,7 @@ struct TrialRecord {
     v.field("trajectory", trajectory);
     v.field("sensed_trajectory", sensed_trajectory);
     v.field("reference_mm", reference_mm);
+    v.field("reference_heading_rad", reference_heading_rad);
     v.field("approach", approach);
     v.field("current_A", current_A);
     v.field("temperature_C", temperature_C);
@@ -124,7 +130,7 @@ struct TrialRecord {
 struct ErrorStatistics {
   double mean_error_mm = 0.0, std_error_mm = 0.0, median_error_mm = 0.0, rms_error_mm = 0.0;
   double success_rate = 0.0;
-  std::optional<double> steps_to_reach, seconds_to_reach, hold_error_mm, heading_error_deg,
+  std::optional<double> steps_to_reach, seconds_to_reach, hold_error_mm, heading_error_deg, heading_rms_deg,
       cross_track_rms_mm, time_rms_error_mm, target_deviation_mm, completion, corners_reached, frechet_mm;
 
   template <class Visitor>
@@ -138,6 +144,7 @@ struct ErrorStatistics {
     v.field("seconds_to_reach", seconds_to_reach);
     v.field("hold_error_mm", hold_error_mm);
     v.field("heading_error_deg", heading_error_deg);
+    v.field("heading_rms_deg", heading_rms_deg);
     v.field("cross_track_rms_mm", cross_track_rms_mm);
     v.field("time_rms_error_mm", time_rms_error_mm);
     v.field("target_deviation_mm", target_deviation_mm);

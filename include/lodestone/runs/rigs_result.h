@@ -35,6 +35,7 @@ struct RigsTaskSummary : TaskSummary {
   std::optional<std::array<double, 2>> time_rms_error_interval_mm;
   std::optional<double> corners_within_1_5_mm;  ///< share of the corners approached so closely
   std::optional<std::array<double, 2>> corners_within_1_5_mm_interval;
+  std::optional<std::array<double, 2>> heading_rms_interval_deg;  ///< of paths that have headings
   WorstRig worst;
   /// Its mean error minus the baseline's on the same trials; absent where the baseline did not drive.
   std::optional<double> minus_baseline_mm;
@@ -51,6 +52,7 @@ struct RigsTaskSummary : TaskSummary {
     v.field("time_rms_error_interval_mm", time_rms_error_interval_mm);
     v.field("corners_within_1_5_mm", corners_within_1_5_mm);
     v.field("corners_within_1_5_mm_interval", corners_within_1_5_mm_interval);
+    v.field("heading_rms_interval_deg", heading_rms_interval_deg);
     v.field("worst", worst);
     v.field("minus_baseline_mm", minus_baseline_mm);
     v.field("minus_baseline_interval_mm", minus_baseline_interval_mm);

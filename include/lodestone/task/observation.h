@@ -17,6 +17,7 @@ namespace lodestone::task {
 struct TargetAhead {
   geometry::Vector2 point_m;
   double in_s;
+  std::optional<double> heading_rad = {};  ///< to lie at there, where the task wants one
 };
 
 /// How strongly a rig answers to a drive, as a factor on the drive: 1 is the rig that a simulator was learned
@@ -48,6 +49,12 @@ struct Observation {
   const geometry::Vector2& target_after_m(std::size_t pulses) const {
     if (ahead.empty() || pulses == 0) return target_m;
     return ahead[std::min(pulses, ahead.size()) - 1].point_m;
+  }
+  /// How the needle shall lie then.
+  std::optional<double> target_heading_after_rad(std::size_t pulses) const {
+    if (ahead.empty() || pulses == 0) return target_heading_rad;
+    const std::optional<double>& then_rad = ahead[std::min(pulses, ahead.size()) - 1].heading_rad;
+    return then_rad ? then_rad : target_heading_rad;
   }
 };
 

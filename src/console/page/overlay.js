@@ -14,6 +14,7 @@ export function draw_overlay(context, width, height, { hello, state, draft, refu
     for (const arrow of state.field ?? []) draw_field(pen, arrow);
     pen.line(state.trail, colours.trail, 1.8);
     pen.line(state.plan, colours.plan, 2, [8, 5]);
+    for (const head of state.plan_heads ?? []) pen.line(head, colours.plan, 1.5);
     if (state.target) draw_target(pen, state.target, state.target_head);
     if (state.pose?.valid) draw_pose(pen, state.pose, state.spread);
     draw_coils(pen, state, hello?.max_current_A ?? 1);
