@@ -73,6 +73,15 @@ void note_heading(const TrialResult& result, const Aftermath& after, double targ
   score.success = score.success && error_rad <= config.success_heading_deg / geometry::kDegPerRad;
 }
 
+/// Every pose that one source had, to where the needle lay at last.
+std::vector<geometry::Pose2> known_poses(const TrialResult& result, const Aftermath& after, bool truth) {
+  std::vector<geometry::Pose2> poses;
+  for (const TrialSample& sample : result.samples)
+    if (const auto pose = pose_of(sample, truth)) poses.push_back(*pose);
+  if (truth && after.truly_lies) poses.push_back(*after.truly_lies);
+  return poses;
+}
+
 runs::TrialFigures score_trial(const TrialResult& result, const Aftermath& after, bool truth,
                                const ScoreConfig& config) {
   const TrialPlan& plan = result.plan;
@@ -80,6 +89,7 @@ runs::TrialFigures score_trial(const TrialResult& result, const Aftermath& after
   runs::TrialFigures score =
       plan.path ? score_path(samples, *plan.path, config) : score_point(samples, config);
   if (plan.target_heading_rad) note_heading(result, after, *plan.target_heading_rad, truth, config, score);
+  score_keep_out(known_poses(result, after, truth), plan.keep_out, score);
   score.success = score.success && result.completed;
   return score;
 }

@@ -10,14 +10,6 @@
 namespace lodestone::geometry {
 namespace {
 
-double to_segment_m(const Vector2& point_m, const Vector2& a_m, const Vector2& b_m) {
-  const Vector2 along_m = b_m - a_m;
-  const double square = along_m.squaredNorm();
-  const double t = square > 0.0 ? std::clamp((point_m - a_m).dot(along_m) / square, 0.0, 1.0) : 0.0;
-  const Vector2 nearest_m = a_m + t * along_m;
-  return (point_m - nearest_m).norm();
-}
-
 /// Above 0 to the left of the line from a to b.
 double side_of_line(const Vector2& a_m, const Vector2& b_m, const Vector2& point_m) {
   const Vector2 along_m = b_m - a_m;
@@ -47,6 +39,14 @@ bool polygon_holds(const std::vector<Vector2>& corners_m, const Vector2& point_m
 }
 
 }  // namespace
+
+double to_segment_m(const Vector2& point_m, const Vector2& a_m, const Vector2& b_m) {
+  const Vector2 along_m = b_m - a_m;
+  const double square = along_m.squaredNorm();
+  const double t = square > 0.0 ? std::clamp((point_m - a_m).dot(along_m) / square, 0.0, 1.0) : 0.0;
+  const Vector2 nearest_m = a_m + t * along_m;
+  return (point_m - nearest_m).norm();
+}
 
 void Zone::validate() const {
   if (corners_m.empty() || corners_m.size() % 2 != 0)

@@ -64,6 +64,21 @@ std::string path_table(const std::vector<ErrorRow>& rows) {
                     });
 }
 
+/// How well zones were kept out of; empty where there are none.
+std::string keep_out_table(const std::vector<ErrorRow>& rows) {
+  std::vector<ErrorRow> kept_out;
+  for (const ErrorRow& row : rows)
+    if (row.touching_rate) kept_out.push_back(row);
+  if (kept_out.empty()) return "";
+  return rows_table(kept_out,
+                    {"clearance from the nearest zone (mm)", "least of all trials (mm)",
+                     "trials that touched one", "95 % interval (%)"},
+                    [](const ErrorRow& row) -> std::vector<std::string> {
+                      return {fixed(row.clearance_mm, 2), fixed(row.least_clearance_mm, 2),
+                              percent(row.touching_rate), interval(row.touching_interval, 100.0, 0)};
+                    });
+}
+
 std::string error_tables(const std::vector<ErrorRow>& rows) {
   std::string html = rows_table(rows,
                                 {"error, mean ± std (mm)", "RMS (mm)", "95 % interval (mm)", "success",
@@ -77,7 +92,7 @@ std::string error_tables(const std::vector<ErrorRow>& rows) {
                                           fixed(row.stopped, 0),
                                           fixed(row.trials, 0)};
                                 });
-  html += path_table(rows);
+  html += path_table(rows) + keep_out_table(rows);
   std::vector<ErrorRow> ours;
   for (const ErrorRow& row : rows)
     if (!row.published) ours.push_back(row);

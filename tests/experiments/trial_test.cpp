@@ -86,6 +86,25 @@ TEST_CASE("a trial that is stopped on its path is scored to the end of the sched
   CHECK(stopped.sensed.final_error_mm > 3.0);
 }
 
+TEST_CASE("a trial is scored by the zones that its needle keeps out of") {
+  Bench bench;
+  const auto still = [&] { return bench.plan.start; };
+  bench.plan.target_m = bench.plan.start.position_m();
+  const auto without = bench.run(still);
+  CHECK_FALSE(without.truth->clearance_mm);
+  CHECK(without.truth->success);
+  bench.plan.keep_out = {{{"far", {-0.03, 0.0}, 0.002}}, 0.01, 0.001, 0.001};
+  const auto clear = bench.run(still);
+  CHECK(*clear.truth->clearance_mm == Approx(37.5));  // from the tail at 10 mm
+  CHECK(clear.truth->success);
+  CHECK(clear.sensed.clearance_mm);
+  bench.plan.keep_out.zones.front().corners_m = {0.02, 0.0};
+  const auto touching = bench.run(still);
+  CHECK(touching.completed);  // nobody keeps it out here, but it is scored
+  CHECK(*touching.truth->touches == 1);
+  CHECK_FALSE(touching.truth->success);
+}
+
 TEST_CASE("a heading that is off fails a trial of a pose") {
   Bench bench;
   bench.plan.target_m = bench.plan.start.position_m();

@@ -23,6 +23,12 @@ TEST_CASE("a disc, a wall and a polygon are as far as their nearest point") {
   CHECK(square.distance_m({-0.01, 0.005}, {0.02, 0.006}) == 0.0);           // right through
 }
 
+TEST_CASE("a point is as far from a segment as from the nearest point of it") {
+  CHECK(geometry::to_segment_m({0.005, 0.003}, {0.0, 0.0}, {0.01, 0.0}) == Approx(0.003));
+  CHECK(geometry::to_segment_m({0.013, 0.004}, {0.0, 0.0}, {0.01, 0.0}) == Approx(0.005));
+  CHECK(geometry::to_segment_m({0.003, 0.004}, {0.0, 0.0}, {0.0, 0.0}) == Approx(0.005));
+}
+
 TEST_CASE("the hollow of a polygon is no part of it") {
   // Like a U, open upwards.
   const Zone cup{

@@ -17,6 +17,21 @@ TEST_CASE("errors stand beside intervals, and only what is there is explained") 
   CHECK_FALSE(holds(html, "Unseen rigs"));
 }
 
+TEST_CASE("how zones were kept out of has a table of its own, where there were any") {
+  RunData run = small_run();
+  CHECK_FALSE(holds(deployment_section(run), "touched"));
+  lodestone::runs::ErrorStatistics& errors = *run.rigs[0].summary.tasks.by_task["point"].truth;
+  errors.clearance_mm = 6.25;
+  errors.least_clearance_mm = -0.75;
+  errors.touching_rate = 0.25;
+  errors.touching_interval = {0.05, 0.7};
+  const std::string html = deployment_section(run);
+  for (const char* part : {"trials that touched one", "6.25", "-0.75", "5 to 70"}) {
+    CAPTURE(part);
+    CHECK(holds(html, part));
+  }
+}
+
 TEST_CASE("every controller and rig has bars and a legend of its own") {
   lodestone::report::RunData run = small_run();
   run.rigs.push_back(deployment("unseen", "policy"));

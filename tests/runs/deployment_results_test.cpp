@@ -29,6 +29,8 @@ runs::TrialRecord record(bool known) {
   made.trajectory = {{1.0, -2.0, 0.5}, {1.5, -2.0, 0.5}};
   made.truth = made.sensed;
   made.truth->final_error_mm = 0.25;
+  made.truth->clearance_mm = -0.5;
+  made.truth->touches = 2;
   return made;
 }
 
@@ -46,6 +48,8 @@ TEST_CASE("trials read back to the last digit, and one without a true pose has n
   CHECK(common::artefact_to_json(trials->at(0)) == list[0]);
   CHECK(trials->at(0).figures().final_error_mm == 0.25);
   CHECK(trials->at(0).truth->corner_errors_mm->at(1) == 1.0 / 3.0);
+  CHECK(trials->at(0).truth->touches == 2);
+  CHECK_FALSE(trials->at(1).sensed.clearance_mm);
   CHECK_FALSE(trials->at(1).truth);
   CHECK_FALSE(trials->at(1).trajectory);
   CHECK_FALSE(list[1].contains("final_error_mm"));

@@ -9,6 +9,7 @@
 
 #include "lodestone/control/control_loop.h"
 #include "lodestone/experiments/score.h"
+#include "lodestone/geometry/keep_out.h"
 #include "lodestone/physics/per_coil.h"
 
 namespace lodestone::experiments {
@@ -23,6 +24,7 @@ struct TrialPlan {
   std::optional<geometry::Path> path;                      ///< path tasks
   double duration_s = 20.0;                                ///< point tasks
   control::PathReferenceConfig reference;                  ///< path tasks
+  geometry::KeepOut keep_out;                              ///< what the needle must keep out of
 };
 
 /// One observation with the true pose beside it, where somebody knows it. Only scoring sees the latter.

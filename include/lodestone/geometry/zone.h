@@ -7,6 +7,9 @@
 
 namespace lodestone::geometry {
 
+/// Of a point from the nearest one of a segment.
+double to_segment_m(const Vector2& point_m, const Vector2& a_m, const Vector2& b_m);
+
 /// A part of the dish, in its frame: all that lies within `radius_m` of the filled polygon of its corners.
 /// One corner makes a disc, two a wall, three or more a polygon, whose corners are round where it has a
 /// radius.

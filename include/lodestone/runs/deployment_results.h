@@ -32,6 +32,10 @@ struct TrialFigures {
   std::optional<double> frechet_mm;  ///< discrete Frechet distance between needle and reference
   std::optional<std::int64_t> steps_to_reach;
   std::optional<double> seconds_to_reach;
+  /// Least distance of the needle from a zone that it must keep out of, at the moments that were observed: 0
+  /// or less where it touched one; absent where there was none.
+  std::optional<double> clearance_mm;
+  std::optional<std::int64_t> touches;  ///< times that it came to touch one; with any the trial has failed
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -48,6 +52,8 @@ struct TrialFigures {
     v.field("frechet_mm", frechet_mm);
     v.field("steps_to_reach", steps_to_reach);
     v.field("seconds_to_reach", seconds_to_reach);
+    v.field("clearance_mm", clearance_mm);
+    v.field("touches", touches);
   }
   /// The one error of a trial: of a path the cross-track RMS, of a point the distance at the end.
   double error_mm() const { return cross_track_rms_mm.value_or(final_error_mm); }
@@ -126,6 +132,10 @@ struct ErrorStatistics {
   double success_rate = 0.0;
   std::optional<double> steps_to_reach, seconds_to_reach, hold_error_mm, heading_error_deg,
       cross_track_rms_mm, time_rms_error_mm, target_deviation_mm, completion, corners_reached, frechet_mm;
+  /// Of the trials that had zones to keep out of: means, the least clearance of all, and the share of them in
+  /// which the needle touched one with its 95 % interval (Wilson's).
+  std::optional<double> clearance_mm, least_clearance_mm, touches, touching_rate;
+  std::optional<std::array<double, 2>> touching_interval;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -144,6 +154,11 @@ struct ErrorStatistics {
     v.field("completion", completion);
     v.field("corners_reached", corners_reached);
     v.field("frechet_mm", frechet_mm);
+    v.field("clearance_mm", clearance_mm);
+    v.field("least_clearance_mm", least_clearance_mm);
+    v.field("touches", touches);
+    v.field("touching_rate", touching_rate);
+    v.field("touching_interval", touching_interval);
   }
 };
 
