@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lodestone/common/error.h"
+#include "lodestone/control/routed_reference.h"
 #include "lodestone/geometry/angle.h"
 
 namespace lodestone::experiments {
@@ -44,13 +45,14 @@ std::vector<ScoredSample> missed_by(const TrialResult& result, control::Referenc
 }
 
 /// Every observation, with the needle where it was found last, at first where it was to start; then the
-/// aftermath.
+/// aftermath. At a point the error is that to the point, wherever the needle was led over.
 std::vector<ScoredSample> scored(const TrialResult& result, const Aftermath& after, bool truth) {
   std::vector<ScoredSample> out;
   geometry::Vector2 position_m = result.plan.start.position_m();
   for (const TrialSample& sample : result.samples) {
     if (const auto pose = pose_of(sample, truth)) position_m = pose->position_m();
-    out.push_back({sample.step.time_s, position_m, sample.step.target_m, sample.approach});
+    const geometry::Vector2& target_m = result.plan.path ? sample.step.target_m : result.plan.target_m;
+    out.push_back({sample.step.time_s, position_m, target_m, sample.approach});
   }
   if (truth && after.truly_lies) position_m = after.truly_lies->position_m();
   for (ScoredSample sample : after.missed) {
@@ -105,8 +107,13 @@ TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control
   std::optional<control::PathReference> path;
   if (plan.path) path.emplace(*plan.path, plan.reference);
   control::Reference& reference = path ? static_cast<control::Reference&>(*path) : point;
+  std::optional<control::RoutedReference> routed;
+  if (plan.routes && !path)
+    routed.emplace(std::make_shared<control::PointReference>(point), plan.routes, plan.keep_out,
+                   plan.waypoint_radius_m);
+  control::Reference& followed = routed ? static_cast<control::Reference&>(*routed) : reference;
   const auto truth = [&true_pose] { return true_pose ? std::optional(true_pose()) : std::nullopt; };
-  const control::LoopOutcome outcome = loop.run(controller, reference, [&](const control::StepRecord& step) {
+  const control::LoopOutcome outcome = loop.run(controller, followed, [&](const control::StepRecord& step) {
     result.samples.push_back({step, truth(), path && path->approaching(), {}});
     if (const auto reported = report ? report() : std::nullopt)
       result.samples.back().temperature_C = reported->temperature_C;

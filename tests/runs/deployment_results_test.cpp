@@ -63,6 +63,19 @@ TEST_CASE("trials read back to the last digit, and one without a true pose has n
                     Catch::Contains("trials.json: trial 3: approach has 1 rows for 2 observations"));
 }
 
+TEST_CASE("a map of what can be reached reads back") {
+  const tests::TemporaryFolder folder;
+  runs::ReachMap map;
+  map.cell_mm = 4.0;
+  map.reachable_mm = {{2.0, 2.0}, {6.0, 1.0 / 3.0}};
+  map.dead_mm = {{38.0, -2.0}};
+  common::write_artefact(folder / runs::ReachMap::kFile, map);
+  const auto read = common::read_artefact<runs::ReachMap>(folder / runs::ReachMap::kFile);
+  CHECK(read.cell_mm == 4.0);
+  CHECK(read.reachable_mm == map.reachable_mm);
+  CHECK(read.dead_mm == map.dead_mm);
+}
+
 TEST_CASE("a summary has the tasks of the first rig at its top, each rig by name, and the baseline apart") {
   runs::TaskSummary square;
   square.n_trials = 2;

@@ -78,7 +78,8 @@ struct TrialRecord {
   std::vector<std::optional<PoseMm>> sensed_trajectory;  ///< null: no pose was found
   std::optional<std::vector<PointMm>> reference_mm;      ///< paths only
   std::optional<std::vector<int>> approach;              ///< paths only: 1 on the way to the start
-  std::optional<std::vector<PerCoil>> current_A;         ///< asked of the coils; absent in older runs
+  std::optional<std::vector<PointMm>> route_mm;   ///< points that the needle was sent to, one after another
+  std::optional<std::vector<PerCoil>> current_A;  ///< asked of the coils; absent in older runs
   /// As they reported last, null before; likewise.
   std::optional<std::vector<std::optional<PerCoil>>> temperature_C;
   /// Mean and standard deviation of what was identified, null where no pose was found; absent where nothing
@@ -109,6 +110,7 @@ struct TrialRecord {
     v.field("sensed_trajectory", sensed_trajectory);
     v.field("reference_mm", reference_mm);
     v.field("approach", approach);
+    v.field("route_mm", route_mm);
     v.field("current_A", current_A);
     v.field("temperature_C", temperature_C);
     v.field("log_drive_gain", log_drive_gain);
@@ -178,6 +180,21 @@ struct TaskSummary {
     v.field("rig_changed", rig_changed);
     v.part("mean_error_mm", truth);
     v.field("sensed", sensed);
+  }
+};
+
+/// `reachable.json`: where the needle can be brought, in which ways to a point were searched.
+struct ReachMap {
+  static constexpr const char* kFile = "reachable.json";
+  double cell_mm = 0.0;               ///< side of a square cell
+  std::vector<PointMm> reachable_mm;  ///< middles of the cells that it comes to and gets away from
+  std::vector<PointMm> dead_mm;       ///< of those that pulses came to, but that are none of the former
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("cell_mm", cell_mm);
+    v.field("reachable_mm", reachable_mm);
+    v.field("dead_mm", dead_mm);
   }
 };
 

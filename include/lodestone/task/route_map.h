@@ -16,11 +16,18 @@ namespace lodestone::task {
 enum class RouteUse { kZones, kAlways, kNever };
 inline std::vector<std::string> names_of(RouteUse) { return {"zones", "always", "never"}; }
 
+/// Whose pulses show where the needle can be brought: those that were recorded, or ones in the simulator that
+/// was learned from them.
+enum class MovesFrom { kRecorded, kSimulated };
+inline std::vector<std::string> names_of(MovesFrom) { return {"recorded", "simulated"}; }
+
 /// How ways to a point are searched and followed.
 struct RouteConfig {
   RouteUse use = RouteUse::kZones;
   double clearance_m = 0.003;
   double clearance_cost = 4.0;
+  MovesFrom moves = MovesFrom::kRecorded;
+  std::int64_t simulated_pulses = 100;
   std::int64_t least_moves = 1;
   double waypoint_radius_m = 0.004;
   double stray_m = 0.010;
@@ -40,9 +47,14 @@ struct RouteConfig {
     v.field("clearance_cost", clearance_cost, "",
             "so many times its length more where its middle can only just pass, in proportion before",
             {0.0, 1000.0});
+    v.field(
+        "moves", moves, "",
+        "pulses that show where the needle can be brought, where a simulator is named (dynamics): those that "
+        "it was trained on, or ones that are driven in it");
+    v.field("simulated_pulses", simulated_pulses, "", "of the latter so many from every cell of the dish",
+            {1, 100000});
     v.field("least_moves", least_moves, "",
-            "pulses that must have been recorded from a cell to another for a way to lead there",
-            {1, 1000000});
+            "pulses from a cell to another that there must be for a way to lead there", {1, 1000000});
     v.field("waypoint_radius_m", waypoint_radius_m, "m",
             "the next point of the way is aimed at once the needle is sensed this close to one", {1e-4, 0.1});
     v.field("stray_m", stray_m, "m", "a needle this far off its way has a new one searched", {1e-3, 0.1});
