@@ -175,7 +175,8 @@ std::string panels(const std::vector<Trial>& trials, const std::string& controll
       "<b>" + escape(controller) + " on the " + escape(rig_words(drawn.front()->rig)) + ".</b> " +
           (drawn.front()->track_is_true ? "True trajectories" : "Trajectories as the camera saw them") +
           " of up to " + std::to_string(kDrawnTrials) +
-          " trials of each task, seen from above, with the coils drawn schematically. " + legend_of(drawn));
+          " trials of each task, seen from above, with the coils drawn schematically. " + legend_of(drawn) +
+          (rig.keep_out.empty() ? "" : " Red areas: zones that the needle must keep out of."));
 }
 
 std::string trajectories(const RunData& run, const std::vector<ErrorRow>& rows) {
@@ -195,6 +196,44 @@ std::string trajectories(const RunData& run, const std::vector<ErrorRow>& rows) 
                       shown + "</details>\n";
   }
   return html;
+}
+
+Points points_of_map(const std::vector<runs::PointMm>& cells) {
+  Points points;
+  for (const runs::PointMm& cell : cells) points.emplace_back(cell[0], cell[1]);
+  return points;
+}
+
+/// Where the needle can be brought, with zones and the ways that it was led; empty where none were searched.
+std::string reach_figure(const RunData& run) {
+  if (!run.reach) return "";
+  const runs::ReachMap& reach = *run.reach;
+  const DrawnRig rig = drawn_rig(run);
+  DishSvg dish(rig);
+  dish.squares(points_of_map(reach.reachable_mm), reach.cell_mm, "#d5ead9");
+  dish.squares(points_of_map(reach.dead_mm), reach.cell_mm, "#e3d3c4");
+  std::size_t ways = 0;
+  if (!run.rigs.empty()) {
+    for (const Trial& trial : read_trials(run.rigs.front())) {
+      if (trial.route_mm.empty() || trial.track_mm.empty() || ways >= kDrawnTrials) continue;
+      Points way = {trial.track_mm.front()};
+      way.insert(way.end(), trial.route_mm.begin(), trial.route_mm.end());
+      dish.line(way, "#34495e", 0.5, 0.7);
+      dish.dot(way.back().first, way.back().second, 0.9, "#34495e");
+      ++ways;
+    }
+  }
+  const double area_cm2 =
+      static_cast<double>(reach.reachable_mm.size()) * reach.cell_mm * reach.cell_mm / 100.0;
+  return figure(
+      dish.svg("Map of the dish: where the needle can be brought"),
+      "<b>Where the needle can be brought</b>, " + fixed(area_cm2, 1) +
+          " cm². Green: cells that pulses brought it to and took it out of again; brown: cells that they "
+          "brought it to, but seldom or hardly ever out of (dead zones)" +
+          (rig.keep_out.empty() ? "" : "; red: zones that it must keep out of") +
+          (ways == 0
+               ? "."
+               : "; lines: the ways that it was led, of up to " + std::to_string(kDrawnTrials) + " trials."));
 }
 
 /// What the figures below are, as far as it is true of these rows.
@@ -230,7 +269,7 @@ std::string deployment_section(const RunData& run) {
   const std::vector<ErrorRow> rows = error_rows(run);
   std::string html = introduction(rows) + error_tables(rows);
   html += figure(bar_chart(rows), bar_caption(rows));
-  return html + trajectories(run, rows);
+  return html + reach_figure(run) + trajectories(run, rows);
 }
 
 std::string recorded_section(const RunData& run, const RunData& recorded) {
