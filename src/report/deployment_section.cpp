@@ -228,8 +228,8 @@ std::string reach_figure(const RunData& run) {
   return figure(
       dish.svg("Map of the dish: where the needle can be brought"),
       "<b>Where the needle can be brought</b>, " + fixed(area_cm2, 1) +
-          " cm². Green: cells that pulses brought it to and took it out of again; brown: cells that they "
-          "brought it to, but seldom or hardly ever out of (dead zones)" +
+          " cm². Green: cells that pulses brought it to and took it out of again; brown: others that "
+          "they came to: dead zones, and what was seldom visited" +
           (rig.keep_out.empty() ? "" : "; red: zones that it must keep out of") +
           (ways == 0
                ? "."
