@@ -47,8 +47,8 @@ std::vector<task::Move> simulated_moves(const DeploymentConfig& config, const Si
       before.y_m = centre_m.y() + random.uniform(-half_m, half_m);
       before.heading_rad = random.uniform(-geometry::kPi, geometry::kPi);
       const double scale_A = simulator.action.scale;
-      const geometry::Drive drive_A = geometry::drawn_drive(
-          simulator.action.size, [&] { return random.uniform(-scale_A, scale_A); });
+      const geometry::Drive drive_A =
+          geometry::drawn_drive(simulator.action.size, [&] { return random.uniform(-scale_A, scale_A); });
       const geometry::Pose2 after = model.draw(before, drive_A, random);
       if (after.position_m().norm() <= config.rig.dish.radius_m)
         moves.push_back({before.position_m(), after.position_m()});

@@ -188,7 +188,8 @@ struct ReachMap {
   static constexpr const char* kFile = "reachable.json";
   double cell_mm = 0.0;               ///< side of a square cell
   std::vector<PointMm> reachable_mm;  ///< middles of the cells that it comes to and gets away from
-  std::vector<PointMm> dead_mm;       ///< of all others that pulses came to: dead zones, and what was seldom visited
+  std::vector<PointMm>
+      dead_mm;  ///< of all others that pulses came to: dead zones, and what was seldom visited
 
   template <class Visitor>
   void visit(Visitor& v) {
