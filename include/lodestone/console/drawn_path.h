@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "lodestone/geometry/keep_out.h"
 #include "lodestone/geometry/path.h"
 #include "lodestone/physics/rig_description.h"
 #include "lodestone/task/region.h"
@@ -18,12 +19,13 @@ constexpr double kLongestPath_m = 10.0;
 /// all points are one, or the line is longer than kLongestPath_m.
 geometry::Path smoothed(const std::vector<geometry::Vector2>& points_m, bool closed);
 
-/// Where a needle may be driven: inside the dish and the fence and, where it is known, where needles have
-/// been seen to come and go.
+/// Where a needle may be driven: inside the dish and the fence, clear of zones to keep out of and, where it
+/// is known, where needles have been seen to come and go.
 struct Reachable {
   physics::RigDescription rig;
   double fence_m = 0.0;  ///< from the dish centre
   std::optional<task::Region> region;
+  geometry::KeepOut keep_out = {};
 
   /// Why the middle of the needle cannot or may not be there; empty: it may.
   std::string why_not(const geometry::Vector2& point_m) const;
