@@ -19,6 +19,9 @@ using CellGraph =
     boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, boost::no_property, LinkCost>;
 using CellVertex = boost::graph_traits<CellGraph>::vertex_descriptor;
 
+// The first cell of a way is one of those around the needle: so many sides of a cell away.
+constexpr double kSetOut = 1.5;
+
 /// Thrown by the search once it is at its end: Boost.Graph knows no other way to stop it.
 struct Arrived {};
 
@@ -100,23 +103,19 @@ void RouteMap::link_recorded(const std::vector<Move>& moves) {
   for (const Region::Cell& cell : dead) dead_m_.push_back(region_.centre_m(cell));
 }
 
-double RouteMap::cost_m(const Link& link, double clearance_m, const geometry::KeepOut& keep_out) const {
-  const double length_m = (centres_m_[link.second] - centres_m_[link.first]).norm();
+double RouteMap::cost_m(double length_m, double clearance_m, const geometry::KeepOut& keep_out) const {
   const double wanted = wanted_m(keep_out);
   if (clearance_m >= wanted) return length_m;
   const double lacking = (wanted - clearance_m) / (wanted - keep_out.margin_m);
   return length_m * (1.0 + config_.clearance_cost * lacking);
 }
 
-/// Of the open cells; with `unhindered` of those to which nothing is in the way.
-std::optional<std::size_t> RouteMap::nearest(const geometry::Vector2& point_m, const std::vector<bool>& open,
-                                             const geometry::KeepOut& keep_out, bool unhindered) const {
+std::optional<std::size_t> RouteMap::nearest(const geometry::Vector2& point_m, const Allowed& allowed) const {
   std::optional<std::size_t> best;
   double least_m = std::numeric_limits<double>::infinity();
   for (std::size_t cell = 0; cell < centres_m_.size(); ++cell) {
     const double distance_m = (centres_m_[cell] - point_m).norm();
-    if (!open[cell] || !(distance_m < least_m)) continue;
-    if (unhindered && !(keep_out.clearance_m(point_m, centres_m_[cell]) > keep_out.margin_m)) continue;
+    if (!(distance_m < least_m) || !allowed(centres_m_[cell])) continue;
     best = cell;
     least_m = distance_m;
   }
@@ -125,26 +124,35 @@ std::optional<std::size_t> RouteMap::nearest(const geometry::Vector2& point_m, c
 
 std::vector<geometry::Vector2> RouteMap::route(const geometry::Vector2& from_m, const geometry::Vector2& to_m,
                                                const geometry::KeepOut& keep_out) const {
-  std::vector<bool> open;
-  for (const Vector2& centre_m : centres_m_)
-    open.push_back(keep_out.clearance_m(centre_m, centre_m) > keep_out.margin_m);
-  const auto end = nearest(to_m, open, keep_out, true);
-  auto start = nearest(from_m, open, keep_out, true);
-  if (!start)
-    start = nearest(from_m, open, keep_out, false);  // it lies too near to a zone, and must get away
-  if (!start || !end || (centres_m_[*end] - to_m).norm() > std::sqrt(2.0) * region_.cell_m()) return {};
-  CellGraph graph(centres_m_.size());
-  for (const Link& link : links_) {
-    if (!open[link.first] || !open[link.second]) continue;
-    const double clearance_m = keep_out.clearance_m(centres_m_[link.first], centres_m_[link.second]);
-    if (clearance_m > keep_out.margin_m)
-      boost::add_edge(link.first, link.second, LinkCost(cost_m(link, clearance_m, keep_out)), graph);
+  const auto end = nearest(to_m, [&](const Vector2& centre_m) {
+    return keep_out.clearance_m(centre_m, to_m) > keep_out.margin_m;
+  });
+  if (!end || (centres_m_[*end] - to_m).norm() > std::sqrt(2.0) * region_.cell_m()) return {};
+  std::vector<Vector2> at_m = centres_m_;
+  const CellVertex start = at_m.size();
+  at_m.push_back(from_m);
+  CellGraph graph(at_m.size());
+  const auto link = [&](CellVertex from, CellVertex to) {
+    const double clearance_m = keep_out.clearance_m(at_m[from], at_m[to]);
+    if (!(clearance_m > keep_out.margin_m)) return false;
+    const double length_m = (at_m[to] - at_m[from]).norm();
+    boost::add_edge(from, to, LinkCost(cost_m(length_m, clearance_m, keep_out)), graph);
+    return true;
+  };
+  for (const Link& each : links_) link(each.first, each.second);
+  bool gets_away = false;
+  for (CellVertex cell = 0; cell < start; ++cell)
+    if ((at_m[cell] - from_m).norm() <= kSetOut * region_.cell_m() && link(start, cell)) gets_away = true;
+  if (!gets_away) {  // it lies too near to a zone, or off the map
+    const auto out = nearest(from_m, [&](const Vector2& centre_m) {
+      return keep_out.clearance_m(centre_m, centre_m) > keep_out.margin_m;
+    });
+    if (!out) return {};
+    boost::add_edge(start, *out, LinkCost((at_m[*out] - from_m).norm()), graph);
   }
-  const std::vector<CellVertex> way = cheapest(graph, centres_m_, *start, *end);
-  if (way.empty()) return {};
-  std::vector<Vector2> points = {from_m};
-  for (const CellVertex cell : way) points.push_back(centres_m_[cell]);
-  points.push_back(to_m);
+  std::vector<Vector2> points;
+  for (const CellVertex vertex : cheapest(graph, at_m, start, *end)) points.push_back(at_m[vertex]);
+  if (!points.empty()) points.push_back(to_m);
   return points;
 }
 

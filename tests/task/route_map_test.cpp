@@ -75,9 +75,11 @@ TEST_CASE("ways lead only where recorded pulses did, and dead cells are known") 
   const std::vector<task::Move> moves = {{a, b}, {b, c}, {c, outside}, {a, a}};
   const RouteMap map(dish(), moves, {});
   const std::vector<Vector2> way = map.route(a, c, {});
-  const std::vector<Vector2> expected = {a, a, b, c, c};  // from, the cells' middles, to
-  REQUIRE(way.size() == expected.size());
-  for (std::size_t i = 0; i < way.size(); ++i) CHECK((way[i] - expected[i]).norm() < 1e-12);
+  REQUIRE(way.size() >= 3);
+  CHECK(way.front() == a);
+  CHECK(way.back() == c);
+  CHECK(std::any_of(way.begin(), way.end(), [&](const Vector2& at_m) { return (at_m - b).norm() < 1e-9; }));
+  CHECK(length_m(way) == Approx(0.008));
   CHECK(map.route(c, a, {}).empty());
   REQUIRE(map.dead_m().size() == 1);
   CHECK((map.dead_m().front() - outside).norm() < 0.003);

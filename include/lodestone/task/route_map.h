@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -91,11 +92,12 @@ class RouteMap {
 
  private:
   using Link = std::pair<std::size_t, std::size_t>;
+  using Allowed = std::function<bool(const geometry::Vector2& centre_m)>;
   void link_neighbours();
   void link_recorded(const std::vector<Move>& moves);
-  double cost_m(const Link& link, double clearance_m, const geometry::KeepOut& keep_out) const;
-  std::optional<std::size_t> nearest(const geometry::Vector2& point_m, const std::vector<bool>& open,
-                                     const geometry::KeepOut& keep_out, bool unhindered) const;
+  double cost_m(double length_m, double clearance_m, const geometry::KeepOut& keep_out) const;
+  /// The cell nearest to a point, of those that are allowed.
+  std::optional<std::size_t> nearest(const geometry::Vector2& point_m, const Allowed& allowed) const;
 
   Region region_;
   RouteConfig config_;
