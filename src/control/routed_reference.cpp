@@ -54,7 +54,8 @@ bool RoutedReference::passed(const geometry::Vector2& position_m) const {
   const geometry::Vector2& after_m = route_m_[next_ + 1];
   const double on_the_way_m =
       std::min(keep_out_.clearance_m(position_m, here_m), keep_out_.clearance_m(here_m, after_m));
-  return map_->straight(position_m, after_m, keep_out_, std::min(on_the_way_m, map_->wanted_m(keep_out_)));
+  const double least_m = std::max(std::min(on_the_way_m, map_->wanted_m(keep_out_)), keep_out_.margin_m);
+  return map_->straight(position_m, after_m, keep_out_, least_m);
 }
 
 geometry::Vector2 RoutedReference::target(double time_s, const geometry::Vector2& position_m) {

@@ -75,6 +75,15 @@ TEST_CASE("when zones move the way is searched anew, and where there is none it 
   CHECK_THROWS_WITH(way.reference.target(0.9, kStart), Catch::Contains("no way leads from (-25.0, 0.0) mm"));
 }
 
+TEST_CASE("a needle that lies in a zone is led out of it, not through it") {
+  Way way;
+  const Vector2 inside(-0.003, 0.0);
+  const Vector2 target_m = way.reference.target(0.0, inside);
+  CHECK_FALSE(target_m == kGoal);
+  const geometry::KeepOut keep_out = disc_between();
+  CHECK(keep_out.clearance_m(target_m, target_m) > keep_out.margin_m);
+}
+
 TEST_CASE("a needle that strays gets a way from where it is") {
   Way way;
   way.reference.target(0.0, kStart);
