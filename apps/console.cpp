@@ -14,6 +14,7 @@
 #include "lodestone/common/shell.h"
 #include "lodestone/experiments/deployment_job.h"
 #include "lodestone/experiments/emulated_rig.h"
+#include "lodestone/experiments/routing.h"
 #include "lodestone/nets/blas.h"
 #include "models.h"
 #include "verbs.h"
@@ -60,18 +61,20 @@ struct ConsoleOptions : CommonOptions {
 };
 
 std::vector<experiments::ControllerSource> sources(const ConsoleConfig& config,
-                                                   std::optional<task::Region>& region) {
+                                                   console::ConsoleParts& parts) {
   const experiments::DeploymentConfig& deployment = config.deployment;
   std::vector<experiments::ControllerSource> found;
   std::optional<experiments::SimulatorSource> simulator;
   if (!config.dynamics.empty()) simulator = experiments::load_simulator(deployment, config.dynamics);
   const experiments::SimulatorSource* identified_by = simulator ? &*simulator : nullptr;
   if (simulator) found.push_back(experiments::planner_source(deployment, *simulator));
+  std::optional<inference::Policy> policy;
   if (!config.policy.empty()) {
-    const inference::Policy policy = inference::load_policy(config.policy);
-    region = policy.region;
-    found.push_back(experiments::policy_source(deployment, policy, config.policy, identified_by));
+    policy = inference::load_policy(config.policy);
+    parts.region = policy->region;
+    found.push_back(experiments::policy_source(deployment, *policy, config.policy, identified_by));
   }
+  parts.bench.routes = experiments::route_map(deployment, identified_by, policy ? &*policy : nullptr);
   found.push_back(experiments::baseline_source(deployment, identified_by));
   return found;
 }
@@ -173,7 +176,7 @@ void console(const ConsoleOptions& given) {
   choose_segmenter(config.deployment.sensor);
   console::ConsoleParts parts;
   parts.bench.config = config.deployment;
-  parts.bench.sources = sources(config, parts.region);
+  parts.bench.sources = sources(config, parts);
   parts.rig_kind = options.emulate ? "emulated" : common::name_of(config.deployment.rig.backend);
   parts.rig_name = options.rig_file.empty() ? parts.rig_kind + " rig" : options.rig_file;
   parts.runs = config.runs;

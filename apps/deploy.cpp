@@ -61,6 +61,25 @@ void print_rig(const std::string& rig, const runs::RigSummary& summary) {
   if (summary.baseline) print_tasks(rig, "baseline", *summary.baseline);
 }
 
+/// How zones were kept out of, where there were any.
+void print_touches(const std::string& rig, const std::string& controller, const runs::TaskTable& table) {
+  for (const auto& [task, of_task] : table.by_task) {
+    const runs::ErrorStatistics& errors = of_task.truth ? *of_task.truth : of_task.sensed;
+    if (!errors.touching_rate || !errors.least_clearance_mm || !errors.touching_interval) continue;
+    std::printf(
+        "%s, %s, %s: %.0f %% of the trials touched a keep-out zone (95 %%: %.0f to %.0f %%); least clearance "
+        "%.2f mm.\n",
+        rig.c_str(), controller.c_str(), task.c_str(), 100.0 * *errors.touching_rate,
+        100.0 * errors.touching_interval->at(0), 100.0 * errors.touching_interval->at(1),
+        *errors.least_clearance_mm);
+  }
+}
+
+void print_touches(const std::string& rig, const runs::RigSummary& summary) {
+  print_touches(rig, summary.controller.value_or(""), summary.tasks);
+  if (summary.baseline) print_touches(rig, "baseline", *summary.baseline);
+}
+
 void print_summary(const DeploymentJob& job, const runs::DeploymentSummary& summary) {
   std::printf(
       "Errors in mm %s. centre, point: distance at the end of a trial; paths: cross-track RMS of a trial; "
@@ -71,6 +90,8 @@ void print_summary(const DeploymentJob& job, const runs::DeploymentSummary& summ
   print_heading();
   if (summary.by_rig.empty()) print_rig(experiments::to_string(job.rigs.front()), summary);
   for (const auto& [rig, of_rig] : summary.by_rig) print_rig(rig, of_rig);
+  if (summary.by_rig.empty()) print_touches(experiments::to_string(job.rigs.front()), summary);
+  for (const auto& [rig, of_rig] : summary.by_rig) print_touches(rig, of_rig);
   std::int64_t changed = 0;
   const auto count = [&changed](const runs::TaskTable& table) {
     for (const auto& [task, of_task] : table.by_task) changed += of_task.rig_changed.value_or(0);

@@ -6,6 +6,7 @@
 
 #include "lodestone/common/random.h"
 #include "lodestone/console/drawn_path.h"
+#include "lodestone/control/routed_reference.h"
 
 namespace lodestone::console {
 
@@ -17,8 +18,12 @@ constexpr double kForGood_s = 1e9;   // a target is held until somebody ends the
 
 std::shared_ptr<control::Reference> Bench::State::reference_of(const Goal& to, bool unattended) const {
   if (to.path) return std::make_shared<control::PathReference>(*to.path, parts.config.reference);
-  return std::make_shared<control::PointReference>(
+  const auto point = std::make_shared<control::PointReference>(
       to.target_m, unattended ? parts.config.trials.point_seconds : kForGood_s, to.heading_rad);
+  if (!parts.routes || to.task == kHand) return point;
+  return std::make_shared<control::RoutedReference>(
+      point, parts.routes, parts.config.safety.keeps_out(parts.config.rig),
+      std::max(parts.config.route.waypoint_radius_m, parts.config.decorators.hold_radius_m));
 }
 
 const experiments::ControllerSource& Bench::State::source(const std::string& name) const {

@@ -73,6 +73,10 @@ std::string Reachable::why_not(const Vector2& point_m) const {
     return at() + " lies outside the dish, or too near its wall for the needle";
   if (point_m.norm() > fence_m)
     return at() + fmt::format(" lies outside the fence of {:.1f} mm", 1e3 * fence_m);
+  for (const geometry::Zone& zone : keep_out.zones)
+    if (!(zone.distance_m(point_m, point_m) - 0.5 * keep_out.needle_diameter_m > keep_out.margin_m))
+      return at() + fmt::format(" lies in the keep-out zone {}, or within its margin of {:.1f} mm",
+                                zone.called(), 1e3 * keep_out.margin_m);
   if (region && !region->contains(point_m)) return at() + " lies where no needle was seen to come and go";
   return "";
 }

@@ -45,6 +45,18 @@ std::vector<Vector2> ring(const Vector2& centre_m, const Eigen::Matrix2d& half_a
   return points_m;
 }
 
+/// All around a side at a distance, from a half circle beyond its end to one before its beginning.
+std::vector<Vector2> around(const Vector2& from_m, const Vector2& to_m, double distance_m) {
+  const Vector2 along_m = to_m - from_m;
+  const double angle_rad = std::atan2(along_m.y(), along_m.x());
+  std::vector<Vector2> points_m;
+  for (int i = 0; i <= kRing / 2; ++i)
+    points_m.push_back(to_m + distance_m * unit(angle_rad + geometry::kPi * (2.0 * i / kRing - 0.5)));
+  for (int i = 0; i <= kRing / 2; ++i)
+    points_m.push_back(from_m + distance_m * unit(angle_rad + geometry::kPi * (2.0 * i / kRing + 0.5)));
+  return points_m;
+}
+
 Json limit(const char* name, double value, double bound, const char* unit_of_both) {
   return {{"name", name}, {"value", value}, {"bound", bound}, {"unit", unit_of_both}};
 }
@@ -141,6 +153,12 @@ void LiveView::draw(const BenchState& state, const ImageMap& map, Json& view) co
         std::vector<Vector2>{lies.position_m(), lies.position_m() + kTick_m * unit(lies.heading_rad)}));
   view["fence"] =
       map.json(ring(Vector2::Zero(), safety_.geofence * rig_.dish.radius_m * Eigen::Matrix2d::Identity()));
+  for (const geometry::Zone& zone : safety_.keep_out) {
+    const std::vector<Vector2> corners_m = zone.points_m();
+    for (std::size_t i = 0; i < corners_m.size(); ++i)
+      view["keep_out"].push_back(
+          map.json(around(corners_m[i], corners_m[(i + 1) % corners_m.size()], zone.radius_m)));
+  }
   view["field"] = field(state, map);
   std::vector<Vector2> coils_m;
   const imaging::BenchGeometry bench = rig::bench_of(rig_);

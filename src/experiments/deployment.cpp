@@ -1,7 +1,9 @@
 #include "lodestone/experiments/deployment.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/log.h"
@@ -161,28 +163,46 @@ geometry::Path headed_path(const geometry::Path& path, const TrialsConfig& trial
 TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, std::int64_t index,
                      const std::optional<geometry::Vector2>& target_m,
                      const std::optional<geometry::Path>& path,
-                     const std::function<bool(const geometry::Pose2&)>& fits, const task::Region* region) {
+                     const std::function<bool(const geometry::Pose2&)>& fits, const task::Region* region,
+                     std::shared_ptr<const task::RouteMap> routes) {
   TrialPlan plan;
   plan.task = task;
   plan.index = index;
   plan.duration_s = config.trials.point_seconds;
   plan.reference = config.reference;
+  plan.keep_out = config.safety.keeps_out(config.rig);
+  plan.routes = std::move(routes);
+  // Whatever holds the needle near its target would hold it there on its way, too.
+  plan.waypoint_radius_m = std::max(config.route.waypoint_radius_m, config.decorators.hold_radius_m);
   common::RandomStream random(trial_seed(config, plan), "start and target");
   constexpr int kMaxDraws = 100000;
   int draws = 0;
   do {
     if (++draws > kMaxDraws)
       throw common::ConfigError("trials.start_radius = " + std::to_string(config.trials.start_radius) +
-                                ": no start inside the dish was found; use a smaller radius");
+                                ": no start inside the dish and clear of safety.keep_out was found; use a "
+                                "smaller radius, or smaller zones");
     const geometry::Vector2 start_m =
         task::draw_in_disc(config.trials.start_radius * config.rig.dish.radius_m, random);
     plan.start = {start_m.x(), start_m.y(), random.uniform(-geometry::kPi, geometry::kPi)};
-  } while (!fits(plan.start) || (region != nullptr && !region->contains(plan.start.position_m())));
+  } while (!fits(plan.start) || (region != nullptr && !region->contains(plan.start.position_m())) ||
+           !(plan.keep_out.clearance_m(plan.start) > plan.keep_out.margin_m + config.route.clearance_m));
   if (config.rig.needle.is_sphere()) plan.start.heading_rad = 0.0;
   const auto draw = [&] {
     return task::draw_in_disc(config.trials.goal_radius * config.rig.dish.radius_m, random);
   };
-  const geometry::Vector2 drawn_m = region != nullptr ? region->draw(draw) : draw();
+  const auto draw_target = [&]() -> geometry::Vector2 {
+    return region != nullptr ? region->draw(draw) : draw();
+  };
+  geometry::Vector2 drawn_m = draw_target();
+  const bool drawn = (task == "point" || task == "pose") && !target_m;
+  for (draws = 0; drawn && !(plan.keep_out.clearance_m(drawn_m, drawn_m) > plan.keep_out.any_way_m());) {
+    if (++draws > kMaxDraws)
+      throw common::ConfigError("trials.goal_radius = " + std::to_string(config.trials.goal_radius) +
+                                ": no target was found at which the needle keeps clear of safety.keep_out "
+                                "whichever way it lies; use a larger radius, or smaller zones");
+    drawn_m = draw_target();
+  }
   if (task == "point" || task == "pose")
     plan.target_m = target_m.value_or(drawn_m);
   else if (task == "square")

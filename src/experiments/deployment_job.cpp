@@ -6,6 +6,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/log.h"
 #include "lodestone/experiments/heading_need.h"
+#include "lodestone/experiments/routing.h"
 
 namespace lodestone::experiments {
 namespace {
@@ -89,6 +90,28 @@ void check_goal(const DeployConfig& config, const inference::Policy& policy, Dep
         ", or another policy");
 }
 
+/// Targets and paths that are known before the trials keep clear of every zone.
+void check_tasks_keep_out(const DeployConfig& config, const DeploymentJob& job) {
+  const geometry::KeepOut keep_out = config.deployment.safety.keeps_out(config.deployment.rig);
+  const auto check_path = [&keep_out](const geometry::Path& path, const std::string& what) {
+    const std::vector<geometry::Vector2>& points_m = path.points_m();
+    for (std::size_t i = 1; i < points_m.size(); ++i)
+      check_keeps_out(keep_out, points_m[i - 1], points_m[i], what);
+  };
+  for (const std::string& task : job.tasks) {
+    if (task == "centre")
+      check_keeps_out(keep_out, geometry::Vector2::Zero(), geometry::Vector2::Zero(), "task = \"centre\"");
+    else if (task == "square")
+      check_path(geometry::Path::square(config.deployment.trials.square_side_m), "trials.square_side_m");
+    else if (task == "circle")
+      check_path(geometry::Path::circle(config.deployment.trials.circle_radius_m), "trials.circle_radius_m");
+    else if (job.path)
+      check_path(*job.path, config.task);
+    else if (job.target_m)
+      check_keeps_out(keep_out, *job.target_m, *job.target_m, "target_mm");
+  }
+}
+
 }  // namespace
 
 void DeployConfig::validate() const {
@@ -149,6 +172,8 @@ DeploymentJob plan_job(const DeployConfig& config, const std::vector<std::string
           "\"reachable\" (its map of the dish): --policy DIR");
     job.region = policy->region;
   }
+  check_tasks_keep_out(config, job);
+  job.routes = route_map(config.deployment, identified_by, policy ? &*policy : nullptr);
   return job;
 }
 

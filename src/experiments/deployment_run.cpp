@@ -12,6 +12,7 @@
 #include "lodestone/common/files.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
+#include "lodestone/experiments/routing.h"
 
 namespace lodestone::experiments {
 namespace {
@@ -30,6 +31,7 @@ void forget_trajectories(runs::TrialRecord& record) {
   record.reference_mm.reset();
   record.reference_heading_rad.reset();
   record.approach.reset();
+  record.route_mm.reset();
   record.time_s.clear();
 }
 
@@ -91,7 +93,7 @@ std::vector<TrialPlan> DeploymentRun::next_plans(const Part& part) const {
   std::vector<TrialPlan> plans;
   for (std::int64_t index = first; index < last; ++index)
     plans.push_back(plan_trial(config_, job_.tasks[part.task], index, job_.target_m, job_.path, driver_.fits,
-                               job_.region ? &*job_.region : nullptr));
+                               job_.region ? &*job_.region : nullptr, job_.routes));
   return plans;
 }
 
@@ -170,6 +172,7 @@ runs::DeploymentSummary DeploymentRun::summary() const {
 }
 
 void DeploymentRun::write_trials() const {
+  if (job_.routes) common::write_artefact(folder_ + "/" + runs::ReachMap::kFile, reach_map_of(*job_.routes));
   std::ifstream lines(folder_ + kJournal);
   std::vector<std::ofstream> out;
   for (std::size_t rig = 0; rig < job_.rigs.size(); ++rig)

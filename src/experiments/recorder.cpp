@@ -148,6 +148,7 @@ runs::TrialRecord record_of(const TrialResult& result) {
       record.reference_heading_rad.emplace();
   } else {
     record.target_mm = point_mm(plan.target_m);
+    if (plan.routes) record.route_mm.emplace();
   }
   if (result.truth) record.trajectory.emplace();
   record.current_A.emplace();
@@ -172,6 +173,9 @@ runs::TrialRecord record_of(const TrialResult& result) {
     if (temperatures)
       record.temperature_C->push_back(sample.temperature_C ? std::optional(sample.temperature_C->list())
                                                            : std::nullopt);
+    if (record.route_mm &&
+        (record.route_mm->empty() || record.route_mm->back() != point_mm(sample.step.target_m)))
+      record.route_mm->push_back(point_mm(sample.step.target_m));
     if (!plan.path) continue;
     record.reference_mm->push_back(point_mm(sample.step.target_m));
     if (record.reference_heading_rad)

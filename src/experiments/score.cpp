@@ -1,6 +1,7 @@
 #include "lodestone/experiments/score.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "lodestone/common/error.h"
@@ -52,6 +53,24 @@ std::optional<double> mean_of(const std::vector<const runs::TrialFigures*>& tria
     if (trial->*figure) values.push_back(static_cast<double>(*(trial->*figure)));
   if (values.empty()) return std::nullopt;
   return common::mean(values);
+}
+
+/// What keeping out of zones came to, over the trials that had any.
+void note_touches(const std::vector<const runs::TrialFigures*>& trials, runs::ErrorStatistics& out) {
+  std::int64_t known = 0;
+  std::int64_t touching = 0;
+  double least_mm = std::numeric_limits<double>::infinity();
+  for (const runs::TrialFigures* trial : trials) {
+    if (!trial->clearance_mm || !trial->touches) continue;
+    ++known;
+    if (*trial->touches > 0) ++touching;
+    least_mm = std::min(least_mm, *trial->clearance_mm);
+  }
+  if (known == 0) return;
+  out.least_clearance_mm = least_mm;
+  out.touching_rate = static_cast<double>(touching) / static_cast<double>(known);
+  const common::Interval interval = common::wilson_interval(touching, known);
+  out.touching_interval = std::array<double, 2>{interval.low, interval.high};
 }
 
 }  // namespace
@@ -137,6 +156,24 @@ runs::TrialFigures score_path(const std::vector<ScoredSample>& samples, const ge
   return score;
 }
 
+void score_keep_out(const std::vector<geometry::Pose2>& poses, const geometry::KeepOut& keep_out,
+                    runs::TrialFigures& score) {
+  if (keep_out.empty() || poses.empty()) return;
+  double least_m = std::numeric_limits<double>::infinity();
+  std::int64_t touches = 0;
+  bool touched = false;
+  for (const geometry::Pose2& pose : poses) {
+    const double clearance_m = keep_out.clearance_m(pose);
+    least_m = std::min(least_m, clearance_m);
+    const bool touching = clearance_m <= 0.0;
+    if (touching && !touched) ++touches;
+    touched = touching;
+  }
+  score.clearance_mm = geometry::kMmPerM * least_m;
+  score.touches = touches;
+  score.success = score.success && touches == 0;
+}
+
 runs::ErrorStatistics summarise_trials(const std::vector<const runs::TrialFigures*>& trials) {
   LODESTONE_CHECK(!trials.empty(), "at least one trial to summarise");
   std::vector<double> errors_mm;
@@ -163,6 +200,9 @@ runs::ErrorStatistics summarise_trials(const std::vector<const runs::TrialFigure
   out.frechet_mm = mean_of(trials, &Figures::frechet_mm);
   out.completion = mean_of(trials, &Figures::completion);
   out.corners_reached = mean_of(trials, &Figures::corners_reached);
+  out.clearance_mm = mean_of(trials, &Figures::clearance_mm);
+  out.touches = mean_of(trials, &Figures::touches);
+  note_touches(trials, out);
   return out;
 }
 

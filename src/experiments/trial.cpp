@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lodestone/common/error.h"
+#include "lodestone/control/routed_reference.h"
 #include "lodestone/geometry/angle.h"
 
 namespace lodestone::experiments {
@@ -51,14 +52,15 @@ std::vector<ScoredSample> missed_by(const TrialResult& result, control::Referenc
 }
 
 /// Every observation, with the needle where it was found last, at first where it was to start; then the
-/// aftermath.
+/// aftermath. At a point the error is that to the point, wherever the needle was led over.
 std::vector<ScoredSample> scored(const TrialResult& result, const Aftermath& after, bool truth) {
   std::vector<ScoredSample> out;
   geometry::Pose2 lies = result.plan.start;
   for (const TrialSample& sample : result.samples) {
     if (const auto pose = pose_of(sample, truth)) lies = *pose;
-    out.push_back(moment(sample.step.time_s, lies, sample.step.target_m, sample.approach,
-                         sample.step.target_heading_rad));
+    const geometry::Vector2& target_m = result.plan.path ? sample.step.target_m : result.plan.target_m;
+    out.push_back(
+        moment(sample.step.time_s, lies, target_m, sample.approach, sample.step.target_heading_rad));
   }
   if (truth && after.truly_lies) lies = *after.truly_lies;
   for (ScoredSample sample : after.missed) {
@@ -82,6 +84,15 @@ void note_heading(const TrialResult& result, const Aftermath& after, double targ
   score.success = score.success && error_rad <= config.success_heading_deg / geometry::kDegPerRad;
 }
 
+/// Every pose that one source had, to where the needle lay at last.
+std::vector<geometry::Pose2> known_poses(const TrialResult& result, const Aftermath& after, bool truth) {
+  std::vector<geometry::Pose2> poses;
+  for (const TrialSample& sample : result.samples)
+    if (const auto pose = pose_of(sample, truth)) poses.push_back(*pose);
+  if (truth && after.truly_lies) poses.push_back(*after.truly_lies);
+  return poses;
+}
+
 runs::TrialFigures score_trial(const TrialResult& result, const Aftermath& after, bool truth,
                                const ScoreConfig& config) {
   const TrialPlan& plan = result.plan;
@@ -89,6 +100,7 @@ runs::TrialFigures score_trial(const TrialResult& result, const Aftermath& after
   runs::TrialFigures score =
       plan.path ? score_path(samples, *plan.path, config) : score_point(samples, config);
   if (plan.target_heading_rad) note_heading(result, after, *plan.target_heading_rad, truth, config, score);
+  score_keep_out(known_poses(result, after, truth), plan.keep_out, score);
   score.success = score.success && result.completed;
   return score;
 }
@@ -104,8 +116,13 @@ TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control
   std::optional<control::PathReference> path;
   if (plan.path) path.emplace(*plan.path, plan.reference);
   control::Reference& reference = path ? static_cast<control::Reference&>(*path) : point;
+  std::optional<control::RoutedReference> routed;
+  if (plan.routes && !path)
+    routed.emplace(std::make_shared<control::PointReference>(point), plan.routes, plan.keep_out,
+                   plan.waypoint_radius_m);
+  control::Reference& followed = routed ? static_cast<control::Reference&>(*routed) : reference;
   const auto truth = [&true_pose] { return true_pose ? std::optional(true_pose()) : std::nullopt; };
-  const control::LoopOutcome outcome = loop.run(controller, reference, [&](const control::StepRecord& step) {
+  const control::LoopOutcome outcome = loop.run(controller, followed, [&](const control::StepRecord& step) {
     result.samples.push_back({step, truth(), path && path->approaching(), {}});
     if (const auto reported = report ? report() : std::nullopt)
       result.samples.back().temperature_C = reported->temperature_C;

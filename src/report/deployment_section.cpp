@@ -70,6 +70,21 @@ std::string path_table(const std::vector<ErrorRow>& rows) {
   });
 }
 
+/// How well zones were kept out of; empty where there are none.
+std::string keep_out_table(const std::vector<ErrorRow>& rows) {
+  std::vector<ErrorRow> kept_out;
+  for (const ErrorRow& row : rows)
+    if (row.touching_rate) kept_out.push_back(row);
+  if (kept_out.empty()) return "";
+  return rows_table(kept_out,
+                    {"clearance from the nearest zone (mm)", "least of all trials (mm)",
+                     "trials that touched one", "95 % interval (%)"},
+                    [](const ErrorRow& row) -> std::vector<std::string> {
+                      return {fixed(row.clearance_mm, 2), fixed(row.least_clearance_mm, 2),
+                              percent(row.touching_rate), interval(row.touching_interval, 100.0, 0)};
+                    });
+}
+
 std::string error_tables(const std::vector<ErrorRow>& rows) {
   std::string html = rows_table(rows,
                                 {"error, mean ± std (mm)", "RMS (mm)", "95 % interval (mm)", "success",
@@ -83,7 +98,7 @@ std::string error_tables(const std::vector<ErrorRow>& rows) {
                                           fixed(row.stopped, 0),
                                           fixed(row.trials, 0)};
                                 });
-  html += path_table(rows);
+  html += path_table(rows) + keep_out_table(rows);
   std::vector<ErrorRow> ours;
   for (const ErrorRow& row : rows)
     if (!row.published) ours.push_back(row);
@@ -166,7 +181,8 @@ std::string panels(const std::vector<Trial>& trials, const std::string& controll
       "<b>" + escape(controller) + " on the " + escape(rig_words(drawn.front()->rig)) + ".</b> " +
           (drawn.front()->track_is_true ? "True trajectories" : "Trajectories as the camera saw them") +
           " of up to " + std::to_string(kDrawnTrials) +
-          " trials of each task, seen from above, with the coils drawn schematically. " + legend_of(drawn));
+          " trials of each task, seen from above, with the coils drawn schematically. " + legend_of(drawn) +
+          (rig.keep_out.empty() ? "" : " Red areas: zones that the needle must keep out of."));
 }
 
 std::string trajectories(const RunData& run, const std::vector<ErrorRow>& rows) {
@@ -186,6 +202,44 @@ std::string trajectories(const RunData& run, const std::vector<ErrorRow>& rows) 
                       shown + "</details>\n";
   }
   return html;
+}
+
+Points points_of_map(const std::vector<runs::PointMm>& cells) {
+  Points points;
+  for (const runs::PointMm& cell : cells) points.emplace_back(cell[0], cell[1]);
+  return points;
+}
+
+/// Where the needle can be brought, with zones and the ways that it was led; empty where none were searched.
+std::string reach_figure(const RunData& run) {
+  if (!run.reach) return "";
+  const runs::ReachMap& reach = *run.reach;
+  const DrawnRig rig = drawn_rig(run);
+  DishSvg dish(rig);
+  dish.squares(points_of_map(reach.reachable_mm), reach.cell_mm, "#d5ead9");
+  dish.squares(points_of_map(reach.dead_mm), reach.cell_mm, "#e3d3c4");
+  std::size_t ways = 0;
+  if (!run.rigs.empty()) {
+    for (const Trial& trial : read_trials(run.rigs.front())) {
+      if (trial.route_mm.empty() || trial.track_mm.empty() || ways >= kDrawnTrials) continue;
+      Points way = {trial.track_mm.front()};
+      way.insert(way.end(), trial.route_mm.begin(), trial.route_mm.end());
+      dish.line(way, "#34495e", 0.5, 0.7);
+      dish.dot(way.back().first, way.back().second, 0.9, "#34495e");
+      ++ways;
+    }
+  }
+  const double area_cm2 =
+      static_cast<double>(reach.reachable_mm.size()) * reach.cell_mm * reach.cell_mm / 100.0;
+  return figure(
+      dish.svg("Map of the dish: where the needle can be brought"),
+      "<b>Where the needle can be brought</b>, " + fixed(area_cm2, 1) +
+          " cm². Green: cells that pulses brought it to and took it out of again; brown: others that "
+          "they came to: dead zones, and what was seldom visited" +
+          (rig.keep_out.empty() ? "" : "; red: zones that it must keep out of") +
+          (ways == 0
+               ? "."
+               : "; lines: the ways that it was led, of up to " + std::to_string(kDrawnTrials) + " trials."));
 }
 
 /// What the figures below are, as far as it is true of these rows.
@@ -221,7 +275,7 @@ std::string deployment_section(const RunData& run) {
   const std::vector<ErrorRow> rows = error_rows(run);
   std::string html = introduction(rows) + error_tables(rows);
   html += figure(bar_chart(rows), bar_caption(rows));
-  return html + trajectories(run, rows);
+  return html + reach_figure(run) + trajectories(run, rows);
 }
 
 std::string recorded_section(const RunData& run, const RunData& recorded) {

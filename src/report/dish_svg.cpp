@@ -110,6 +110,27 @@ std::string axes(double radius_mm, bool compact) {
   return svg;
 }
 
+/// A stroke as wide as twice the radius reaches so far beyond a polygon, round its corners.
+std::string drawn_zones(const std::vector<DrawnZone>& zones, double scale) {
+  constexpr const char* kLook =
+      " class=\"keep-out\" fill=\"#c0392b\" opacity=\"0.45\" stroke=\"#c0392b\" stroke-linejoin=\"round\"";
+  std::string svg;
+  for (const DrawnZone& zone : zones) {
+    if (zone.corners_mm.size() == 1) {
+      const auto& [x_mm, y_mm] = zone.corners_mm.front();
+      svg += std::string("<circle") + kLook + " stroke-width=\"0\"" + attribute("cx", scale * x_mm) +
+             attribute("cy", scale * -y_mm) + attribute("r", scale * zone.radius_mm) + "/>";
+      continue;
+    }
+    svg += std::string("<polygon") + kLook + attribute("stroke-width", 2.0 * scale * zone.radius_mm) +
+           " points=\"";
+    for (const auto& [x_mm, y_mm] : zone.corners_mm)
+      svg += text(scale * x_mm) + "," + text(scale * -y_mm) + " ";
+    svg += "\"/>";
+  }
+  return svg;
+}
+
 }  // namespace
 
 std::string map_colour(double t) {
@@ -151,6 +172,13 @@ void DishSvg::map(const std::vector<MapCell>& cells, double side_mm, double low,
                         fixed(high - (high - low) * i / 4.0, decimals));
   legend_ += label_at(0, 0, size, "middle", legend,
                       " transform=\"translate(" + text(x + 0.48 * r) + " 0) rotate(90)\"");
+}
+
+void DishSvg::squares(const Points& centres_mm, double side_mm, const std::string& colour) {
+  for (const auto& [x_mm, y_mm] : centres_mm)
+    cells_ += "<rect class=\"cell\"" + attribute("x", scale_ * (x_mm - side_mm / 2)) +
+              attribute("y", scale_ * (-y_mm - side_mm / 2)) + attribute("width", scale_ * side_mm) +
+              attribute("height", scale_ * side_mm) + " fill=\"" + escape(colour) + "\"/>";
 }
 
 void DishSvg::line(const Points& points, const std::string& colour, double width, double opacity,
@@ -196,7 +224,7 @@ std::string DishSvg::svg(const std::string& label) const {
          "/></clipPath></defs>" + coils(rig_.coils) +
          "<circle class=\"ground rim\" cx=\"0\" cy=\"0\" fill=\"#ffffff\" stroke=\"#5b6773\" "
          "stroke-width=\"0.6\"" +
-         attribute("r", r) + "/><g clip-path=\"url(#dish)\">" + cells_ +
+         attribute("r", r) + "/><g clip-path=\"url(#dish)\">" + cells_ + drawn_zones(rig_.keep_out, scale_) +
          "</g><circle class=\"rim\" cx=\"0\" cy=\"0\" fill=\"none\" "
          "stroke=\"#5b6773\" stroke-width=\"0.6\"" +
          attribute("r", r) + "/>" + marks_ + axes(rig_.radius_mm, compact_) + legend_ + "</svg>";

@@ -36,6 +36,11 @@ ErrorRow measured(const runs::TaskSummary& summary, const char* task, const std:
   row.time_rms_mm = best.time_rms_error_mm;
   row.frechet_mm = best.frechet_mm;
   row.heading_rms_deg = best.heading_rms_deg;
+  row.clearance_mm = best.clearance_mm;
+  row.least_clearance_mm = best.least_clearance_mm;
+  row.touching_rate = best.touching_rate;
+  if (const auto& range = best.touching_interval)
+    row.touching_interval = common::Interval{range->at(0), range->at(1)};
   if (!summary.truth) return row;
   row.mean_mm = summary.truth->mean_error_mm;
   row.std_mm = summary.truth->std_error_mm;

@@ -30,6 +30,14 @@ DrawnRig drawn_rig_of(const common::Json& config) {
       drawn.coils.push_back(
           {coil.at("name").get<std::string>(), geometry::kDegPerRad * std::atan2(y_m, x_m)});
     }
+    const common::Json safety = config.value("safety", common::Json::object());
+    for (const common::Json& zone : safety.value("keep_out", common::Json::array())) {
+      DrawnZone& shown = drawn.keep_out.emplace_back();
+      shown.radius_mm = 1e3 * zone.at("radius_m").get<double>();
+      const auto corners_m = zone.at("corners_m").get<std::vector<double>>();
+      for (std::size_t i = 0; i + 1 < corners_m.size(); i += 2)
+        shown.corners_mm.emplace_back(1e3 * corners_m[i], 1e3 * corners_m[i + 1]);
+    }
     return drawn;
   } catch (const common::Json::exception&) {
     return DrawnRig(kPaperDishRadius_mm);  // no run, or one of an earlier version, which told less

@@ -39,6 +39,7 @@ void read_deployment(const std::string& folder, RunData& run) {
       common::find_artefact<runs::DeploymentSummary>(folder + "/" + runs::DeploymentSummary::kFile);
   if (!summary) return;
   run.provenance = summary->provenance;
+  run.reach = common::find_artefact<runs::ReachMap>(folder + "/" + runs::ReachMap::kFile);
   for (const auto& [rig, of_rig] : summary->by_rig)
     run.rigs.push_back({rig, of_rig, runs::find_trials(folder + "/" + rig)});
   if (!run.rigs.empty()) return;

@@ -18,6 +18,7 @@ constexpr double kTicksApart_mm = 4.0;  // at least
 constexpr const char* kTargetColour = "#2f7d4f";
 constexpr const char* kApproachColour = "#9aa5b0";
 constexpr const char* kUnseenColour = "#d55e00";
+constexpr const char* kRouteColour = "#5b6773";
 
 void draw_trial(const Trial& trial, DishSvg& dish) {
   const Points& track = trial.track_mm;
@@ -26,6 +27,9 @@ void draw_trial(const Trial& trial, DishSvg& dish) {
   const auto at = [&track](std::size_t i) {
     return track.begin() + static_cast<std::ptrdiff_t>(std::min(i, track.size()));
   };
+  Points route = {track.front()};
+  route.insert(route.end(), trial.route_mm.begin(), trial.route_mm.end());
+  dish.line(route, kRouteColour, 0.4, 0.7, true);
   if (trial.approach > 0)
     dish.line(Points(track.begin(), at(trial.approach + 1)), kApproachColour, 0.45, 0.6);
   dish.line(Points(at(trial.approach), track.end()), colour, 0.55, 0.6);
@@ -108,6 +112,8 @@ std::string legend_of(const std::vector<const Trial*>& trials) {
     text += "; green ticks: where the needle's head should point";
   if (any([](const Trial& trial) { return trial.approach > 0; }))
     text += "; grey lines: the way to the start of a path, which is not scored";
+  if (any([](const Trial& trial) { return !trial.route_mm.empty(); }))
+    text += "; grey, dashed: the points that it was led over";
   const auto blind = [](const Trial& trial) {
     return std::find(trial.unseen.begin(), trial.unseen.end(), true) != trial.unseen.end();
   };

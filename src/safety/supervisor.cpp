@@ -25,6 +25,9 @@ Supervisor::Supervisor(rig::Coils& coils, const SafetyConfig& config, const phys
   step_checks_.push_back(std::make_unique<DeadlineCheck>(config.max_late_s, config.max_late_steps));
   pose_checks_.push_back(std::make_unique<PoseAgeCheck>(config.max_pose_age_s));
   pose_checks_.push_back(std::make_unique<FenceCheck>(config.geofence * rig.dish.radius_m));
+  auto keep_out = std::make_unique<KeepOutCheck>(config.keeps_out(rig));
+  keep_out_ = keep_out.get();
+  pose_checks_.push_back(std::move(keep_out));
   pulse_checks_.push_back(
       std::make_unique<PulseLimits>(std::min(config.max_current_A, rig.coils.max_current_A),
                                     config.max_power_W, config.max_pulse_s, rig.coils, thermal_));

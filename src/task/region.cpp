@@ -69,6 +69,16 @@ Region::Region(const std::vector<Move>& moves, const RegionConfig& config) : cel
   std::sort(cells_.begin(), cells_.end());
 }
 
+Region Region::disc(double radius_m, double cell_m) {
+  Region region;
+  region.cell_m_ = cell_m;
+  const auto most = static_cast<std::int64_t>(std::ceil(radius_m / cell_m));
+  for (std::int64_t x = -most; x <= most; ++x)
+    for (std::int64_t y = -most; y <= most; ++y)
+      if (region.centre_m({x, y}).norm() <= radius_m) region.cells_.emplace_back(x, y);
+  return region;  // sorted, as they were made
+}
+
 bool Region::contains(const geometry::Vector2& position_m) const {
   return std::binary_search(cells_.begin(), cells_.end(), cell_of(position_m));
 }
@@ -81,6 +91,24 @@ geometry::Vector2 Region::draw(const std::function<geometry::Vector2()>& draw_po
   }
   throw common::ConfigError(
       "no point of the disc lies in the reachable region; enlarge the radius it is drawn from");
+}
+
+geometry::Vector2 Region::centre_m(const Cell& cell) const {
+  return {(static_cast<double>(cell.first) + 0.5) * cell_m_,
+          (static_cast<double>(cell.second) + 0.5) * cell_m_};
+}
+
+std::vector<geometry::Vector2> Region::centres_m() const {
+  std::vector<geometry::Vector2> centres;
+  for (const Cell& cell : cells_) centres.push_back(centre_m(cell));
+  return centres;
+}
+
+std::optional<std::size_t> Region::find(const geometry::Vector2& position_m) const {
+  const Cell cell = cell_of(position_m);
+  const auto found = std::lower_bound(cells_.begin(), cells_.end(), cell);
+  if (found == cells_.end() || *found != cell) return std::nullopt;
+  return static_cast<std::size_t>(found - cells_.begin());
 }
 
 double Region::area_m2() const { return static_cast<double>(cells_.size()) * cell_m_ * cell_m_; }

@@ -69,6 +69,18 @@ TEST_CASE("a controller that cannot be had stops the bench, and another one driv
   CHECK(lab.reach(Mode::kRunning));
 }
 
+TEST_CASE("a target that no way leads to stops the bench, and says so") {
+  const std::vector<geometry::Zone> wall = {{"wall", {0.025, -0.05, 0.025, 0.05}, 0.001}};
+  Laboratory lab(wall);
+  REQUIRE(lab.reach(Mode::kDisarmed));
+  REQUIRE(lab.arm().empty());
+  REQUIRE(lab.bench->drive(point(0.0, 0.002)).empty());
+  REQUIRE(lab.reach([](const BenchState& state) { return state.run && state.run->steps > 2; }));
+  REQUIRE(lab.bench->drive(point(0.035, 0.0)).empty());
+  REQUIRE(lab.reach(Mode::kStopped));
+  CHECK_THAT(lab.bench->state().reason, Catch::Contains("no way leads"));
+}
+
 TEST_CASE("an unattended run needs no page, and ends with its task") {
   Laboratory lab;
   REQUIRE(lab.reach(Mode::kDisarmed));

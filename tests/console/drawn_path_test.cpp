@@ -50,6 +50,12 @@ TEST_CASE("a path is only followed where the needle can and may be") {
   CHECK_THAT(fence.why_not, Catch::Contains("fence of 30.0 mm"));
   CHECK(fence.bad_m.size() == 1);
   CHECK_THAT(reachable.why_not({radius_m, 0.0}), Catch::Contains("outside the dish"));
+  reachable.keep_out = {{{"vessel", {0.0, 0.01}, 0.002}}, 0.0235, 0.001, 0.001};
+  const console::PathObjection zone =
+      console::object_to(geometry::Path({{-0.01, 0.01}, {0.01, 0.01}}, false), reachable);
+  CHECK_THAT(zone.why_not, Catch::Contains("keep-out zone vessel"));
+  CHECK(zone.bad_m.size() == 7);  // 3.5 mm to both sides
+  reachable.keep_out = {};
   std::vector<task::Move> moves(50, task::Move{{-0.002, 0.0}, {0.002, 0.0}});
   moves.insert(moves.end(), 50, task::Move{{0.002, 0.0}, {-0.002, 0.0}});
   reachable.region = task::Region(moves, task::RegionConfig{});

@@ -9,9 +9,12 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "lodestone/common/error.h"
 #include "lodestone/console/bench.h"
+#include "lodestone/experiments/routing.h"
 
 namespace lodestone::tests {
 
@@ -23,7 +26,8 @@ using console::Mode;
 /// A virtual bench in real time, seen by the simulated sensor, under the baseline; and an operator whose page
 /// beats as long as it is there.
 struct Laboratory {
-  Laboratory() {
+  explicit Laboratory(std::vector<geometry::Zone> keep_out = {}) {
+    config.safety.keep_out = std::move(keep_out);
     config.loop.rest_s = 0.1;
     config.sensor.kind = "simulated";
     config.trials.point_seconds = 1.0;
@@ -34,6 +38,7 @@ struct Laboratory {
     broken.make = [](std::uint64_t) -> std::unique_ptr<control::Controller> {
       throw std::runtime_error("its weights are gone");
     };
+    parts.routes = experiments::route_map(config, nullptr, nullptr);
     parts.sources = {experiments::baseline_source(config), broken};
     parts.connect = [this] {
       if (unplugged) throw common::HardwareError("no rig on this port");

@@ -19,6 +19,21 @@ TEST_CASE("places go into the image and back") {
   CHECK((back_m - Vector2(0.012, -0.007)).norm() < 1e-9);
 }
 
+TEST_CASE("zones to keep out of are shown side by side") {
+  safety::SafetyConfig safety;
+  console::BenchState state;
+  state.camera = imaging::CameraModel{};
+  CHECK_FALSE(LiveView(tests::paper_rig(), safety).json(state).contains("keep_out"));
+  safety.keep_out = {{"disc", {0.01, 0.0}, 0.004}, {"triangle", {0.0, 0.0, 0.01, 0.0, 0.0, 0.01}, 0.0}};
+  const common::Json json = LiveView(tests::paper_rig(), safety).json(state);
+  REQUIRE(json["keep_out"].size() == 4);
+  const ImageMap map{imaging::CameraModel{}};
+  for (const common::Json& place : json["keep_out"][0]) {
+    const Vector2 at_m = map.to_dish({place[0].get<double>(), place[1].get<double>()});
+    CHECK((at_m - Vector2(0.01, 0.0)).norm() == Approx(0.004).margin(1e-4));
+  }
+}
+
 TEST_CASE("a bench's state is told as the page has it, and what is not known is null or absent") {
   const LiveView view(tests::paper_rig(), safety::SafetyConfig{});
   console::BenchState state;

@@ -45,6 +45,7 @@ ON_THE_VIRTUAL_RIG = {
 # Blocks that the reader saves as a file.
 FILES = {
     ("docs/bring-your-own-rig.md", '{\n  "drive"'): "my-rig.json",
+    ("docs/deploy-safely.md", '{\n  "safety"'): "zones.json",
     ("docs/driver-protocol.md", '{\n  "backend"'): "my-bench.json",
     ("docs/sweep.md", '{\n  "verb"'): "rate.json",
 }

@@ -114,6 +114,24 @@ TEST_CASE("a sphere goes to points, by what knows of no heading") {
   CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("the policy goes by a heading"));
 }
 
+TEST_CASE("what lies in a zone to keep out of is refused, and points are gone to by ways around zones") {
+  DeployConfig config = by_baseline();
+  config.task = "point";
+  CHECK_FALSE(experiments::plan_job(config).routes);
+  config.deployment.safety.keep_out = {{"vessel", {0.0, 0.0}, 0.004}};
+  CHECK(experiments::plan_job(config).routes);
+  config.target_mm = {3.0, 0.0};
+  CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("target_mm") && Catch::Contains("vessel"));
+  config.target_mm = {20.0, 0.0};
+  CHECK(experiments::plan_job(config).target_m);
+  config.task = "centre";
+  CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("centre"));
+  config.task = "square";
+  CHECK(experiments::plan_job(config).tasks.size() == 1);  // around it
+  config.deployment.safety.keep_out = {{"vessel", {0.015, 0.0}, 0.004}};
+  CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("square_side_m"));
+}
+
 TEST_CASE("a policy drives to what it was trained for") {
   const tests::TemporaryFolder folder;
   DeployConfig config;

@@ -115,6 +115,26 @@ TEST_CASE("a killed deployment keeps the trials that have ended, and ends as an 
   CHECK(trials->front().trajectory->size() == 2);
 }
 
+TEST_CASE("the map in which ways were searched is written beside the trials") {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "run";
+  experiments::DeploymentJob what = job();
+  what.routes = std::make_shared<const task::RouteMap>(task::Region::disc(0.02, 0.004),
+                                                       std::vector<task::Move>(), task::RouteConfig());
+  const auto how = config();
+  runs::RunFolder run(request(path));
+  run.begin();
+  experiments::DeploymentRun work(how, what, path, fake_driver());
+  runs::run_resumably(run, work, {"deploy", "trials", 0.0});
+  work.write_trials();
+  const auto map = common::read_artefact<runs::ReachMap>(path + "/" + runs::ReachMap::kFile);
+  CHECK(map.cell_mm == Approx(4.0));
+  CHECK(map.reachable_mm.size() == what.routes->region().centres_m().size());
+  const auto trials = runs::find_trials(path + "/explored");
+  REQUIRE(trials);
+  CHECK(trials->front().route_mm);
+}
+
 TEST_CASE("a rig that is stopped for good ends the run early, with what was driven and why") {
   const tests::TemporaryFolder folder;
   deploy(folder / "run", fake_driver(-1, "STOP exists"));

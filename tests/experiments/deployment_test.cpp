@@ -5,6 +5,7 @@
 #include "lodestone/control/policy_controller.h"
 #include "lodestone/experiments/deployment.h"
 #include "lodestone/experiments/recorder.h"
+#include "lodestone/experiments/routing.h"
 #include "paper_rig.h"
 
 using namespace lodestone;
@@ -232,6 +233,52 @@ TEST_CASE("paths have the headings that are configured, and nothing else changes
   CHECK_THROWS_AS(planned("square"), common::ConfigError);
   config.trials.path_heading = geometry::HeadingRule::kNone;
   CHECK_FALSE(planned("path", headed).path->heading_rad(0.0));
+}
+
+TEST_CASE("starts and drawn targets keep clear of zones, and without zones are what they were") {
+  experiments::DeploymentConfig config;
+  const auto anywhere = [](const geometry::Pose2&) { return true; };
+  const auto plan = [&](int index) {
+    return experiments::plan_trial(config, "point", index, std::nullopt, std::nullopt, anywhere);
+  };
+  const experiments::TrialPlan before = plan(0);
+  config.safety.keep_out = {{"vessel", {0.0, 0.0}, 0.004}};
+  for (int i = 0; i < 30; ++i) {
+    const experiments::TrialPlan kept = plan(i);
+    REQUIRE_FALSE(kept.keep_out.empty());
+    CHECK(kept.keep_out.clearance_m(kept.start) > kept.keep_out.margin_m);
+    CHECK(kept.keep_out.clearance_m(kept.target_m, kept.target_m) > kept.keep_out.any_way_m());
+  }
+  config.safety.keep_out = {{"far away", {0.9, 0.9}, 0.004}};
+  CHECK(plan(0).target_m == before.target_m);
+  CHECK(plan(0).start.x_m == before.start.x_m);
+  config.safety.keep_out = {{"everywhere", {0.0, 0.0}, 0.05}};
+  CHECK_THROWS_WITH(plan(0), Catch::Contains("safety.keep_out"));
+}
+
+TEST_CASE(
+    "a baseline that would go through a zone is led around it, and the supervisor stops one that is not") {
+  experiments::DeploymentConfig config = quick_config();
+  config.trials.point_seconds = 20.0;
+  config.safety.keep_out = {{"vessel", {0.0, 0.0}, 0.003}};
+  experiments::TrialPlan led = experiments::plan_trial(
+      config, "point", 0, geometry::Vector2(0.025, 0.0), std::nullopt,
+      [](const geometry::Pose2&) { return true; }, nullptr, experiments::route_map(config, nullptr, nullptr));
+  led.start = {-0.025, 0.0, 0.5 * geometry::kPi};
+  experiments::TrialPlan straight = led;
+  straight.routes = nullptr;
+  const experiments::Deployment deployment(config);
+  const auto source = experiments::baseline_source(config);
+  common::ThreadPool pool(2);
+  const auto results = deployment.run({led, straight}, experiments::RigKind::kExplored, source, pool);
+  CHECK_FALSE(results[1].completed);
+  CHECK_THAT(results[1].stop_reason, Catch::Contains("keep-out zone vessel"));
+  CHECK_FALSE(results[1].truth->success);
+  const auto record = experiments::record_of(results[0]);
+  REQUIRE(record.route_mm);
+  CHECK(record.route_mm->size() > 1);
+  REQUIRE(results[0].truth->clearance_mm);
+  CHECK(*results[0].truth->clearance_mm > *results[1].truth->clearance_mm);
 }
 
 TEST_CASE("an unseen rig is as warm as its trial says, an explored one as configured") {

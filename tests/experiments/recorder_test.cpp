@@ -53,6 +53,20 @@ TEST_CASE("every step is a row, and what was not sensed is empty") {
   CHECK(rows[2].find("baseline,point,0,0.3,0.002,0,0.5,0,,,,0.01,0,") != std::string::npos);
 }
 
+TEST_CASE("the points that a needle was led over are recorded once each, where a way was searched") {
+  experiments::TrialResult result = trial(true);
+  CHECK_FALSE(experiments::record_of(result).route_mm);
+  result.plan.routes = std::make_shared<const task::RouteMap>(task::Region::disc(0.02, 0.004),
+                                                              std::vector<task::Move>(), task::RouteConfig());
+  result.samples[0].step.target_m = result.samples[1].step.target_m = {0.005, 0.005};
+  const auto record = experiments::record_of(result);
+  REQUIRE(record.route_mm);
+  REQUIRE(record.route_mm->size() == 2);
+  CHECK(record.route_mm->front()[1] == Approx(5.0));
+  CHECK(record.route_mm->back()[0] == Approx(10.0));
+  CHECK(record.target_mm->at(0) == Approx(10.0));
+}
+
 TEST_CASE("how strong the rig was taken to be is recorded where it was identified") {
   experiments::TrialResult result = trial(true);
   CHECK_FALSE(experiments::record_of(result).log_drive_gain);

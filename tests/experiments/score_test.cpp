@@ -220,6 +220,39 @@ TEST_CASE("every trial counts the same, and they are summed up as known numbers 
   CHECK(summed_up({3.0, 1.0, 2.0}).median_error_mm == 2.0);
 }
 
+TEST_CASE("a trial that touches a zone has failed, and its touches are counted one by one") {
+  const geometry::KeepOut keep_out{{{"disc", {0.02, 0.0}, 0.004}}, 0.02, 0.001, 0.001};
+  const auto scored = [&keep_out](const std::vector<geometry::Pose2>& poses) {
+    runs::TrialFigures figures;
+    figures.success = true;
+    experiments::score_keep_out(poses, keep_out, figures);
+    return figures;
+  };
+  const auto clear = scored({{-0.02, 0.0, 0.0}, {0.0, 0.0, 0.0}, {-0.01, 0.0, 0.0}});
+  CHECK(*clear.clearance_mm == Approx(5.5));
+  CHECK(*clear.touches == 0);
+  CHECK(clear.success);
+  const auto touching = scored({{0.006, 0.0, 0.0}, {0.007, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.006, 0.0, 0.0}});
+  CHECK(*touching.touches == 2);  // it came, stayed, went, and came again
+  CHECK(*touching.clearance_mm == Approx(-1.5));
+  CHECK_FALSE(touching.success);
+  CHECK_FALSE(scored({}).clearance_mm);
+  runs::TrialFigures without;
+  without.success = true;
+  experiments::score_keep_out({{0.006, 0.0, 0.0}}, {}, without);
+  CHECK_FALSE(without.touches);
+  CHECK(without.success);
+
+  const auto summary = experiments::summarise_trials({&clear, &touching, &without});
+  CHECK(*summary.clearance_mm == Approx(2.0));
+  CHECK(*summary.least_clearance_mm == Approx(-1.5));
+  CHECK(*summary.touches == Approx(1.0));
+  CHECK(*summary.touching_rate == Approx(0.5));  // of the two that had zones
+  CHECK(summary.touching_interval->at(0) == Approx(0.094).margin(0.01));
+  CHECK(summary.touching_interval->at(1) == Approx(0.906).margin(0.01));
+  CHECK_FALSE(experiments::summarise_trials({&without}).touching_rate);
+}
+
 TEST_CASE("a task is summed up by true poses where they are known, and by what was seen") {
   runs::TrialRecord good;
   good.completed = true;

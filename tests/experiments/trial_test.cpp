@@ -108,6 +108,46 @@ TEST_CASE("a heading along a path is scored to the end of the schedule, as the n
   CHECK(*stopped.truth->heading_rms_deg == Approx(90.0 * std::sqrt(8.0 / 11.0)));
 }
 
+TEST_CASE("a trial is scored by the zones that its needle keeps out of") {
+  Bench bench;
+  const auto still = [&] { return bench.plan.start; };
+  bench.plan.target_m = bench.plan.start.position_m();
+  const auto without = bench.run(still);
+  CHECK_FALSE(without.truth->clearance_mm);
+  CHECK(without.truth->success);
+  bench.plan.keep_out = {{{"far", {-0.03, 0.0}, 0.002}}, 0.01, 0.001, 0.001};
+  const auto clear = bench.run(still);
+  CHECK(*clear.truth->clearance_mm == Approx(37.5));  // from the tail at 10 mm
+  CHECK(clear.truth->success);
+  CHECK(clear.sensed.clearance_mm);
+  bench.plan.keep_out.zones.front().corners_m = {0.02, 0.0};
+  const auto touching = bench.run(still);
+  CHECK(touching.completed);  // nobody keeps it out here, but it is scored
+  CHECK(*touching.truth->touches == 1);
+  CHECK_FALSE(touching.truth->success);
+}
+
+TEST_CASE("a needle is led to a point by a way, and scored by its distance to that point alone") {
+  Bench bench;
+  bench.plan.start = {-0.02, 0.0, 0.0};
+  bench.plan.target_m = {0.02, 0.0};
+  bench.plan.keep_out = {{{"disc", {0.0, 0.0}, 0.002}}, 0.01, 0.001, 0.001};
+  bench.plan.routes = std::make_shared<const task::RouteMap>(task::Region::disc(0.04, 0.004),
+                                                             std::vector<task::Move>(), task::RouteConfig());
+  // A needle that does not move is sent to the first point of the way, and is as far from the target as ever.
+  const auto result = bench.run([&] { return bench.plan.start; });
+  CHECK(result.completed);
+  const geometry::Vector2 aimed_m = result.samples.front().step.target_m;
+  CHECK((aimed_m - bench.plan.target_m).norm() > 0.005);
+  CHECK(std::abs(aimed_m.y()) > 0.003);  // past the disc
+  CHECK(result.truth->final_error_mm == Approx(40.0));
+  bench.plan.keep_out.zones = {{"wall", {0.0, -0.05, 0.0, 0.05}, 0.001}};
+  const auto blocked = bench.run([&] { return bench.plan.start; });
+  CHECK_FALSE(blocked.completed);
+  CHECK_THAT(blocked.stop_reason, Catch::Contains("no way leads"));
+  CHECK_FALSE(blocked.truth->success);
+}
+
 TEST_CASE("a heading that is off fails a trial of a pose") {
   Bench bench;
   bench.plan.target_m = bench.plan.start.position_m();

@@ -17,6 +17,43 @@ TEST_CASE("errors stand beside intervals, and only what is there is explained") 
   CHECK_FALSE(holds(html, "Unseen rigs"));
 }
 
+TEST_CASE("how zones were kept out of has a table of its own, where there were any") {
+  RunData run = small_run();
+  CHECK_FALSE(holds(deployment_section(run), "touched"));
+  lodestone::runs::ErrorStatistics& errors = *run.rigs[0].summary.tasks.by_task["point"].truth;
+  errors.clearance_mm = 6.25;
+  errors.least_clearance_mm = -0.75;
+  errors.touching_rate = 0.25;
+  errors.touching_interval = {0.05, 0.7};
+  const std::string html = deployment_section(run);
+  for (const char* part : {"trials that touched one", "6.25", "-0.75", "5 to 70"}) {
+    CAPTURE(part);
+    CHECK(holds(html, part));
+  }
+}
+
+TEST_CASE("where the needle can be brought is drawn with the zones and the ways, where ways were searched") {
+  RunData run = small_run();
+  CHECK_FALSE(holds(deployment_section(run), "can be brought"));
+  lodestone::runs::ReachMap& reach = run.reach.emplace();
+  reach.cell_mm = 5.0;
+  reach.reachable_mm = {{2.5, 2.5}, {7.5, 2.5}};
+  reach.dead_mm = {{2.5, 7.5}};
+  std::string html = deployment_section(run);
+  CHECK(holds(html, "0.5 cm²"));
+  CHECK(holds(html, "#e3d3c4"));
+  CHECK_FALSE(holds(html, "keep-out"));
+  CHECK_FALSE(holds(html, "lines: the ways"));
+  run.deploy.config = lodestone::common::Json::parse(
+      R"({"rig": {"dish": {"radius_m": 0.0425}, "coils": {}},
+          "safety": {"keep_out": [{"name": "", "corners_m": [0.01, 0.0], "radius_m": 0.004}]}})");
+  run.rigs.front().trials->front().route_mm = {{10.0, 10.0}, {0.0, 0.0}};
+  html = deployment_section(run);
+  CHECK(holds(html, "class=\"keep-out\""));
+  CHECK(holds(html, "red: zones"));
+  CHECK(holds(html, "lines: the ways"));
+}
+
 TEST_CASE("every controller and rig has bars and a legend of its own") {
   lodestone::report::RunData run = small_run();
   run.rigs.push_back(deployment("unseen", "policy"));

@@ -25,6 +25,18 @@ TEST_CASE("a dish drawing holds what was put into it, with y upwards") {
   CHECK(std::stod(svg.substr(circle + 4)) < 0.0);
 }
 
+TEST_CASE("zones to keep out of are drawn to scale, and cells of one colour where they lie") {
+  DrawnRig rig(85.0);  // half a drawing unit per mm
+  rig.keep_out = {{{{10.0, 20.0}}, 4.0}, {{{0.0, 0.0}, {10.0, 0.0}, {0.0, 10.0}}, 1.0}};
+  DishSvg dish(rig);
+  dish.squares({{2.0, 6.0}}, 4.0, "#d5ead9");
+  const std::string svg = dish.svg("zones");
+  CHECK(holds(svg, "cx=\"5.00\" cy=\"-10.00\" r=\"2.00\""));
+  CHECK(holds(svg, "stroke-width=\"1.00\" points=\"0.00,-0.00 5.00,-0.00 0.00,-5.00 \""));
+  CHECK(holds(svg, "x=\"0.00\" y=\"-4.00\" width=\"2.00\" height=\"2.00\" fill=\"#d5ead9\""));
+  CHECK_FALSE(holds(DishSvg(42.5).svg("none"), "keep-out"));
+}
+
 TEST_CASE("coils are drawn the way they stand") {
   DrawnRig rig(17.0);
   rig.coils = {{"low45", 45.0}, {"ring180", 180.0}};

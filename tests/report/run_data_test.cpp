@@ -19,7 +19,12 @@ TEST_CASE("the folder of a deployment is a run that holds nothing else") {
       lodestone::tests::deployment("explored", "planner").summary;
   lodestone::common::write_artefact(folder / "summary.json", summary);
   write_file_atomically(folder / "trajectories.csv", "rig\n");
+  CHECK_FALSE(read_run(folder.path()).reach);
+  lodestone::runs::ReachMap map;
+  map.cell_mm = 4.0;
+  lodestone::common::write_artefact(folder / "reachable.json", map);
   const RunData run = read_run(folder.path());
+  CHECK(run.reach->cell_mm == 4.0);
   CHECK(run.deployment_only);
   REQUIRE(run.rigs.size() == 1);
   CHECK(run.rigs.front().driver() == "planner");

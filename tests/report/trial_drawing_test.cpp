@@ -62,6 +62,15 @@ TEST_CASE("moments at which the needle was not seen are marked, and said in the 
   CHECK_FALSE(holds(legend_of(drawn), "not seen"));
 }
 
+TEST_CASE("the points that a needle was led over are drawn, and said in the caption") {
+  auto trials = read_trials({point_trial("policy", "explored")});
+  CHECK_FALSE(holds(draw_trials({&trials[0]}, 42.5, "some"), "stroke-dasharray"));
+  CHECK_FALSE(holds(legend_of({&trials[0]}), "led"));
+  trials[0].route_mm = {{5.0, 12.0}, {0.0, 0.0}};
+  CHECK(holds(draw_trials({&trials[0]}, 42.5, "some"), "5.00,-12.00 0.00,-0.00"));
+  CHECK(holds(legend_of({&trials[0]}), "led"));
+}
+
 TEST_CASE("a drawing becomes a file that opens by itself, an empty one none") {
   const lodestone::tests::TemporaryFolder folder;
   const auto trials = read_trials({point_trial("policy", "explored")});

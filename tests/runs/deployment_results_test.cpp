@@ -31,6 +31,8 @@ runs::TrialRecord record(bool known) {
   made.trajectory = {{1.0, -2.0, 0.5}, {1.5, -2.0, 0.5}};
   made.truth = made.sensed;
   made.truth->final_error_mm = 0.25;
+  made.truth->clearance_mm = -0.5;
+  made.truth->touches = 2;
   return made;
 }
 
@@ -48,6 +50,8 @@ TEST_CASE("trials read back to the last digit, and one without a true pose has n
   CHECK(common::artefact_to_json(trials->at(0)) == list[0]);
   CHECK(trials->at(0).figures().final_error_mm == 0.25);
   CHECK(trials->at(0).truth->corner_errors_mm->at(1) == 1.0 / 3.0);
+  CHECK(trials->at(0).truth->touches == 2);
+  CHECK_FALSE(trials->at(1).sensed.clearance_mm);
   CHECK_FALSE(trials->at(1).truth);
   CHECK_FALSE(trials->at(1).trajectory);
   CHECK_FALSE(list[1].contains("final_error_mm"));
@@ -66,6 +70,19 @@ TEST_CASE("trials read back to the last digit, and one without a true pose has n
   common::write_json(folder / runs::kTrialsFile, Json::array({common::artefact_to_json(short_by_one)}));
   CHECK_THROWS_WITH(runs::find_trials(folder.path()),
                     Catch::Contains("trial 3: reference_heading_rad has 1 rows for 2 observations"));
+}
+
+TEST_CASE("a map of what can be reached reads back") {
+  const tests::TemporaryFolder folder;
+  runs::ReachMap map;
+  map.cell_mm = 4.0;
+  map.reachable_mm = {{2.0, 2.0}, {6.0, 1.0 / 3.0}};
+  map.dead_mm = {{38.0, -2.0}};
+  common::write_artefact(folder / runs::ReachMap::kFile, map);
+  const auto read = common::read_artefact<runs::ReachMap>(folder / runs::ReachMap::kFile);
+  CHECK(read.cell_mm == 4.0);
+  CHECK(read.reachable_mm == map.reachable_mm);
+  CHECK(read.dead_mm == map.dead_mm);
 }
 
 TEST_CASE("a summary has the tasks of the first rig at its top, each rig by name, and the baseline apart") {

@@ -74,6 +74,25 @@ TEST_CASE("the supervisor limits current, power and pulse length") {
   CHECK(cut.current_A[2] == -cut.current_A[0]);
 }
 
+TEST_CASE("a needle in a keep-out zone stops the coils for good, also where the zone has come to it") {
+  Bench bench;
+  SECTION("the needle comes") {
+    bench.config.keep_out = {{"wall", {0.03, -0.01, 0.03, 0.01}, 0.001}};
+    bench.start();
+    bench.step(kPulse);
+    CHECK_THROWS_AS(bench.coils->observe(bench.pose(0.02)), common::HardwareError);
+  }
+  SECTION("the zone comes") {
+    bench.step(kPulse);
+    bench.coils->move_keep_out({{"wall", {0.0, -0.01, 0.0, 0.01}, 0.001}});
+    CHECK_THROWS_AS(bench.coils->observe(bench.pose()), common::HardwareError);
+  }
+  CHECK(bench.coils->latched());
+  CHECK_THAT(bench.coils->reason(), Catch::Contains("keep-out zone wall"));
+  CHECK_THROWS_AS(bench.coils->apply(kPulse), common::HardwareError);
+  CHECK(bench.device.pulses.size() == 1);
+}
+
 TEST_CASE("the supervisor stops the coils, keeps the reason and refuses what follows") {
   Bench bench;
   rig::CoilPulse pulse = kPulse;

@@ -51,6 +51,20 @@ TEST_CASE("goals are drawn inside the region, which survives JSON") {
   CHECK_THROWS_AS(task::Region::from_json(common::Json::object()), common::DataError);
 }
 
+TEST_CASE("cells are found by the positions in them; a disc has those whose middle lies in it") {
+  const task::Region disc = task::Region::disc(0.010, 0.004);
+  CHECK(disc.area_m2() == Approx(geometry::kPi * 1e-4).epsilon(0.2));
+  const std::vector<Vector2> centres_m = disc.centres_m();
+  for (std::size_t cell = 0; cell < centres_m.size(); ++cell) {
+    REQUIRE(centres_m[cell].norm() <= 0.010);
+    REQUIRE(disc.find(centres_m[cell] + Vector2(0.0019, -0.0019)) == cell);
+  }
+  CHECK_FALSE(disc.find({0.0119, 0.001}));
+  CHECK(disc.contains({-0.0001, 0.0001}));
+  CHECK((disc.centre_m(disc.cell_of({0.0119, 0.001})) - Vector2(0.010, 0.002)).norm() < 1e-12);
+  CHECK((task::Region::from_json(disc.json()).centres_m() == centres_m));
+}
+
 TEST_CASE("data without a reachable cell are refused") {
   CHECK_THROWS_AS(task::Region({{{0.0, 0.0}, {0.001, 0.0}}}, {}), common::ConfigError);
 }

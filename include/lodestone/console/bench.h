@@ -12,6 +12,7 @@
 #include "lodestone/geometry/path.h"
 #include "lodestone/imaging/frame.h"
 #include "lodestone/session/rig_session.h"
+#include "lodestone/task/route_map.h"
 
 namespace lodestone::console {
 
@@ -42,6 +43,7 @@ class Bench {
     experiments::DeploymentConfig config;
     std::vector<experiments::ControllerSource> sources;  ///< at least one; the first drives at first
     std::function<void(const BenchEvent& event)> tell;   ///< from any thread
+    std::shared_ptr<const task::RouteMap> routes;  ///< by which points are gone to; null: straight to them
   };
   explicit Bench(Parts parts);
   ~Bench();  ///< as end()

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "lodestone/geometry/keep_out.h"
 #include "lodestone/geometry/path.h"
 #include "lodestone/physics/rig_description.h"
 #include "lodestone/task/region.h"
@@ -21,12 +22,13 @@ geometry::Path smoothed(const std::vector<geometry::Vector2>& points_m, bool clo
 /// How the needle shall lie along a path that has headings, at places that can be told apart, 200 at most.
 std::vector<geometry::Pose2> shown_headings(const geometry::Path& path);
 
-/// Where a needle may be driven: inside the dish and the fence and, where it is known, where needles have
-/// been seen to come and go.
+/// Where a needle may be driven: inside the dish and the fence, clear of zones to keep out of and, where it
+/// is known, where needles have been seen to come and go.
 struct Reachable {
   physics::RigDescription rig;
   double fence_m = 0.0;  ///< from the dish centre
   std::optional<task::Region> region;
+  geometry::KeepOut keep_out = {};
 
   /// Why the middle of the needle cannot or may not be there; empty: it may.
   std::string why_not(const geometry::Vector2& point_m) const;

@@ -14,7 +14,8 @@ struct LearnedSimulator {
       : members(model.members),
         state_size(static_cast<std::size_t>(data::state_size(model.info.layout))),
         sampled(model.config.components > 0),
-        dish_radius_m(model.info.workspace_radius_m) {
+        dish_radius_m(model.info.workspace_radius_m),
+        recorded_moves(model.recorded_moves) {
     LODESTONE_CHECK(!members.empty(), "the ensemble has no member");
     action.scale = model.info.action_scale;
     action.unit = model.info.action_unit;
@@ -26,7 +27,8 @@ struct LearnedSimulator {
   std::size_t state_size;
   bool sampled;  ///< a distribution is predicted, so outcomes are drawn from it
   double dish_radius_m;
-  task::ActionConfig action;  ///< in the simulator's unit of drive
+  std::vector<task::Move> recorded_moves;  ///< that it was trained on
+  task::ActionConfig action;               ///< in the simulator's unit of drive
 };
 
 }  // namespace lodestone::control

@@ -26,6 +26,7 @@
 #include "lodestone/session/rig_session.h"
 #include "lodestone/session/sensing.h"
 #include "lodestone/task/region.h"
+#include "lodestone/task/route_map.h"
 #include "lodestone/task/task.h"
 
 namespace lodestone::experiments {
@@ -86,6 +87,7 @@ struct DeploymentConfig {
   TrialsConfig trials;
   ScoreConfig score;
   control::PathReferenceConfig reference;
+  task::RouteConfig route;
   control::ControlLoopConfig loop;
   safety::SafetyConfig safety;
   control::DecoratorConfig decorators;
@@ -105,6 +107,7 @@ struct DeploymentConfig {
     v.group("trials", trials, "the trials");
     v.group("score", score, "rules of scoring");
     v.group("reference", reference, "how a path is fed to the controller");
+    v.group("route", route, "how ways to a point are searched around zones, and fed to the controller");
     v.group("loop", loop, "timing of the control loop");
     v.group("safety", safety, "limits of the supervisor");
     v.group("decorators", decorators, "what is put around every controller");
@@ -144,12 +147,14 @@ geometry::Path headed_path(const geometry::Path& path, const TrialsConfig& trial
 
 /// Start, target or path of trial `index` of a task ("centre", "point", "pose", "square", "circle", or "path"
 /// with `path`). `target_m`, when given, replaces the drawn target of `point`. `fits` says whether a start
-/// lies inside the dish. With a `region`, start and drawn target lie in it.
+/// lies inside the dish. With a `region`, start and drawn target lie in it. Both keep clear of the zones of
+/// config.safety; by `routes` the needle is led around them.
 TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, std::int64_t index,
                      const std::optional<geometry::Vector2>& target_m,
                      const std::optional<geometry::Path>& path,
                      const std::function<bool(const geometry::Pose2&)>& fits,
-                     const task::Region* region = nullptr);
+                     const task::Region* region = nullptr,
+                     std::shared_ptr<const task::RouteMap> routes = nullptr);
 
 /// A learned simulator, which sources share.
 struct SimulatorSource {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,9 +55,10 @@ struct DeployConfig {
 /// What is driven: every task by every controller on every kind of rig.
 struct DeploymentJob {
   std::vector<std::string> tasks;
-  std::optional<geometry::Path> path;         ///< of task "path"
-  std::optional<geometry::Vector2> target_m;  ///< of task "point"; drawn for each trial without
-  std::optional<task::Region> region;         ///< that starts and targets lie in
+  std::optional<geometry::Path> path;            ///< of task "path"
+  std::optional<geometry::Vector2> target_m;     ///< of task "point"; drawn for each trial without
+  std::optional<task::Region> region;            ///< that starts and targets lie in
+  std::shared_ptr<const task::RouteMap> routes;  ///< by which points are gone to; null: straight to them
   std::vector<RigKind> rigs;
   std::vector<ControllerSource> sources;
   runs::Provenance provenance;  ///< of the policy

@@ -28,7 +28,7 @@ class DeploymentRun : public runs::ResumableWork {
 
   /// The trials that have ended.
   runs::DeploymentSummary summary() const;
-  /// Writes trials.json of every kind of rig from trials.jsonl.
+  /// Writes trials.json of every kind of rig from trials.jsonl, and the map in which ways were searched.
   void write_trials() const;
 
  protected:

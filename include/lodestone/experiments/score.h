@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "lodestone/geometry/keep_out.h"
 #include "lodestone/geometry/path.h"
 #include "lodestone/runs/deployment_results.h"
 
@@ -64,6 +65,11 @@ runs::TrialFigures score_path(const std::vector<ScoredSample>& samples, const ge
 /// its time and none before one that it comes after: the largest share for which there are such moments.
 /// Moments may serve several points.
 double completion(const std::vector<ScoredSample>& samples, const ScoreConfig& config);
+
+/// How near the needle came to a zone that it must keep out of, lying as in these poses one after the other,
+/// and how often it came to touch one, which is no success. Without zones or poses nothing is noted.
+void score_keep_out(const std::vector<geometry::Pose2>& poses, const geometry::KeepOut& keep_out,
+                    runs::TrialFigures& score);
 
 /// Throws LogicFault when there are no trials.
 runs::ErrorStatistics summarise_trials(const std::vector<const runs::TrialFigures*>& trials);

@@ -9,7 +9,9 @@
 
 #include "lodestone/control/control_loop.h"
 #include "lodestone/experiments/score.h"
+#include "lodestone/geometry/keep_out.h"
 #include "lodestone/physics/per_coil.h"
+#include "lodestone/task/route_map.h"
 
 namespace lodestone::experiments {
 
@@ -23,6 +25,9 @@ struct TrialPlan {
   std::optional<geometry::Path> path;                      ///< path tasks
   double duration_s = 20.0;                                ///< point tasks
   control::PathReferenceConfig reference;                  ///< path tasks
+  geometry::KeepOut keep_out;                              ///< what the needle must keep out of
+  std::shared_ptr<const task::RouteMap> routes;  ///< by which it is led to a point; null: straight to it
+  double waypoint_radius_m = 0.004;              ///< a point of the way is passed within this
 };
 
 /// One observation with the true pose beside it, where somebody knows it. Only scoring sees the latter.

@@ -16,8 +16,14 @@ struct MapCell {
   double value = 0.0;
 };
 
-/// What a drawing shows of a rig: its dish, and coils, schematically, the way they stand from the dish centre
-/// (degrees from +x towards +y).
+/// A zone to keep out of: all within `radius_mm` of the filled polygon of its corners.
+struct DrawnZone {
+  Points corners_mm;
+  double radius_mm = 0.0;
+};
+
+/// What a drawing shows of a rig: the zones that its needle must keep out of, its dish, and coils,
+/// schematically, the way they stand from the dish centre (degrees from +x towards +y).
 struct DrawnRig {
   struct Coil {
     std::string name;
@@ -27,6 +33,7 @@ struct DrawnRig {
   DrawnRig(double dish_radius_mm) : radius_mm(dish_radius_mm) {}
 
   double radius_mm;
+  std::vector<DrawnZone> keep_out = {};
   std::vector<Coil> coils = {{"+x", 0.0}, {"−x", 180.0}, {"+y", 90.0}, {"−y", 270.0}};
 };
 
@@ -42,6 +49,8 @@ class DishSvg {
   /// unit) stands on the right. Cells are clipped to the dish.
   void map(const std::vector<MapCell>& cells, double side_mm, double low, double high,
            const std::string& legend, int decimals);
+  /// Square cells of one colour, by their middles, clipped to the dish.
+  void squares(const Points& centres_mm, double side_mm, const std::string& colour);
   void line(const Points& points, const std::string& colour, double width, double opacity,
             bool dashed = false);
   /// Filled, or a ring when `hollow`.

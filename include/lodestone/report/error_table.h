@@ -19,6 +19,10 @@ struct ErrorRow {
   std::optional<double> target_deviation_mm = {}, target_deviation_std_mm = {};
   std::optional<double> completion = {}, corners_reached = {}, time_rms_mm = {}, frechet_mm = {};
   std::optional<double> heading_rms_deg = {};  ///< of paths that have headings
+  /// Of trials with zones to keep out of: mean and least clearance, and the share that touched one, with its
+  /// 95 % interval.
+  std::optional<double> clearance_mm = {}, least_clearance_mm = {}, touching_rate = {};
+  std::optional<common::Interval> touching_interval = {};
   std::optional<double> hold_mm = {}, seconds_to_reach = {}, success_rate = {}, trials = {}, stopped = {};
   /// 95 %: bootstrap over the trials, each with its RMS error; Wilson's of the fraction of successes.
   std::optional<common::Interval> rms_interval_mm = {}, success_interval = {};

@@ -55,7 +55,8 @@ struct RunData {
   StepData deploy;
   runs::Provenance provenance;  ///< of the policy that was deployed
   std::vector<DeployData> rigs;
-  std::vector<FilmedTrial> filmed;  ///< of DIR/deploy/videos, by name
+  std::optional<runs::ReachMap> reach;  ///< where the needle can be brought, where ways were searched
+  std::vector<FilmedTrial> filmed;      ///< of DIR/deploy/videos, by name
 };
 
 /// Reads what is there; missing files are no fault. Throws DataError naming a file that is damaged, and

@@ -34,6 +34,10 @@ struct TrialFigures {
   std::optional<double> frechet_mm;  ///< discrete Frechet distance between needle and reference
   std::optional<std::int64_t> steps_to_reach;
   std::optional<double> seconds_to_reach;
+  /// Least distance of the needle from a zone that it must keep out of, at the moments that were observed: 0
+  /// or less where it touched one; absent where there was none.
+  std::optional<double> clearance_mm;
+  std::optional<std::int64_t> touches;  ///< times that it came to touch one; with any the trial has failed
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -51,6 +55,8 @@ struct TrialFigures {
     v.field("frechet_mm", frechet_mm);
     v.field("steps_to_reach", steps_to_reach);
     v.field("seconds_to_reach", seconds_to_reach);
+    v.field("clearance_mm", clearance_mm);
+    v.field("touches", touches);
   }
   /// The one error of a trial: of a path the cross-track RMS, of a point the distance at the end.
   double error_mm() const { return cross_track_rms_mm.value_or(final_error_mm); }
@@ -75,7 +81,8 @@ struct TrialRecord {
   std::vector<std::optional<PoseMm>> sensed_trajectory;  ///< null: no pose was found
   std::optional<std::vector<PointMm>> reference_mm;      ///< paths only
   std::optional<std::vector<int>> approach;              ///< paths only: 1 on the way to the start
-  std::optional<std::vector<PerCoil>> current_A;         ///< asked of the coils; absent in older runs
+  std::optional<std::vector<PointMm>> route_mm;   ///< points that the needle was sent to, one after another
+  std::optional<std::vector<PerCoil>> current_A;  ///< asked of the coils; absent in older runs
   /// Of paths that have headings: how the needle should have lain.
   std::optional<std::vector<double>> reference_heading_rad;
   /// As they reported last, null before; likewise.
@@ -109,6 +116,7 @@ struct TrialRecord {
     v.field("reference_mm", reference_mm);
     v.field("reference_heading_rad", reference_heading_rad);
     v.field("approach", approach);
+    v.field("route_mm", route_mm);
     v.field("current_A", current_A);
     v.field("temperature_C", temperature_C);
     v.field("log_drive_gain", log_drive_gain);
@@ -132,6 +140,10 @@ struct ErrorStatistics {
   double success_rate = 0.0;
   std::optional<double> steps_to_reach, seconds_to_reach, hold_error_mm, heading_error_deg, heading_rms_deg,
       cross_track_rms_mm, time_rms_error_mm, target_deviation_mm, completion, corners_reached, frechet_mm;
+  /// Of the trials that had zones to keep out of: means, the least clearance of all, and the share of them in
+  /// which the needle touched one with its 95 % interval (Wilson's).
+  std::optional<double> clearance_mm, least_clearance_mm, touches, touching_rate;
+  std::optional<std::array<double, 2>> touching_interval;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -151,6 +163,11 @@ struct ErrorStatistics {
     v.field("completion", completion);
     v.field("corners_reached", corners_reached);
     v.field("frechet_mm", frechet_mm);
+    v.field("clearance_mm", clearance_mm);
+    v.field("least_clearance_mm", least_clearance_mm);
+    v.field("touches", touches);
+    v.field("touching_rate", touching_rate);
+    v.field("touching_interval", touching_interval);
   }
 };
 
@@ -170,6 +187,22 @@ struct TaskSummary {
     v.field("rig_changed", rig_changed);
     v.part("mean_error_mm", truth);
     v.field("sensed", sensed);
+  }
+};
+
+/// `reachable.json`: where the needle can be brought, in which ways to a point were searched.
+struct ReachMap {
+  static constexpr const char* kFile = "reachable.json";
+  double cell_mm = 0.0;               ///< side of a square cell
+  std::vector<PointMm> reachable_mm;  ///< middles of the cells that it comes to and gets away from
+  std::vector<PointMm>
+      dead_mm;  ///< of all others that pulses came to: dead zones, and what was seldom visited
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("cell_mm", cell_mm);
+    v.field("reachable_mm", reachable_mm);
+    v.field("dead_mm", dead_mm);
   }
 };
 

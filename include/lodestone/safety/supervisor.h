@@ -6,12 +6,16 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lodestone/common/clock.h"
 #include "lodestone/control/guard.h"
+#include "lodestone/geometry/keep_out.h"
+#include "lodestone/physics/rig_description.h"
 #include "lodestone/rig/coils.h"
 #include "lodestone/safety/check.h"
+#include "lodestone/safety/keep_out_check.h"
 #include "lodestone/safety/needle_seen_check.h"
 #include "lodestone/safety/operator_stop.h"
 #include "lodestone/safety/thermal_model.h"
@@ -29,6 +33,8 @@ struct SafetyConfig {
   double duty_window_s = 10.0;
   double temperature_tolerance_K = 30.0;
   double geofence = 1.4;
+  std::vector<geometry::Zone> keep_out;
+  double keep_out_margin_m = 0.001;
   double max_pose_age_s = 0.5;
   double max_late_s = 0.1;
   std::int64_t max_late_steps = 3;
@@ -49,6 +55,14 @@ struct SafetyConfig {
             "a coil that measures so far from what its pulses explain stops the run", {1.0, 60.0});
     v.field("geofence", geofence, "dish radii",
             "a needle seen further from the dish centre than this stops the run", {0.5, 1.5});
+    v.list("keep_out", keep_out, geometry::Zone{},
+           "zones that the needle must keep out of: ways are planned around them, and it is scored by them, "
+           "too");
+    v.field(
+        "keep_out_margin_m", keep_out_margin_m, "m",
+        "a needle that may lie nearer to one of them than this stops the run; a pulse that begins outside "
+        "this margin can still take it further",
+        {0.0, 0.05});
     v.field("max_pose_age_s", max_pose_age_s, "s", "a pose older than this stops the run", {0.01, 2.0});
     v.field("max_late_s", max_late_s, "s", "a step that begins later than this is a missed deadline",
             {1e-3, 1.0});
@@ -56,6 +70,11 @@ struct SafetyConfig {
     v.field("stop_file", stop_file, "", "the run stops as soon as this file exists; empty: no file");
     v.retired("thermal", "rig.coils and rig.ambient_C");
     v.retired("geofence_m", "geofence, in dish radii");
+  }
+
+  /// What the needle of this rig must keep out of.
+  geometry::KeepOut keeps_out(const physics::RigDescription& rig) const {
+    return {keep_out, rig.needle.length_m, rig.needle.diameter_m, keep_out_margin_m};
   }
 };
 
@@ -82,6 +101,9 @@ class Supervisor final : public rig::Coils, public control::Guard {
   /// Switches off now; the next pulse may switch on again.
   void stop() noexcept override { coils_.stop(); }
   rig::CoilStatus status() override { return coils_.status(); }
+
+  /// From any thread: the zones that the needle must keep out of have moved.
+  void move_keep_out(std::vector<geometry::Zone> zones) { keep_out_->move_zones(std::move(zones)); }
 
   /// Switches off now and for good: whoever drives is told `reason` at its next call.
   void request_stop(const std::string& reason);
@@ -117,6 +139,7 @@ class Supervisor final : public rig::Coils, public control::Guard {
   std::vector<std::unique_ptr<StepCheck>> step_checks_;
   std::vector<std::unique_ptr<PoseCheck>> pose_checks_;
   std::vector<std::unique_ptr<PulseCheck>> pulse_checks_;
+  KeepOutCheck* keep_out_ = nullptr;  // one of pose_checks_
   bool needle_required_;
   std::optional<rig::CoilStatus> reported_;
   rig::CoilPulse last_;

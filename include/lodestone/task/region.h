@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "lodestone/common/config.h"
@@ -35,24 +38,35 @@ struct RegionConfig {
 /// cells. What is not in it are the paper's dead zones, and what was never visited.
 class Region {
  public:
+  using Cell = std::pair<std::int64_t, std::int64_t>;
+
   Region() = default;
   /// Cells that satisfy `config` and hang together with the one most moves went through.
   /// Throws ConfigError when none is left.
   Region(const std::vector<Move>& moves, const RegionConfig& config);
+
+  /// All cells whose middle lies in a disc around the dish centre: where nothing was recorded.
+  static Region disc(double radius_m, double cell_m);
 
   bool contains(const geometry::Vector2& position_m) const;
   /// Draws until a point lies inside. Throws ConfigError when ten thousand did not.
   geometry::Vector2 draw(const std::function<geometry::Vector2()>& draw_point) const;
   double area_m2() const;
 
+  double cell_m() const { return cell_m_; }  ///< side of a cell
+  /// The cell around a position, in the region or not, and its middle.
+  Cell cell_of(const geometry::Vector2& position_m) const;
+  geometry::Vector2 centre_m(const Cell& cell) const;
+  /// Middles of the region's cells.
+  std::vector<geometry::Vector2> centres_m() const;
+  /// Which of those cells is around a position; nothing outside the region.
+  std::optional<std::size_t> find(const geometry::Vector2& position_m) const;
+
   /// {"cell_m", "cells": [[ix, iy], ...]}, and back; throws DataError.
   common::Json json() const;
   static Region from_json(const common::Json& json);
 
  private:
-  using Cell = std::pair<std::int64_t, std::int64_t>;
-  Cell cell_of(const geometry::Vector2& position_m) const;
-
   double cell_m_ = 0.004;
   std::vector<Cell> cells_;  // sorted
 };

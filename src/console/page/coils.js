@@ -14,7 +14,7 @@ export function coil_colours() {
 }
 
 export const overlay_colours = {
-  rim: 'rgba(12, 16, 22, 0.55)', fence: '#ffb454', field: '#9fd8e8', trail: '#ffe08a', plan: '#6fc3ff', target: '#7bf0a5',
+  rim: 'rgba(12, 16, 22, 0.55)', fence: '#ffb454', keep_out: '#ff7b72', field: '#9fd8e8', trail: '#ffe08a', plan: '#6fc3ff', target: '#7bf0a5',
   spread: '#ff9ad5', pose: '#ff5d8f', draft: '#ffffff', bad: '#ff3b30', coil_on: '#ffd23f', coil_on_ink: '#14181d',
   coil_off: 'rgba(20, 24, 29, 0.78)', coil_off_ink: '#e4e8ec',
 };

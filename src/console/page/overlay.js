@@ -11,6 +11,7 @@ export function draw_overlay(context, width, height, { hello, state, draft, refu
   const pen = new Pen(context, width, height);
   if (state) {
     pen.polygon(state.fence, colours.fence, 1.5, [7, 5]);
+    for (const side of state.keep_out ?? []) pen.polygon(side, colours.keep_out, 1.5);
     for (const arrow of state.field ?? []) draw_field(pen, arrow);
     pen.line(state.trail, colours.trail, 1.8);
     pen.line(state.plan, colours.plan, 2, [8, 5]);

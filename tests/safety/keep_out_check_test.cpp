@@ -1,0 +1,48 @@
+#include "lodestone/safety/keep_out_check.h"
+
+#include <catch2/catch.hpp>
+#include <limits>
+
+using namespace lodestone;
+
+namespace {
+
+/// A disc of 4 mm around (20, 0) mm, a needle of 20 mm by 1 mm, and a margin of 1 mm.
+geometry::KeepOut one_disc() { return {{{"disc", {0.02, 0.0}, 0.004}}, 0.02, 0.001, 0.001}; }
+
+}  // namespace
+
+TEST_CASE("a needle within the margin of a zone, or nowhere, is not trusted") {
+  safety::KeepOutCheck check(one_disc());
+  control::PoseEstimate estimate;
+  estimate.pose = {0.0044, 0.0, 0.0};  // its head 1.1 mm from the disc
+  check.observe(estimate, 0.0);
+  estimate.pose.x_m = 0.0046;  // 0.9 mm
+  CHECK_THROWS_WITH(check.observe(estimate, 0.0),
+                    Catch::Contains("keep-out zone disc") && Catch::Contains("margin of 1 mm"));
+  estimate.pose.heading_rad = 0.5 * geometry::kPi;  // the same place, but its side towards the disc
+  check.observe(estimate, 0.0);
+  estimate.pose.heading_rad = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THROWS_AS(check.observe(estimate, 0.0), safety::Distrust);
+}
+
+TEST_CASE("what the needle may lie nearer is added") {
+  safety::KeepOutCheck check(one_disc());
+  control::PoseEstimate estimate;
+  estimate.pose = {0.0034, 0.0, 0.0};  // 2.1 mm
+  check.observe(estimate, 0.0);
+  SECTION("of its place") { estimate.position_sigma_m = 0.6e-3; }
+  SECTION("of its heading") { estimate.heading_sigma_rad = 0.06; }
+  CHECK_THROWS_AS(check.observe(estimate, 0.0), safety::Distrust);
+}
+
+TEST_CASE("zones move, and without any nothing is kept out of") {
+  safety::KeepOutCheck check(one_disc());
+  control::PoseEstimate estimate;
+  estimate.pose = {-0.02, 0.0, 0.0};
+  check.observe(estimate, 0.0);
+  check.move_zones({{"wall", {-0.02, -0.01, -0.02, 0.01}, 0.0}});
+  CHECK_THROWS_WITH(check.observe(estimate, 0.0), Catch::Contains("wall"));
+  check.move_zones({});
+  check.observe(estimate, 0.0);
+}
