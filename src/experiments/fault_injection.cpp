@@ -296,7 +296,7 @@ std::vector<FaultKind> tolerated_faults() {
 std::vector<FaultKind> device_faults() {
   const auto silence = [](std::uint8_t&) { return false; };
   const auto each_coil = [](Chain& c, const auto& put) {
-    for (std::size_t i = 0; i < rig::kSerialCoils; ++i) put(c.bench, static_cast<int>(i));
+    for (std::size_t i = 0; i < c.rig.config().coils.count(); ++i) put(c.bench, static_cast<int>(i));
   };
   return {
       {"line dead", true,

@@ -91,7 +91,7 @@ void SerialSession::say_hello() {
 void SerialSession::wait_until_ready() {
   constexpr double kLook_s = 0.02;
   for (double waited_s = 0.0; waited_s < config_.setup_timeout_s; waited_s += kLook_s) {
-    if (coil_state(link_.exchange(wire::kStatus)).state & wire::kStateReady) return;
+    if (coil_state(link_.exchange(wire::kStatus), controllers_).state & wire::kStateReady) return;
     link_.wait(kLook_s);
   }
   throw common::HardwareError(

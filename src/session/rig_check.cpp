@@ -187,10 +187,13 @@ class Walk {
   /// Finds out by the needle's motion which coil answers to which name. Returns whether all do as they
   /// should.
   bool check_wiring() {
-    WiringProbe probe;
-    probe.current_A = config_.test_current_A;
-    probe.max_current_A = std::min(probe.max_current_A, config_.safety.max_current_A);
     const int coils = static_cast<int>(config_.rig.coils.count());
+    WiringProbe probe;
+    probe.max_current_A = std::min(probe.max_current_A, config_.safety.max_current_A);
+    for (int coil = 0; coil < coils; ++coil)  // any of them may be the one that answers
+      probe.max_current_A =
+          std::min(probe.max_current_A, config_.rig.coils.largest_A(static_cast<std::size_t>(coil)));
+    probe.current_A = std::min(config_.test_current_A, probe.max_current_A);
     if (!dialogue_.confirm("find out which coil is which, with up to " +
                            std::to_string(probe.max_pulses_each * coils) + " short pulses of up to " +
                            number(probe.max_current_A, "A") + "?")) {

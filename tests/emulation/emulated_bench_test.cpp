@@ -220,7 +220,7 @@ TEST_CASE("six and eight coils are driven through the firmware for three and fou
       pulse.current_A[other] = 2.0;
       pulse.duration_s = 0.15;
       b.coils->apply(pulse);
-      b.wait(0.145);
+      b.wait(0.13);
       const physics::PerCoil given_A = b.bench.current_A();
       for (std::size_t i = 0; i < count; ++i) {
         CAPTURE(coil, i);
@@ -268,7 +268,7 @@ TEST_CASE("an odd coil leaves the last output of the bench free") {
   Bench b(config);
   CHECK(b.bench.controllers() == 3);
   b.coils->apply({{0.0, 0.0, 0.0, 1.0, 3.0}, 0.15});
-  b.wait(0.14);
+  b.wait(0.13);
   CHECK(b.bench.current_A()[4] == Approx(3.0).margin(0.1));
   b.wait(0.3);
   CHECK(b.coils->status().faults.empty());
