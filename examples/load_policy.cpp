@@ -31,9 +31,9 @@ int main(int count, char** words) try {
   task::Observation observation;  // in a loop, last_action and last_displacement_m of the step before, too
   observation.pose = {number(2), number(3), number(4)};
   observation.target_m = {number(5), number(6)};
-  const geometry::Vector2 action = controller.act(observation);
+  const geometry::Drive action = controller.act(observation);
 
-  const auto current_A = physics::opposed_pairs_A(task::axis_drive(action, policy.action));
+  const auto current_A = physics::opposed_pairs_A(task::drive_of(action, policy.action));
   std::printf("action %.6f %.6f\n", action.x(), action.y());
   const char* const names[] = {"+x", "-x", "+y", "-y"};
   for (std::size_t coil = 0; coil < current_A.size(); ++coil)

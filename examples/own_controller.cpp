@@ -17,10 +17,10 @@ using namespace lodestone;
 class ProportionalPull final : public control::Controller {
  public:
   void reset() override {}  // it remembers nothing
-  geometry::Vector2 act(const task::Observation& observation) override {
+  geometry::Drive act(const task::Observation& observation) override {
     const geometry::Vector2 way_m = observation.target_m - observation.pose.position_m();
     const double distance_m = way_m.norm();
-    if (distance_m < kNear_m) return geometry::Vector2::Zero();
+    if (distance_m < kNear_m) return observation.rest();
     return way_m / distance_m * std::min(1.0, kBreakaway + kGain_per_m * distance_m);
   }
   std::unique_ptr<Controller> clone() const override { return std::make_unique<ProportionalPull>(*this); }
