@@ -31,7 +31,7 @@ int main(int count, char** words) try {
   task::Observation observation;  // in a loop, last_action and last_displacement_m of the step before, too
   observation.pose = {number(2), number(3), number(4)};
   observation.target_m = {number(5), number(6)};
-  const geometry::Drive action = controller.act(observation);
+  const geometry::Vector2 action = controller.act(observation);
 
   const auto current_A = physics::opposed_pairs_A(task::drive_of(action, policy.action));
   std::printf("action %.6f %.6f\n", action.x(), action.y());

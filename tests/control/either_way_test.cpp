@@ -40,7 +40,7 @@ ByHeading asks(const Vector2& ahead, const Vector2& back) {
   return ByHeading([=](double heading_rad) { return std::cos(heading_rad) > 0.0 ? ahead : back; });
 }
 
-std::optional<Vector2> act(const control::Controller& controller) {
+std::optional<geometry::Drive> act(const control::Controller& controller) {
   return control::act_either_way(controller, {}, tests::paper_action());
 }
 
