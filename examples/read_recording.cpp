@@ -23,7 +23,8 @@ int main(int count, char** words) try {
   if (count != 3) throw common::ConfigError("usage: read_recording TRANSITIONS.h5 DYNAMICS");
   const data::Dataset recording = data::read_any_dataset(words[1]);
   const inference::DynamicsModel dynamics = inference::load_dynamics(words[2]);
-  if (recording.info.layout != dynamics.info.layout)
+  if (recording.info.layout != dynamics.info.layout ||
+      recording.info.action_size != dynamics.info.action_size)
     throw common::DataError("recording and simulator are of different robots");
 
   const data::TransitionTable rows = data::flatten(recording);  // without those that nothing was applied to
