@@ -66,6 +66,14 @@ std::vector<geometry::Vector2> weak_places_m(double radius_m) {
 
 }  // namespace
 
+void QualificationConfig::validate() const {
+  rig.validate();
+  if (!safety.keep_out.empty())
+    throw common::ConfigError(
+        "safety.keep_out: a qualification drives all over the dish, and knows no way around zones; take away "
+        "what stands there, and leave the zones out");
+}
+
 DeployConfig QualificationConfig::deploy() const {
   DeployConfig config;
   config.policy = points.policy;

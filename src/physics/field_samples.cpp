@@ -9,11 +9,11 @@
 
 #include "lodestone/common/csv_table.h"
 #include "lodestone/common/error.h"
+#include "lodestone/physics/per_coil.h"
 
 namespace lodestone::physics {
 namespace {
 
-constexpr std::size_t kMostCoils = 16;
 constexpr double kLargest_m = 1.0;
 constexpr double kLargest_A = 1000.0;
 constexpr double kLargest_T = 10.0;

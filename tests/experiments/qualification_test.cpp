@@ -151,6 +151,13 @@ runs::QualificationResult qualified_with_half_a_coil(const experiments::Qualific
 
 }  // namespace
 
+TEST_CASE("a bench with zones to keep out of is not qualified") {
+  experiments::QualificationConfig config;
+  CHECK_NOTHROW(config.validate());
+  config.safety.keep_out = {{"vessel", {0.0, 0.0}, 0.004}};
+  CHECK_THROWS_WITH(config.validate(), Catch::Contains("safety.keep_out"));
+}
+
 TEST_CASE("a virtual bench is qualified item by item within its time, each time the same") {
   const experiments::QualificationConfig config = short_qualification(2.0);
   const auto bench = experiments::make_qualification_session(config);

@@ -49,7 +49,8 @@ struct QualificationConfig {
     v.group("sensor", sensor, "how poses are sensed");
     v.group("points", points, "the short deployment at the end, which tells the error to expect");
   }
-  void validate() const { rig.validate(); }
+  /// Throws ConfigError, also where there are zones to keep out of: it drives all over the dish.
+  void validate() const;
 
   /// What the points are driven as: `deploy --task point`, on this rig.
   DeployConfig deploy() const;
