@@ -1,6 +1,7 @@
 #include "lodestone/physics/needle_motion.h"
 #include "lodestone/geometry/angle.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>

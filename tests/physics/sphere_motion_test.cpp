@@ -115,7 +115,8 @@ TEST_CASE("across the field a sphere rolls: what slid gives up momentum to turni
   state.stuck = false;
   motion.step(state, sphere_coils(), weak, map, 1.0, 1e-6);
   CHECK(state.velocity_x_m_s == Approx(0.05).epsilon(1e-3));
-  CHECK(state.roll_x_m_s == Approx(0.0).margin(1e-9));
+  // But for half a step's way aside, where the field is turned by less than a millionth.
+  CHECK(state.roll_x_m_s == Approx(0.0).margin(1e-6));
   CHECK(state.velocity_y_m_s == Approx(0.05 * needle.mass_kg / (needle.mass_kg + rolling_kg)).epsilon(1e-3));
   CHECK(state.roll_y_m_s == Approx(state.velocity_y_m_s));
   // Sliding comes to rest much sooner than rolling.
