@@ -59,7 +59,7 @@ void DeploymentRun::step(common::MetricsLog& /*metrics*/) {
       for (const physics::CoilDescription& coil : each) coils.push_back(coil.name);
     }
     recorder_.emplace(folder_ + kTrajectories, job_.rigs.front() != RigKind::kReal, rows_, coils,
-                      job_.deployment.rig.drive_size());
+                      config_.rig.drive_size());
     if (rows_ == 0) common::write_file_atomically(folder_ + kJournal, "");
     journal_.open(folder_ + kJournal, std::ios::app);
     check(journal_, folder_ + kJournal);
