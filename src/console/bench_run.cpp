@@ -100,7 +100,8 @@ void Bench::State::note(const control::StepRecord& step) {
   note_camera();
   shown.pose = step.estimate;
   if (step.estimate.valid) remember(step.estimate.pose.position_m());
-  if (attendance.driving() != Driving::kByHand) {
+  // A point that was asked for stays the target that is shown, wherever the needle is led over on its way.
+  if (attendance.driving() != Driving::kByHand && !shown.plan_m.empty()) {
     shown.target_m = step.target_m;
     shown.target_heading_rad = step.target_heading_rad;
   }

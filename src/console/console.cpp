@@ -433,7 +433,7 @@ struct Console::State {
         {"kind", "plan"}, {"ok", false}, {"text", ""}, {"points", Json::array()}, {"bad", Json::array()}};
     std::optional<geometry::Path> path;
     try {
-      path = experiments::headed_path(make(), parts.bench.config.trials);
+      path = experiments::headed_path(make(), parts.bench.config);
     } catch (const common::Error& error) {
       told["text"] = error.what();
     }

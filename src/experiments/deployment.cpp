@@ -141,9 +141,13 @@ void check_in_dish(const physics::RigDescription& rig, const geometry::Vector2& 
   throw common::ConfigError(key + text);
 }
 
-geometry::Path headed_path(const geometry::Path& path, const TrialsConfig& trials) {
+geometry::Path headed_path(const geometry::Path& path, const DeploymentConfig& config) {
   using geometry::HeadingRule;
   using geometry::PathHeading;
+  const TrialsConfig& trials = config.trials;
+  if (trials.path_heading != HeadingRule::kNone && config.rig.needle.is_sphere())
+    throw common::InvalidConfig("trials.path_heading", common::name_of(trials.path_heading),
+                                "be none: a sphere (rig.needle.shape) has no heading");
   switch (trials.path_heading) {
     case HeadingRule::kNone:
       break;
@@ -213,7 +217,7 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
     plan.path = path;
   else
     LODESTONE_CHECK(task == "centre", "a task: centre, point, pose, square, circle or path, not " + task);
-  if (plan.path) plan.path = headed_path(*plan.path, config.trials);
+  if (plan.path) plan.path = headed_path(*plan.path, config);
   if (task == "pose") plan.target_heading_rad = random.uniform(-geometry::kPi, geometry::kPi);
   if (task == "pose" && config.trials.path_heading == geometry::HeadingRule::kFixed)
     plan.target_heading_rad = geometry::wrap_angle(geometry::kRadPerDeg * config.trials.path_heading_deg);

@@ -27,11 +27,8 @@ bool wants_headings(const DeployConfig& config, const DeploymentJob& job) {
 /// Before anything is driven.
 void check_headings(const DeployConfig& config, const DeploymentJob& job) {
   const TrialsConfig& trials = config.deployment.trials;
-  if (wants_headings(config, job) && config.deployment.rig.needle.is_sphere())
-    throw common::InvalidConfig("trials.path_heading", common::name_of(trials.path_heading),
-                                "be none: a sphere (rig.needle.shape) has no heading");
   if (wants_headings(config, job))
-    headed_path(job.path.value_or(geometry::Path::square(trials.square_side_m)), trials);
+    headed_path(job.path.value_or(geometry::Path::square(trials.square_side_m)), config.deployment);
   if (job.path && job.path->heading().rule() == geometry::HeadingRule::kColumn &&
       trials.path_heading == geometry::HeadingRule::kNone)
     common::log_warning(

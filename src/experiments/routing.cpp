@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 #include "lodestone/common/error.h"
@@ -17,9 +15,7 @@ namespace {
 
 /// The part of the dish that the middle of a needle comes to.
 task::Region middles(const DeploymentConfig& config) {
-  const double radius_m = config.rig.dish.radius_m;
-  const double half_m = std::min(0.5 * config.rig.needle.length_m, radius_m);
-  return task::Region::disc(std::sqrt(radius_m * radius_m - half_m * half_m), config.route.region.cell_m);
+  return task::Region::disc(config.rig.reach_m(), config.route.region.cell_m);
 }
 
 std::vector<runs::PointMm> points_mm(const std::vector<geometry::Vector2>& points_m) {

@@ -18,6 +18,7 @@ TrialVideo::TrialVideo(const std::string& file, const RecordingConfig& config, d
   annotation_.bench = bench;
   annotation_.max_current_A = max_current_A;
   annotation_.task = plan.task;
+  annotation_.target_m = plan.target_m;
   if (plan.path) annotation_.reference_m = plan.path->points_m();
   if (plan.path) annotation_.reference_headings = plan.path->poses(kHeadingsApart_m);
 }
@@ -30,7 +31,8 @@ void TrialVideo::show(const imaging::Frame& frame, const imaging::CameraModel& c
   annotation_.pose.reset();
   annotation_.error_m.reset();
   annotation_.no_pose_reason = step.estimate.reason;
-  annotation_.target_m = step.target_m;
+  // A point stays the target, wherever the needle is led over on its way.
+  if (!annotation_.reference_m.empty()) annotation_.target_m = step.target_m;
   annotation_.target_heading_rad = step.target_heading_rad;
   annotation_.time_s = step.time_s;
   annotation_.coil_current_A = step.current_A.list();
@@ -43,7 +45,7 @@ void TrialVideo::show(const imaging::Frame& frame, const imaging::CameraModel& c
     annotation_.last_seen_m = step.estimate.pose.position_m();
     if (annotation_.travelled_m.empty()) annotation_.travelled_m.emplace_back();
     annotation_.travelled_m.back().push_back(step.estimate.pose.position_m());
-    annotation_.error_m = (step.estimate.pose.position_m() - step.target_m).norm();
+    annotation_.error_m = (step.estimate.pose.position_m() - *annotation_.target_m).norm();
   }
   cv::Mat image = frame.image.clone();
   imaging::annotate(image, camera, annotation_);

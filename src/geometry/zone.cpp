@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "lodestone/common/config.h"
+#include "lodestone/geometry/polygon.h"
 
 namespace lodestone::geometry {
 namespace {
@@ -23,19 +24,6 @@ double between_segments_m(const Vector2& a_m, const Vector2& b_m, const Vector2&
   if (crossing) return 0.0;
   return std::min({to_segment_m(a_m, c_m, d_m), to_segment_m(b_m, c_m, d_m), to_segment_m(c_m, a_m, b_m),
                    to_segment_m(d_m, a_m, b_m)});
-}
-
-/// Whether a ray from the point to +x leaves the polygon once more than it enters it.
-bool polygon_holds(const std::vector<Vector2>& corners_m, const Vector2& point_m) {
-  bool inside = false;
-  for (std::size_t i = 0; i < corners_m.size(); ++i) {
-    const Vector2& a_m = corners_m[i];
-    const Vector2& b_m = corners_m[(i + 1) % corners_m.size()];
-    if ((a_m.y() > point_m.y()) == (b_m.y() > point_m.y())) continue;
-    const double share = (point_m.y() - a_m.y()) / (b_m.y() - a_m.y());
-    if (point_m.x() < a_m.x() + share * (b_m.x() - a_m.x())) inside = !inside;
-  }
-  return inside;
 }
 
 }  // namespace
@@ -65,7 +53,7 @@ std::vector<Vector2> Zone::points_m() const {
 
 double Zone::distance_m(const Vector2& from_m, const Vector2& to_m) const {
   const std::vector<Vector2> corners = points_m();
-  if (polygon_holds(corners, from_m)) return -radius_m;
+  if (inside_polygon(corners, from_m)) return -radius_m;
   double least_m = std::numeric_limits<double>::infinity();
   // In this order what is not a number stays none.
   for (std::size_t i = 0; i < corners.size(); ++i)

@@ -81,6 +81,18 @@ TEST_CASE("a target that no way leads to stops the bench, and says so") {
   CHECK_THAT(lab.bench->state().reason, Catch::Contains("no way leads"));
 }
 
+TEST_CASE("a point that the needle is led to by a way stays the target that is shown") {
+  const std::vector<geometry::Zone> post = {{"post", {0.02, 0.0}, 0.002}};
+  Laboratory lab(post);
+  REQUIRE(lab.reach(Mode::kDisarmed));
+  REQUIRE(lab.arm().empty());
+  REQUIRE(lab.bench->drive(point(0.035, 0.0)).empty());
+  REQUIRE(lab.reach([](const BenchState& state) { return state.run && state.run->steps > 2; }));
+  const BenchState shown = lab.bench->state();
+  REQUIRE(shown.target_m);
+  CHECK((*shown.target_m - geometry::Vector2(0.035, 0.0)).norm() < 1e-12);
+}
+
 TEST_CASE("an unattended run needs no page, and ends with its task") {
   Laboratory lab;
   REQUIRE(lab.reach(Mode::kDisarmed));

@@ -73,7 +73,7 @@ TEST_CASE("a needle is led to where its target will be, but not around a corner"
   control::DecoratorConfig config;
   config.lead_s = 1.5;
   auto inner =
-      std::make_unique<tests::FunctionController>([](const task::Observation&) { return Vector2(); });
+      std::make_unique<tests::FunctionController>([](const task::Observation&) { return Vector2(0.0, 0.0); });
   const tests::FunctionController& asked = *inner;
   control::Lead controller(std::move(inner), config);
   task::Observation observation;
@@ -98,7 +98,7 @@ TEST_CASE("a needle that is led is led to the heading that it shall have there")
   control::DecoratorConfig config;
   config.lead_s = 0.5;
   auto inner =
-      std::make_unique<tests::FunctionController>([](const task::Observation&) { return Vector2(); });
+      std::make_unique<tests::FunctionController>([](const task::Observation&) { return Vector2(0.0, 0.0); });
   const tests::FunctionController& asked = *inner;
   control::Lead controller(std::move(inner), config);
   task::Observation observation;

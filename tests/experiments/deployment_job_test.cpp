@@ -109,6 +109,13 @@ TEST_CASE("a sphere goes to points, by what knows of no heading") {
   config.target_mm = {0.0, 41.1};
   CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("stays 1.5 mm from the wall"));
   config.target_mm.clear();
+  config.task = "circle";
+  CHECK_NOTHROW(experiments::plan_job(config));
+  config.deployment.trials.path_heading = geometry::HeadingRule::kTangent;
+  CHECK_THROWS_WITH(experiments::plan_job(config),
+                    Catch::Contains("trials.path_heading = \"tangent\" must be none: a sphere"));
+  config.deployment.trials.path_heading = geometry::HeadingRule::kNone;
+  config.task = "point";
   config.controller = "policy";
   config.policy = saved_policy(folder, "point");
   CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("the policy goes by a heading"));

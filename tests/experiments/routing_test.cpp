@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "lodestone/common/error.h"
+#include "sphere_rig.h"
 
 using namespace lodestone;
 using experiments::route_map;
@@ -77,6 +78,15 @@ TEST_CASE("a place or a way in a zone is refused, and the zone is named") {
   experiments::check_keeps_out(keep_out, here, here, "target_mm");
   CHECK_THROWS_WITH(experiments::check_keeps_out(keep_out, here, beyond, "way.csv"),
                     Catch::Contains("way.csv") && Catch::Contains("keep-out zone vessel"));
+}
+
+TEST_CASE("a sphere keeps its radius from zones, whatever stands for its heading") {
+  experiments::DeploymentConfig config = with_a_zone();
+  config.rig.needle = tests::sphere();
+  const geometry::KeepOut keep_out = config.safety.keeps_out(config.rig);
+  for (const double heading_rad : {0.0, 0.5 * geometry::kPi})
+    CHECK(keep_out.clearance_m({0.0, 0.0, heading_rad}) == Approx(0.0065));  // 12 mm less 4 mm and 1.5 mm
+  CHECK(keep_out.any_way_m() == keep_out.margin_m);
 }
 
 TEST_CASE("a map is written with its cells") {

@@ -12,9 +12,10 @@ using namespace lodestone;
 
 namespace {
 
-/// Files of a trial of some images, along a path where there is one.
+/// Files of a trial of some images, along a path where there is one; `aimed_m`: where the needle is sent.
 std::vector<std::string> film(const tests::TemporaryFolder& folder, bool gif, int images,
-                              const std::optional<geometry::Path>& path = {}) {
+                              const std::optional<geometry::Path>& path = {},
+                              const geometry::Vector2& aimed_m = geometry::Vector2::Zero()) {
   experiments::RecordingConfig config;
   config.gif = gif;
   imaging::CameraModel camera;
@@ -27,6 +28,7 @@ std::vector<std::string> film(const tests::TemporaryFolder& folder, bool gif, in
     frame.image = cv::Mat(camera.height_px, camera.width_px, CV_8UC3, cv::Scalar(90, 90, 90));
     control::StepRecord step;
     step.time_s = 0.3 * i;
+    step.target_m = aimed_m;
     step.estimate.reason = "no needle in the image";
     video.show(frame, camera, step);
   }
@@ -55,6 +57,17 @@ TEST_CASE("a film shows how the needle shall lie along its path") {
   film(plain, false, 1, circle);
   film(headed, false, 1, circle.with_heading(geometry::PathHeading::tangent()));
   CHECK(common::read_file(plain / "trial.jpg") != common::read_file(headed / "trial.jpg"));
+}
+
+TEST_CASE("a film shows the target that moves along a path, but of a way to a point where that leads") {
+  const tests::TemporaryFolder still, led, first, later;
+  const geometry::Vector2 elsewhere(0.01, 0.0);
+  film(still, false, 1);
+  film(led, false, 1, {}, elsewhere);
+  CHECK(common::read_file(still / "trial.jpg") == common::read_file(led / "trial.jpg"));
+  film(first, false, 1, geometry::Path::circle(0.015));
+  film(later, false, 1, geometry::Path::circle(0.015), elsewhere);
+  CHECK(common::read_file(first / "trial.jpg") != common::read_file(later / "trial.jpg"));
 }
 
 TEST_CASE("a trial without an image leaves no film") {

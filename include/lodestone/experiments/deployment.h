@@ -141,9 +141,9 @@ UnseenRig unseen_rig(const DeploymentConfig& config, const std::string& task, st
 void check_in_dish(const physics::RigDescription& rig, const geometry::Vector2& point_m,
                    const std::string& key);
 
-/// The path with the headings that `trials` asks for. Throws ConfigError where they are to be those of its
-/// file, and that has none.
-geometry::Path headed_path(const geometry::Path& path, const TrialsConfig& trials);
+/// The path with the headings that config.trials asks for. Throws ConfigError where they are to be those of
+/// its file, and that has none, and where a sphere is to have any.
+geometry::Path headed_path(const geometry::Path& path, const DeploymentConfig& config);
 
 /// Start, target or path of trial `index` of a task ("centre", "point", "pose", "square", "circle", or "path"
 /// with `path`). `target_m`, when given, replaces the drawn target of `point`. `fits` says whether a start

@@ -72,9 +72,10 @@ struct SafetyConfig {
     v.retired("geofence_m", "geofence, in dish radii");
   }
 
-  /// What the needle of this rig must keep out of.
+  /// What the needle of this rig must keep out of. A sphere is as thick as one, and has no length.
   geometry::KeepOut keeps_out(const physics::RigDescription& rig) const {
-    return {keep_out, rig.needle.length_m, rig.needle.diameter_m, keep_out_margin_m};
+    const double length_m = rig.needle.is_sphere() ? 0.0 : rig.needle.length_m;
+    return {keep_out, length_m, rig.needle.diameter_m, keep_out_margin_m};
   }
 };
 
