@@ -422,13 +422,19 @@ class Page:
         """What the keyboard speaks to."""
         return self.script("return document.activeElement.id")
 
+    def seen(self, within_s):
+        """Where the needle is seen, at the latest after so long; None where it is not."""
+        deadline_s = time.monotonic() + within_s
+        while not (middle := (self.state["pose"] or {}).get("middle")) and time.monotonic() < deadline_s:
+            time.sleep(0.05)
+        return middle
+
     def drive(self):
         """A run that has a way to go: the coils are at work. Begun again where the machine is so busy that the
         page was silent."""
         begun = lambda: self.mode == "stopped" or (self.state["run"] or {}).get("steps", 0) >= 2
         for _ in range(3):
-            here = self.wait_for(lambda: (self.state["pose"] or {}).get("middle"),
-                                 lambda: f"a pose: {self.state['pose']}")
+            here = self.seen(3.0) or [0.5, 0.5]  # a needle that is not seen is looked for by the run
             self.point(max(([0.38, 0.4], [0.62, 0.6]), key=lambda place: distance(place, here)))
             self.wait_for(begun, lambda: f"two steps; it is {self.said}")
             if self.mode == "running":
