@@ -185,8 +185,9 @@ TEST_CASE("what is written reads back, and so does what was written before there
   CHECK(common::artefact_to_json(again) == json);
 
   const common::Json before = common::Json::parse(
-      R"({"position_rms_mm": 2.5, "heading_rms_deg": 18.0, "k_step": {"1": 2.5, "10": null}, "error_map": [],
-          "baselines": {"no_motion": {"position_rms_mm": 10.5}, "knn10": {"position_rms_mm": 3.75}}})");
+      R"({"position_rms_mm": 2.5, "heading_rms_deg": 18.0, "k_step": {"1": 2.5, "10": null},
+          "baselines": {"no_motion": {"position_rms_mm": 10.5}, "knn10": {"position_rms_mm": 3.75}},
+          "error_map": []})");
   const auto old = common::artefact_from_json<DynamicsEvaluation>(before, "evaluation.json");
   CHECK(old.open_loop.k_step_mm->at(1).value() == 2.5);
   CHECK_FALSE(old.open_loop.k_step_heading_deg.has_value());
