@@ -137,7 +137,7 @@ TEST_CASE("of six coils reversals and swaps are found, of eight they are among t
   for (const CoilWiring& wiring : mistakes) {
     const std::vector<CoilWiring> possible = probe(wiring, kOffCentre, 5, real).possible().listed;
     CAPTURE(wiring.coil, wiring.sign, possible.size());
-    CHECK(possible.size() <= (coils == 6 ? 1 : 4));
+    CHECK(possible.size() <= (coils == 6 ? 1U : 4U));
     CHECK(std::find(possible.begin(), possible.end(), wiring) != possible.end());
   }
 }
