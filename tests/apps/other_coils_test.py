@@ -77,14 +77,14 @@ with tempfile.TemporaryDirectory() as name:
             f"data={folder}/collect/transitions.h5", "--set", "training.epochs=150", "--out", folder / "dynamics")
         learned = json.loads((folder / "dynamics/evaluation.json").read_text())
         assert learned["position_rms_mm"] < learned["baselines"]["no_motion"]["position_rms_mm"], f"{rig}: {learned}"
-        run("train-policy", "--config", source / "configs/quickstart/policy.json", *other, "--set",
+        run("train-policy", "--config", source / "configs/quickstart/policy.json", "--set",
             f"dynamics={folder}/dynamics/checkpoint", "--set", "method=td3", "--set", "training.env_steps=3000", "--set",
             "training.warm_up_steps=1000", "--set", "training.environments=64", "--out", folder / "policy")
         common = ("deploy", *other, "--task", "centre", "--trials", 3, "--sensor", "simulated", "--set",
                   "trials.start_radius=0.4")
         run(*common, "--config", source / "configs/best/deploy_planner.json", "--set", f"dynamics={folder}/dynamics/checkpoint",
             "--out", folder / "planner")
-        run(*common, "--set", f"policy={folder}/policy/checkpoint", "--out", folder / "policy_run")
+        run(*common, "--controller", "policy", "--set", f"policy={folder}/policy/checkpoint", "--out", folder / "policy_run")
         run(*common, "--controller", "baseline", "--out", folder / "baseline")
         found = errors_mm(folder / "baseline")
         assert sorted(found.values())[len(found) // 2] < 8.0, f"{rig}: {found}"
