@@ -146,7 +146,10 @@ bool WiringInference::add(const ProbePulse& pulse) {
   return true;
 }
 
-PossibleWirings WiringInference::possible() const { return evidence_.possible(kRuledOut); }
+PossibleWirings WiringInference::possible() const {
+  // Of more coils there is more to be wrong about, and neighbours lie closer.
+  return evidence_.possible(kRuledOut * std::max(1.0, static_cast<double>(coils()) / physics::kFourCoils));
+}
 
 bool WiringInference::explained() const {
   int moved = 0;
