@@ -14,8 +14,8 @@ std::size_t ArrayReader::read_as(hid_t memory_type, hid_t group, const char* nam
   const Handle space(H5Dget_space(dataset.get()), H5Sclose);
   hsize_t shape[2] = {0, 1};
   const int rank = H5Sget_simple_extent_ndims(space.get());
-  if (rank < 1 || rank > 2 || (rank == 1 && columns > 1) || H5Sget_simple_extent_dims(space.get(), shape, nullptr) != rank ||
-      shape[1] != columns)
+  if (rank < 1 || rank > 2 || (rank == 1 && columns > 1) ||
+      H5Sget_simple_extent_dims(space.get(), shape, nullptr) != rank || shape[1] != columns)
     throw DataError(place + ": dataset '" + name + "' has another shape than [rows, " +
                     std::to_string(columns) + "]");
   if (!is_stored_plainly(dataset.get()))

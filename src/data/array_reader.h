@@ -14,8 +14,8 @@ class ArrayReader {
  public:
   explicit ArrayReader(std::uintmax_t file_bytes) : budget_bytes_(kBytesPerByte * file_bytes) {}
 
-  /// Reads [rows, columns] (one column: [rows], or [rows, 1]) and returns the rows. Throws DataError that begins with
-  /// `place` where the array is missing, damaged, of another shape, in other files or too large.
+  /// Reads [rows, columns] (one column: [rows], or [rows, 1]) and returns the rows. Throws DataError that
+  /// begins with `place` where the array is missing, damaged, of another shape, in other files or too large.
   std::size_t read(hid_t group, const char* name, hsize_t columns, std::vector<double>& values,
                    const std::string& place);
   std::size_t read(hid_t group, const char* name, hsize_t columns, std::vector<std::uint8_t>& values,
