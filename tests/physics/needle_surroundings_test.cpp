@@ -1,7 +1,6 @@
 #include "lodestone/physics/needle_motion.h"
 
 #include <algorithm>
-#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
