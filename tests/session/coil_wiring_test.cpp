@@ -105,6 +105,16 @@ std::vector<CoilWiring> usual_mistakes() {
   return mistakes;
 }
 
+/// Nothing wrong, a reversal, a swap of neighbours, and a swap of opposite coils with a reversal beside it.
+std::vector<CoilWiring> some_mistakes(std::size_t coils) {
+  std::vector<CoilWiring> mistakes(4, CoilWiring(coils));
+  mistakes[1].sign[1] = -1;
+  std::swap(mistakes[2].coil[0], mistakes[2].coil[1]);
+  std::swap(mistakes[3].coil[0], mistakes[3].coil[coils / 2]);
+  mistakes[3].sign[2] = -1;
+  return mistakes;
+}
+
 }  // namespace
 
 TEST_CASE("every single and double reversal and every swap of two coils is found") {
@@ -126,20 +136,32 @@ TEST_CASE("every one of the 384 wirings is found") {
 TEST_CASE("of six coils reversals and swaps are found, of eight they are among those that are left") {
   const rig::RigConfig real = preset(GENERATE(as<std::string>{}, "six_planar", "eight_tilted"));
   const std::size_t coils = real.coils.count();
-  std::vector<CoilWiring> mistakes(1, CoilWiring(coils));
-  mistakes.emplace_back(coils).sign[1] = -1;
-  CoilWiring neighbours(coils);
-  std::swap(neighbours.coil[0], neighbours.coil[1]);
-  mistakes.push_back(neighbours);
-  CoilWiring& opposite = mistakes.emplace_back(coils);
-  std::swap(opposite.coil[0], opposite.coil[coils / 2]);
-  opposite.sign[2] = -1;
-  for (const CoilWiring& wiring : mistakes) {
+  for (const CoilWiring& wiring : some_mistakes(coils)) {
     const std::vector<CoilWiring> possible = probe(wiring, kOffCentre, 5, real).possible().listed;
     CAPTURE(wiring.coil, wiring.sign, possible.size());
     CHECK(possible.size() <= (coils == 6 ? 4U : 200U));
     CHECK(std::find(possible.begin(), possible.end(), wiring) != possible.end());
   }
+}
+
+TEST_CASE("of six coils mostly one wiring is left, of eight several", "[slow]") {
+  const bool six = GENERATE(true, false);
+  const rig::RigConfig real = preset(six ? "six_planar" : "eight_tilted");
+  const std::vector<CoilWiring> mistakes = some_mistakes(real.coils.count());
+  int tries = 0, alone = 0;
+  for (std::uint64_t seed = 1; seed <= 15; ++seed)
+    for (const CoilWiring& wiring : mistakes) {
+      const std::vector<CoilWiring> possible = probe(wiring, kOffCentre, seed, real).possible().listed;
+      CAPTURE(seed, wiring.coil, wiring.sign, possible.size());
+      CHECK(std::find(possible.begin(), possible.end(), wiring) != possible.end());
+      ++tries;
+      alone += possible.size() == 1 ? 1 : 0;
+    }
+  WARN(real.coils.count() << " coils: the true wiring alone in " << alone << " of " << tries << " tries");
+  if (six)
+    CHECK(alone > tries / 2);
+  else
+    CHECK(alone < tries / 2);
 }
 
 TEST_CASE("coils are asked for in an order in which each field lies across the one before") {
