@@ -229,6 +229,11 @@ void Qualification::load(const std::string& folder) {
     throw common::DataError(path + ": piece " + std::to_string(found->pieces) + " of item " +
                             std::to_string(found->item) + " with " + std::to_string(found->rises.size()) +
                             " coils is nothing that this bench goes on from; start again in another folder");
+  for (const double error_mm : found->points_mm)
+    if (!(error_mm >= 0.0))  // null is read as not a number
+      throw common::DataError(path + ": points_mm holds no distance in one of its " +
+                              std::to_string(found->points_mm.size()) +
+                              " trials; the file is damaged: start again in another folder");
   state_ = std::move(*found);
   needle_.restore_refusals(state_.refusals);
   if (state_.still) threshold_ = motion_threshold(*state_.still);

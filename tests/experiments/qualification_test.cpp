@@ -393,6 +393,8 @@ TEST_CASE("a state that is of another bench is refused, and none is none") {
   refused("rises", common::Json::array());
   refused("item", 10);
   refused("points_mm", nullptr);
+  refused("points_mm", common::Json::array({0.4, nullptr}));
+  refused("points_mm", common::Json::array({-0.4}));
   refused("pieces", -1);
   refused("bench", nullptr);
   refused("weak", "many");
