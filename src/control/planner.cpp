@@ -19,6 +19,10 @@ namespace {
 constexpr double kOutside_mm = 100.0;
 /// The search never narrows down further than this, or it would stop looking.
 constexpr double kLeastSpread = 0.02;
+/// Where poses are planned for by what was learned: the weakest pulse tried, as a share of the strongest, and
+/// how far the second round looks around the best of the first.
+constexpr double kWeakest = 0.02;
+constexpr double kFirstVariation = 0.4;
 
 }  // namespace
 
@@ -28,8 +32,12 @@ void PlannerConfig::validate() const {
 }
 
 Planner::Planner(std::shared_ptr<const LearnedSimulator> model, const PlannerConfig& config,
-                 std::uint64_t seed)
-    : model_(std::move(model)), config_(config), seed_(seed), random_(seed, "planner") {
+                 std::uint64_t seed, std::shared_ptr<const inference::CostToGo> cost_to_go)
+    : model_(std::move(model)),
+      config_(config),
+      seed_(seed),
+      random_(seed, "planner"),
+      cost_to_go_(std::move(cost_to_go)) {
   config_.validate();
   const auto particles = std::max(static_cast<std::size_t>(config_.particles), model_->members.size());
   for (std::size_t k = 0; k < particles; ++k)
@@ -47,17 +55,45 @@ std::vector<std::size_t> Planner::best(std::size_t count) const {
   std::vector<std::size_t> order(candidates_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   count = std::min(count, order.size());
-  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
-                    [this](std::size_t a, std::size_t b) {
-                      return cost_mm_[a] != cost_mm_[b] ? cost_mm_[a] < cost_mm_[b] : a < b;
-                    });
+  std::partial_sort(
+      order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
+      [this](std::size_t a, std::size_t b) { return cost_[a] != cost_[b] ? cost_[a] < cost_[b] : a < b; });
   order.resize(count);
   return order;
+}
+
+bool Planner::knows_cost_of(const task::Observation& observation) const {
+  return cost_to_go_ && observation.target_heading_rad && model_->state_size == 3;
+}
+
+void Planner::look_around(const Sequence& mean, const Sequence& spread) {
+  candidates_.push_back(mean);
+  while (candidates_.size() < static_cast<std::size_t>(config_.candidates)) {
+    Sequence& candidate = candidates_.emplace_back(mean);
+    for (std::size_t t = 0; t < candidate.size(); ++t) {
+      const geometry::Drive noise =
+          geometry::drawn_drive(model_->action.size, [this] { return random_.normal(); });
+      candidate[t] = geometry::saturated(candidate[t] + spread[t].cwiseProduct(noise));
+    }
+  }
+}
+
+void Planner::look_around(const std::vector<Sequence>& elites, std::int64_t round) {
+  const double share = kFirstVariation * std::pow(0.5, static_cast<double>(round - 1));
+  candidates_.insert(candidates_.end(), elites.begin(), elites.end());
+  for (std::size_t next = 0; candidates_.size() < static_cast<std::size_t>(config_.candidates); ++next) {
+    Sequence& candidate = candidates_.emplace_back(
+        elites.empty() ? Sequence(static_cast<std::size_t>(config_.horizon)) : elites[next % elites.size()]);
+    for (geometry::Drive& action : candidate)
+      action = elites.empty() ? task::draw_action(model_->action.size, kWeakest, random_)
+                              : task::vary_action(action, share, random_);
+  }
 }
 
 geometry::Drive Planner::act(const task::Observation& observation) {
   const auto horizon = static_cast<std::size_t>(config_.horizon);
   const int numbers = model_->action.size;
+  const bool learned = knows_cost_of(observation);
   const Sequence nothing(horizon, geometry::Drive::Zero(numbers));
   // What was the second pulse is the first one now, and one proposal among others.
   std::rotate(plan_.begin(), plan_.begin() + 1, plan_.end());
@@ -66,14 +102,11 @@ geometry::Drive Planner::act(const task::Observation& observation) {
   Sequence spread(horizon, geometry::Drive::Constant(numbers, config_.spread));
   std::vector<Sequence> elites;
   for (std::int64_t iteration = 0; iteration < config_.iterations; ++iteration) {
-    candidates_ = {nothing, plan_, mean};
-    while (candidates_.size() < static_cast<std::size_t>(config_.candidates)) {
-      Sequence& candidate = candidates_.emplace_back(mean);
-      for (std::size_t t = 0; t < horizon; ++t) {
-        const geometry::Drive noise = geometry::drawn_drive(numbers, [this] { return random_.normal(); });
-        candidate[t] = geometry::saturated(candidate[t] + spread[t].cwiseProduct(noise));
-      }
-    }
+    candidates_ = {nothing, plan_};
+    if (learned)
+      look_around(elites, iteration);
+    else
+      look_around(mean, spread);
     evaluate_candidates(observation);
     elites.clear();
     for (const std::size_t index : best(static_cast<std::size_t>(config_.elites)))
@@ -92,11 +125,43 @@ geometry::Drive Planner::act(const task::Observation& observation) {
   }
   // The best of many was lucky, and the mean of two good ways may lie on neither: judged once more.
   candidates_ = std::move(elites);
-  candidates_.push_back(mean);
+  if (!learned) candidates_.push_back(mean);
   candidates_.push_back(nothing);
   evaluate_candidates(observation);
   plan_ = candidates_[best(1).front()];
   return plan_.front();
+}
+
+void Planner::add_distances(const task::Observation& observation, std::size_t t, double fraction) {
+  const std::size_t count = candidates_.size();
+  const std::size_t size = model_->state_size;
+  const geometry::Vector2 target_m = observation.target_after_m(t + 1);
+  const std::optional<double> heading_rad = observation.target_heading_after_rad(t + 1);
+  for (std::size_t row = 0; row < state_.size() / size; ++row) {
+    const double* state = &state_[row * size];
+    const geometry::Vector2 position_m(state[0], state[1]);
+    double cost_mm = geometry::kMmPerM * std::max(config_.goal_radius_m, (position_m - target_m).norm());
+    if (heading_rad && size == 3)
+      cost_mm += config_.heading_cost_mm * std::abs(geometry::wrap_angle(state[2] - *heading_rad));
+    if (position_m.norm() > model_->dish_radius_m) cost_mm += kOutside_mm;
+    cost_[row % count] += fraction * cost_mm;
+  }
+}
+
+void Planner::add_pose_costs(const task::Observation& observation, std::size_t t, double fraction) {
+  const std::size_t rows = state_.size() / 3;
+  const geometry::Vector2& target_m = observation.target_after_m(t + 1);
+  const geometry::Pose2 goal{target_m.x(), target_m.y(), *observation.target_heading_after_rad(t + 1)};
+  row_cost_.resize(rows);
+  if (t + 1 == static_cast<std::size_t>(config_.horizon)) {
+    const auto n = static_cast<std::int64_t>(rows);
+    cost_to_go_->evaluate(state_.data(), &goal, n, n, row_cost_.data(), judge_);
+  } else {
+    for (std::size_t row = 0; row < rows; ++row)
+      row_cost_[row] =
+          cost_to_go_->cost().at({state_[3 * row], state_[3 * row + 1], state_[3 * row + 2]}, goal);
+  }
+  for (std::size_t row = 0; row < rows; ++row) cost_[row % candidates_.size()] += fraction * row_cost_[row];
 }
 
 void Planner::evaluate_candidates(const task::Observation& observation) {
@@ -117,14 +182,14 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
     state_[row * size + 1] = observation.pose.y_m;
     if (size == 3) state_[row * size + 2] = observation.pose.heading_rad;
   }
-  cost_mm_.assign(count, 0.0);
+  cost_.assign(count, 0.0);
   const auto horizon = static_cast<std::size_t>(config_.horizon);
-  const double fraction = 1.0 / static_cast<double>(particles * horizon);
+  const bool learned = knows_cost_of(observation);
+  const double fraction = 1.0 / static_cast<double>(learned ? particles : particles * horizon);
   for (std::size_t t = 0; t < horizon; ++t) {
-    const geometry::Vector2 target_m = observation.target_after_m(t + 1);
-    const std::optional<double> heading_rad = observation.target_heading_after_rad(t + 1);
-    for (std::size_t c = 0; c < count; ++c)
-      cost_mm_[c] += config_.current_cost * candidates_[c][t].squaredNorm();
+    const double later = learned ? std::pow(cost_to_go_->cost().discount, static_cast<double>(t)) : 1.0;
+    const double current_cost = learned ? later * cost_to_go_->cost().current_cost : config_.current_cost;
+    for (std::size_t c = 0; c < count; ++c) cost_[c] += current_cost * candidates_[c][t].squaredNorm();
     for (std::size_t p = 0; p < particles; ++p) {
       const double factor = std::exp(gain.log_mean + gain.log_sigma * quantile_[p]);
       for (std::size_t c = 0; c < count; ++c) {
@@ -149,13 +214,11 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
       const double* drive = &drive_[numbers * row];
       const bool driven = std::any_of(drive, drive + numbers, [](double number) { return number != 0.0; });
       if (driven) std::copy_n(&next_[row * size], size, state);
-      const geometry::Vector2 position_m(state[0], state[1]);
-      double cost_mm = geometry::kMmPerM * std::max(config_.goal_radius_m, (position_m - target_m).norm());
-      if (heading_rad && size == 3)
-        cost_mm += config_.heading_cost_mm * std::abs(geometry::wrap_angle(state[2] - *heading_rad));
-      if (position_m.norm() > model_->dish_radius_m) cost_mm += kOutside_mm;
-      cost_mm_[row % count] += fraction * cost_mm;
     }
+    if (learned)
+      add_pose_costs(observation, t, later * fraction);
+    else
+      add_distances(observation, t, fraction);
   }
 }
 

@@ -268,9 +268,10 @@ ControllerSource planner_source(const DeploymentConfig& config, const SimulatorS
   source.identify = identified_by(config, &simulator);
   DeploymentConfig around = config;
   around.decorators.lead_s = 0.0;  // it plans for where its target will be
-  source.make = [shared = simulator.simulator, config = around,
+  source.make = [shared = simulator.simulator, cost_to_go = simulator.cost_to_go, config = around,
                  scale_A = source.action.scale](std::uint64_t seed) {
-    return decorated(std::make_unique<control::Planner>(shared, config.planner, seed), config, scale_A);
+    return decorated(std::make_unique<control::Planner>(shared, config.planner, seed, cost_to_go), config,
+                     scale_A);
   };
   return source;
 }

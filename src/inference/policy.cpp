@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/random.h"
@@ -75,6 +76,34 @@ std::int64_t proposals_from_json(const Json& count, const std::string& what) {
   return count.get<std::int64_t>();
 }
 
+common::Json cost_to_go_facts(const CostToGo& learned) {
+  common::Json facts = common::config_to_json(learned.cost());
+  facts["dish_radius_m"] = learned.cost().dish_radius_m;
+  return {{"hidden", learned.hidden()}, {"cost", facts}};
+}
+
+std::optional<CostToGo> cost_to_go_of(const Checkpoint& checkpoint, const std::string& what) {
+  const auto facts = checkpoint.facts.find("cost_to_go");
+  if (facts == checkpoint.facts.end()) return std::nullopt;
+  const auto part = checkpoint.parts.find("cost_to_go");
+  if (part == checkpoint.parts.end()) throw CheckpointError(what + ": part \"cost_to_go\" is missing");
+  try {
+    Json rules = facts->at("cost");
+    const double dish_radius_m = rules.at("dish_radius_m").get<double>();
+    if (!(dish_radius_m > 0.0 && dish_radius_m <= 1.0))
+      throw CheckpointError(what + ": cost_to_go: dish_radius_m = " +
+                            common::shown_json(rules["dish_radius_m"]) + " must be above 0 and at most 1");
+    rules.erase("dish_radius_m");
+    auto cost = common::config_from_json<PoseCost>(rules, what + ", cost_to_go");
+    cost.dish_radius_m = dish_radius_m;
+    return CostToGo(part->second, hidden_from_json(facts->at("hidden"), what), cost, what + ", cost_to_go");
+  } catch (const Json::exception& error) {
+    throw CheckpointError(what + ": cost_to_go is malformed: " + error.what());
+  } catch (const common::ConfigError& error) {
+    throw CheckpointError(what + ": cost_to_go is malformed: " + error.what());
+  }
+}
+
 Policy policy_from_facts(const Json& facts, const std::string& what) {
   Policy policy;
   try {
@@ -119,6 +148,10 @@ void save_policy(const std::string& folder, const Policy& policy, const Json& ru
   checkpoint.facts["metrics"] = metrics;
   checkpoint.facts["provenance"] = policy.provenance;
   checkpoint.parts["actor"] = policy.weights;
+  if (policy.cost_to_go) {
+    checkpoint.facts["cost_to_go"] = cost_to_go_facts(*policy.cost_to_go);
+    checkpoint.parts["cost_to_go"] = policy.cost_to_go->weights();
+  }
   const Actor actor = policy.actor();
   const std::vector<float> observations = example_observations(actor.observation_size());
   checkpoint.parts["examples"] = {
@@ -141,6 +174,7 @@ Policy load_policy(const std::string& folder) {
   if (part == checkpoint.parts.end()) throw CheckpointError(what + ": part \"actor\" is missing");
   policy.weights = part->second;
   check_examples(policy.actor(what + ", actor"), checkpoint, what);
+  policy.cost_to_go = cost_to_go_of(checkpoint, what);
   return policy;
 }
 

@@ -69,7 +69,7 @@ ModelGradientLearner::Shard::Shard(std::uint64_t seed, std::size_t index, std::i
     : random(seed, "model gradient", index), needles(static_cast<std::size_t>(rows)) {}
 
 ModelGradientLearner::ModelGradientLearner(const LearningConfig& learning, const ModelGradientConfig& config,
-                                           const ModelGradientTask& task, inference::DynamicsModel model,
+                                           const ImaginedTask& task, inference::DynamicsModel model,
                                            std::uint64_t seed, std::int64_t threads)
     : learning_(learning),
       config_(config),

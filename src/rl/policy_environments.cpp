@@ -14,6 +14,7 @@
 #include "lodestone/inference/dynamics.h"
 #include "lodestone/rl/model_gradient_learner.h"
 #include "lodestone/rl/td3_learner.h"
+#include "lodestone/rl/value_iteration_learner.h"
 
 namespace lodestone::rl {
 
@@ -87,19 +88,22 @@ std::unique_ptr<PolicyLearner> make_policy_learner(const TrainPolicyConfig& conf
                                                    const PolicyEnvironments& environments) {
   const LearningConfig& learning = config.training.learning;
   const auto seed = static_cast<std::uint64_t>(config.seed);
-  if (config.method == Method::kModelGradient) {
-    LODESTONE_CHECK(environments.dynamics, "dynamics for the gradient");
+  if (config.method != Method::kTd3) {
+    LODESTONE_CHECK(environments.dynamics, "dynamics to look into");
     if (config.action.size != 2)
       throw common::InvalidConfig("method", common::name_of(config.method),
                                   "be td3 where an action has " + std::to_string(config.action.size) +
                                       " numbers: this method proposes directions in the plane");
-    const ModelGradientTask task{config.task,
-                                 config.encoder,
-                                 config.action,
-                                 config.mbs.pose_noise_m,
-                                 config.mbs.heading_noise_rad,
-                                 config.training.environments,
-                                 environments.region};
+    const ImaginedTask task{config.task,
+                            config.encoder,
+                            config.action,
+                            config.mbs.pose_noise_m,
+                            config.mbs.heading_noise_rad,
+                            config.training.environments,
+                            environments.region};
+    if (config.method == Method::kValueIteration)
+      return std::make_unique<ValueIterationLearner>(learning, config.value_iteration, task,
+                                                     *environments.dynamics, seed, config.threads);
     return std::make_unique<ModelGradientLearner>(learning, config.model_gradient, task,
                                                   *environments.dynamics, seed, config.threads);
   }

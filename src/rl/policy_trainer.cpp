@@ -187,7 +187,8 @@ class Training : public runs::ResumableWork {
     inference::Policy policy;
     policy.weights = learner_.actor_weights();
     policy.hidden = config_.hidden();
-    if (config_.method == Method::kModelGradient) policy.proposals = config_.model_gradient.proposals;
+    policy.proposals = config_.proposals();
+    policy.cost_to_go = learner_.cost_to_go();
     policy.encoder = config_.encoder;
     policy.action = config_.action;
     policy.rig = config_.learned_rig;
@@ -220,26 +221,31 @@ class Training : public runs::ResumableWork {
 }  // namespace
 
 void TrainPolicyConfig::validate() const {
-  for (const auto& [key, layers] :
-       {std::pair{"td3.hidden", td3.hidden}, {"model_gradient.hidden", model_gradient.hidden}})
+  for (const auto& [key, layers] : {std::pair{"td3.hidden", td3.hidden},
+                                    {"model_gradient.hidden", model_gradient.hidden},
+                                    {"value_iteration.hidden", value_iteration.hidden},
+                                    {"value_iteration.value_hidden", value_iteration.value_hidden}})
     if (layers.size() > inference::kMostLayers)
       throw common::InvalidConfig(key, layers,
                                   "name at most " + std::to_string(inference::kMostLayers) + " layers");
   const LearningConfig& learning = training.learning;
-  if (method == Method::kModelGradient) {
+  if (method != Method::kTd3) {
     if (simulator != Simulator::kMbs)
       throw common::InvalidConfig(
           "method", common::name_of(method),
-          "be td3 with simulator = physics: only the learned simulator has a gradient");
+          "be td3 with simulator = physics: the other methods look into the learned simulator");
     if (replay.environments > 0)
-      throw common::InvalidConfig("replay.environments", replay.environments,
-                                  "be 0 with method = model_gradient, which learns from no recorded steps");
+      throw common::InvalidConfig(
+          "replay.environments", replay.environments,
+          "be 0 with method = " + common::name_of(method) + ", which learns from no recorded steps");
     if (learning.hindsight > 0.0)
-      throw common::InvalidConfig("training.hindsight", learning.hindsight,
-                                  "be 0 with method = model_gradient, which keeps no steps to relabel");
+      throw common::InvalidConfig(
+          "training.hindsight", learning.hindsight,
+          "be 0 with method = " + common::name_of(method) + ", which keeps no steps to relabel");
     if (action.dead_band > 0.0)
-      throw common::InvalidConfig("action.dead_band", action.dead_band,
-                                  "be 0 with method = model_gradient, which learns by itself when to rest");
+      throw common::InvalidConfig(
+          "action.dead_band", action.dead_band,
+          "be 0 with method = " + common::name_of(method) + ", which learns by itself when to rest");
     return;
   }
   if (learning.warm_up_steps >= learning.env_steps)

@@ -1,5 +1,6 @@
 #include "lodestone/task/action.h"
 
+#include <cmath>
 #include <cstdint>
 
 #include "lodestone/geometry/saturation.h"
@@ -46,6 +47,18 @@ geometry::Drive drive_of(const geometry::Drive& action, const ActionConfig& conf
   for (Eigen::Index i = 0; i < drive.size(); ++i)
     if (i != largest) drive[i] = 0.0;
   return drive;
+}
+
+geometry::Drive draw_action(int size, double weakest, common::RandomStream& random) {
+  const geometry::Drive direction = geometry::drawn_drive(size, [&random] { return random.normal(); });
+  return direction * (std::pow(weakest, random.uniform()) / direction.cwiseAbs().maxCoeff());
+}
+
+geometry::Drive vary_action(const geometry::Drive& action, double share, common::RandomStream& random) {
+  const geometry::Drive aside =
+      geometry::drawn_drive(static_cast<int>(action.size()), [&random] { return random.normal(); });
+  const double factor = std::exp(share * random.normal());
+  return geometry::saturated(factor * action + share * action.norm() * aside);
 }
 
 }  // namespace lodestone::task

@@ -102,6 +102,33 @@ TEST_CASE("the planner turns the needle to the heading that it shall have when a
   CHECK(planner.act(observation).isZero(0.0));
 }
 
+TEST_CASE("where a cost-to-go was learned, the planner goes by it and not by the distance", "[unit]") {
+  // One that says: the nearer to the goal's far side the better, whatever the distance. Its one unit takes
+  // the third feature, the distance, and gives less where that is larger.
+  std::vector<float> first(static_cast<std::size_t>(inference::CostToGo::kFeatures));
+  first[2] = 1.0F;
+  inference::PoseCost cost;
+  cost.dish_radius_m = 0.0425;
+  cost.current_cost = 0.0;
+  const inference::Arrays weights = {{"l1.weight", {first, {1, inference::CostToGo::kFeatures}}},
+                                     {"l1.bias", {std::vector<float>{0.0F}, {1}}},
+                                     {"l2.weight", {std::vector<float>{-0.9F}, {1, 1}}},
+                                     {"l2.bias", {std::vector<float>{0.9F}, {1}}}};
+  const auto away = std::make_shared<const inference::CostToGo>(weights, std::vector<std::int64_t>{1}, cost);
+  task::Observation observation;
+  observation.pose = {0.01, 0.0, 0.3};
+  const auto distance_after_m = [&](const std::shared_ptr<const inference::CostToGo>& learned) {
+    control::Planner planner(model(), {}, 1, learned);
+    planner.reset();
+    const Vector2 action = planner.act(observation);
+    return (observation.pose.position_m() + 10.0 * kGain_m * action).norm();
+  };
+  CHECK(distance_after_m(away) < 0.006);  // no heading is asked for: by the distance
+  observation.target_heading_rad = 0.3;
+  CHECK(distance_after_m(nullptr) < 0.006);
+  CHECK(distance_after_m(away) > 0.012);
+}
+
 TEST_CASE("plans repeat after a reset, and bad settings are refused") {
   control::Planner planner(model(), {}, 1);
   task::Observation observation;

@@ -54,6 +54,41 @@ TEST_CASE("a policy of proposals comes back with them", "[unit]") {
   CHECK(action_of(policy, observation) == action_of(loaded, observation));
 }
 
+TEST_CASE("a policy comes back with the cost-to-go that was learned beside it", "[unit]") {
+  const tests::TemporaryFolder temporary;
+  Policy policy = sample_policy();
+  PoseCost cost;
+  cost.tolerance_deg = 7.0;
+  cost.dish_radius_m = 0.04;
+  const auto numbers = [](std::int64_t count, float value) {
+    return std::vector<float>(static_cast<std::size_t>(count), value);
+  };
+  const Arrays weights = {{"l1.weight", {numbers(4 * CostToGo::kFeatures, 0.1F), {4, CostToGo::kFeatures}}},
+                          {"l1.bias", {numbers(4, 0.0F), {4}}},
+                          {"l2.weight", {numbers(4, 0.2F), {1, 4}}},
+                          {"l2.bias", {numbers(1, 0.1F), {1}}}};
+  policy.cost_to_go.emplace(weights, std::vector<std::int64_t>{4}, cost);
+  save_policy(temporary / "policy", policy, common::Json::object(), common::Json::object());
+  const Policy loaded = load_policy(temporary / "policy");
+  REQUIRE(loaded.cost_to_go);
+  CHECK(loaded.cost_to_go->cost().tolerance_deg == 7.0);
+  const auto cost_by = [](const CostToGo& learned) {
+    const double state[] = {0.01, 0.002, 0.5};
+    const geometry::Pose2 goal{0.0, 0.0, 0.0};
+    CostToGo::Workspace workspace;
+    double out = 0.0;
+    learned.evaluate(state, &goal, 1, 1, &out, workspace);
+    return out;
+  };
+  CHECK(cost_by(*loaded.cost_to_go) == cost_by(*policy.cost_to_go));
+
+  Checkpoint checkpoint = load_checkpoint(temporary / "policy", "policy");
+  checkpoint.facts["cost_to_go"]["cost"]["discount"] = 1.5;
+  save_checkpoint(temporary / "policy", checkpoint);
+  CHECK_THROWS_WITH(load_policy(temporary / "policy"),
+                    Catch::Contains("cost_to_go") && Catch::Contains("discount"));
+}
+
 TEST_CASE("a policy whose examples do not recompute is refused", "[unit]") {
   const tests::TemporaryFolder temporary;
   save_policy(temporary / "policy", sample_policy(), common::Json::object(), common::Json::object());

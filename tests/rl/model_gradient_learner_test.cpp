@@ -11,10 +11,10 @@
 #include "lodestone/common/error.h"
 
 using lodestone::nets::Checkpoint;
+using lodestone::rl::ImaginedTask;
 using lodestone::rl::LearningConfig;
 using lodestone::rl::ModelGradientConfig;
 using lodestone::rl::ModelGradientLearner;
-using lodestone::rl::ModelGradientTask;
 namespace env_tests = lodestone::env::tests;
 
 namespace {
@@ -38,8 +38,8 @@ ModelGradientConfig small_config() {
   return config;
 }
 
-ModelGradientTask task_for(std::int64_t environments) {
-  ModelGradientTask task;
+ImaginedTask task_for(std::int64_t environments) {
+  ImaginedTask task;
   task.task.goal = lodestone::task::GoalKind::kPoint;
   task.task.goal_radius = 0.8;
   task.task.dish_radius_m = 0.0425;
@@ -84,7 +84,7 @@ bool same(const lodestone::inference::Arrays& one, const lodestone::inference::A
 
 TEST_CASE("Down the gradient a policy learns the pulse that ends at its target, on rigs of any gain",
           "[rl]") {
-  const ModelGradientTask task = task_for(128);
+  const ImaginedTask task = task_for(128);
   ModelGradientLearner learner(learning_for(600000), small_config(), task,
                                env_tests::noisy_linear_model(kGain_m), 1, 1);
   const lodestone::task::ObservationEncoder encoder(task.encoder);
@@ -118,7 +118,7 @@ TEST_CASE("Down the gradient a policy learns the pulse that ends at its target, 
 }
 
 TEST_CASE("A needle that lies at its target is left alone", "[rl]") {
-  const ModelGradientTask task = task_for(128);
+  const ImaginedTask task = task_for(128);
   ModelGradientLearner learner(learning_for(200000), small_config(), task,
                                env_tests::noisy_linear_model(kGain_m), 1, 1);
   while (!learner.finished()) learner.step();
@@ -135,7 +135,7 @@ TEST_CASE("A needle that lies at its target is left alone", "[rl]") {
 }
 
 TEST_CASE("A pulse that moved nothing is not repeated", "[rl]") {
-  ModelGradientTask task = task_for(128);
+  ImaginedTask task = task_for(128);
   task.encoder.memory = true;
   ModelGradientConfig config = small_config();
   config.gain_sigma = config.least_gain_sigma = 0.0;
@@ -175,7 +175,7 @@ TEST_CASE("A pulse that moved nothing is not repeated", "[rl]") {
 }
 
 TEST_CASE("A learner down the gradient goes on bitwise, at any number of threads", "[rl]") {
-  const ModelGradientTask task = task_for(300);  // not a multiple of a shard
+  const ImaginedTask task = task_for(300);  // not a multiple of a shard
   const auto make = [&](std::int64_t threads) {
     return std::make_unique<ModelGradientLearner>(learning_for(30000), small_config(), task,
                                                   env_tests::noisy_linear_model(kGain_m), 1, threads);
@@ -204,13 +204,13 @@ TEST_CASE("A learner down the gradient goes on bitwise, at any number of threads
 }
 
 TEST_CASE("What has no gradient, and what is not imagined, is refused", "[rl]") {
-  const auto start = [](const ModelGradientTask& task, const lodestone::inference::DynamicsModel& model) {
+  const auto start = [](const ImaginedTask& task, const lodestone::inference::DynamicsModel& model) {
     ModelGradientLearner(learning_for(1000), small_config(), task, model, 1, 1);
   };
   CHECK_THROWS_WITH(
       start(task_for(8), env_tests::linear_model(lodestone::data::StateLayout::kPose, {kGain_m}, {0.0})),
       Catch::Contains("model.components"));
-  ModelGradientTask pose = task_for(8);
+  ImaginedTask pose = task_for(8);
   pose.task.goal = lodestone::task::GoalKind::kPose;
   CHECK_THROWS_WITH(start(pose, env_tests::noisy_linear_model(kGain_m)), Catch::Contains("task.goal"));
 }

@@ -40,3 +40,29 @@ TEST_CASE("a device that drives one axis at a time gets the larger component") {
   CHECK(drive_of({0.3, -0.4}, config) == Vector2(0.0, -40.0));
   CHECK(drive_of({0.5, 0.4}, config) == Vector2(50.0, 0.0));
 }
+
+TEST_CASE("actions are drawn of any strength and direction, and varied near another", "[unit]") {
+  lodestone::common::RandomStream random(1, "actions");
+  constexpr int kDrawn = 4000;
+  int weak = 0, right = 0;
+  for (int i = 0; i < kDrawn; ++i) {
+    const lodestone::geometry::Drive action = lodestone::task::draw_action(2, 0.01, random);
+    const double strength = action.cwiseAbs().maxCoeff();
+    REQUIRE(strength >= 0.01 * (1.0 - 1e-12));
+    REQUIRE(strength <= 1.0);
+    weak += strength < 0.1 ? 1 : 0;
+    right += action[0] > 0.0 ? 1 : 0;
+  }
+  CHECK(weak == Approx(kDrawn / 2).epsilon(0.1));  // as many below the middle of the logarithm as above
+  CHECK(right == Approx(kDrawn / 2).epsilon(0.1));
+  const lodestone::geometry::Drive action = {0.3, -0.4};
+  double off = 0.0;
+  for (int i = 0; i < kDrawn; ++i) {
+    const lodestone::geometry::Drive near = lodestone::task::vary_action(action, 0.1, random);
+    REQUIRE(near.cwiseAbs().maxCoeff() <= 1.0);
+    off += (near - action).norm() / kDrawn;
+  }
+  CHECK(off > 0.03);
+  CHECK(off < 0.12);
+  CHECK(lodestone::task::draw_action(5, 0.5, random).size() == 5);
+}

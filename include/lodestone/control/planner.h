@@ -7,6 +7,7 @@
 #include "lodestone/common/random.h"
 #include "lodestone/control/controller.h"
 #include "lodestone/control/learned_simulator.h"
+#include "lodestone/inference/cost_to_go.h"
 
 namespace lodestone::control {
 
@@ -49,9 +50,16 @@ struct PlannerConfig {
 /// horizon to where the target will be, and to how the needle shall lie there, over particles: each has a
 /// member of the ensemble, luck that is the same for every sequence, and where the rig is identified a gain
 /// of the drive.
+///
+/// Where the target has a heading and a cost-to-go was learned (inference::CostToGo), sequences are judged by
+/// that instead: what lying there costs, pulse by pulse, and at the end all that comes after. The first round
+/// then tries pulses of every strength, as a needle turns at a tenth of what moves it, and later ones look
+/// around each of the best: the mean of two ways to a pose lies on neither.
 class Planner final : public Controller {
  public:
-  Planner(std::shared_ptr<const LearnedSimulator> model, const PlannerConfig& config, std::uint64_t seed);
+  /// `cost_to_go`: null where none was learned.
+  Planner(std::shared_ptr<const LearnedSimulator> model, const PlannerConfig& config, std::uint64_t seed,
+          std::shared_ptr<const inference::CostToGo> cost_to_go = nullptr);
   void reset() override;
   geometry::Drive act(const task::Observation& observation) override;
   std::unique_ptr<Controller> clone() const override { return std::make_unique<Planner>(*this); }
@@ -59,8 +67,17 @@ class Planner final : public Controller {
  private:
   using Sequence = std::vector<geometry::Drive>;  // [horizon]
 
-  /// Mean cost in mm of every candidate over the particles.
+  /// Whether poses are planned for by what was learned.
+  bool knows_cost_of(const task::Observation& observation) const;
+  /// The candidates of a round, by the mean and spread of the best ones of the round before,
+  void look_around(const Sequence& mean, const Sequence& spread);
+  /// or around each of them; without any, everywhere.
+  void look_around(const std::vector<Sequence>& elites, std::int64_t round);
+  /// Mean cost of every candidate over the particles: in mm, or in pulses by the cost-to-go.
   void evaluate_candidates(const task::Observation& observation);
+  /// What rows of states cost after pulse `t` of the horizon, for each candidate.
+  void add_distances(const task::Observation& observation, std::size_t t, double fraction);
+  void add_pose_costs(const task::Observation& observation, std::size_t t, double fraction);
   /// Indices of the `count` best candidates, best first.
   std::vector<std::size_t> best(std::size_t count) const;
 
@@ -70,10 +87,13 @@ class Planner final : public Controller {
   common::RandomStream random_;
   Sequence plan_;  // of the step before
   std::vector<Sequence> candidates_;
-  std::vector<double> cost_mm_;               // [candidates]
+  std::vector<double> cost_;                  // [candidates]
   std::vector<double> quantile_;              // [particles], of a normal number
   std::vector<double> state_, drive_, next_;  // rows by particle, then candidate
   inference::FoldedDynamics::Workspace workspace_;
+  std::shared_ptr<const inference::CostToGo> cost_to_go_;
+  std::vector<double> row_cost_;
+  inference::CostToGo::Workspace judge_;
 };
 
 }  // namespace lodestone::control

@@ -160,6 +160,8 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
 struct SimulatorSource {
   std::shared_ptr<const control::LearnedSimulator> simulator;
   task::ActionConfig action;  ///< its own, in the rig's ampere
+  /// What poses cost in it, where that was learned beside a policy; null: planners go by distances.
+  std::shared_ptr<const inference::CostToGo> cost_to_go = nullptr;
 
   /// Takes amperes to its unit of drive.
   double drive_per_A() const { return simulator->action.scale / action.scale; }

@@ -7,6 +7,7 @@
 
 #include "lodestone/common/config.h"
 #include "lodestone/inference/actor_critic.h"
+#include "lodestone/inference/cost_to_go.h"
 #include "lodestone/task/action.h"
 #include "lodestone/task/observation.h"
 #include "lodestone/task/region.h"
@@ -21,6 +22,7 @@ struct Policy {
   task::EncoderConfig encoder;
   task::ActionConfig action;
   std::string goal = "point";          ///< task it was trained for
+  std::optional<CostToGo> cost_to_go;  ///< that a planner may go by, where one was learned with it
   std::optional<task::Region> region;  ///< that its starts and goals lay in; none: the whole discs
   /// The rig it was trained for, as RigDescription writes it; null where that is not known.
   common::Json rig;

@@ -12,6 +12,7 @@
 #include "lodestone/inference/dynamics.h"
 #include "lodestone/rl/expected_distance.h"
 #include "lodestone/rl/flat_network.h"
+#include "lodestone/rl/imagined_task.h"
 #include "lodestone/rl/learning_config.h"
 #include "lodestone/rl/model_gradient_config.h"
 #include "lodestone/rl/policy_learner.h"
@@ -21,17 +22,6 @@
 #include "lodestone/task/task.h"
 
 namespace lodestone::rl {
-
-/// What a ModelGradientLearner learns for.
-struct ModelGradientTask {
-  task::TaskConfig task;
-  task::EncoderConfig encoder;
-  task::ActionConfig action;
-  double pose_noise_m = 0.0;  ///< of what the policy sees
-  double heading_noise_rad = 0.0;
-  std::int64_t environments = 1024;
-  std::shared_ptr<const task::Region> region;  ///< that starts and goals lie in; null: the whole discs
-};
 
 /// Learns a policy whose next pulse brings the needle as near to its target as the learned simulator expects
 /// any pulse to: Adam on the expected distance, differentiated through the simulator's predicted distribution
@@ -54,7 +44,7 @@ class ModelGradientLearner final : public PolicyLearner {
   /// `threads`: 0 means one per processor. Throws ConfigError when the dynamics predict single values, or
   /// when the goal has a heading, which is not imagined here.
   ModelGradientLearner(const LearningConfig& learning, const ModelGradientConfig& config,
-                       const ModelGradientTask& task, inference::DynamicsModel model, std::uint64_t seed,
+                       const ImaginedTask& task, inference::DynamicsModel model, std::uint64_t seed,
                        std::int64_t threads);
 
   void step() override;
@@ -111,7 +101,7 @@ class ModelGradientLearner final : public PolicyLearner {
 
   LearningConfig learning_;
   ModelGradientConfig config_;
-  ModelGradientTask task_;
+  ImaginedTask task_;
   task::ObservationEncoder encoder_;
   inference::DynamicsModel model_;
   std::vector<geometry::Pose2> starts_;

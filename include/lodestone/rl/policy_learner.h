@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "lodestone/common/metrics.h"
 #include "lodestone/inference/actor_critic.h"
+#include "lodestone/inference/cost_to_go.h"
 #include "lodestone/nets/checkpoint.h"
 
 namespace lodestone::rl {
@@ -22,6 +24,8 @@ class PolicyLearner {
   /// The policy as it is now: for acting, and its weights "l1.weight", ...
   virtual inference::Actor actor() const = 0;
   virtual inference::Arrays actor_weights() const = 0;
+  /// What it learned that planners go by; nothing from most.
+  virtual std::optional<inference::CostToGo> cost_to_go() const { return std::nullopt; }
   /// Means since the last call, under the keys train/...; keys without data are left out.
   virtual common::Scalars take_statistics() = 0;
 

@@ -15,6 +15,7 @@
 #include "lodestone/rl/ou_noise.h"
 #include "lodestone/rl/policy_evaluation.h"
 #include "lodestone/rl/td3_config.h"
+#include "lodestone/rl/value_iteration_config.h"
 #include "lodestone/runs/run_folder.h"
 #include "lodestone/runs/training_results.h"
 #include "lodestone/task/action.h"
@@ -29,9 +30,10 @@ class PolicyLearner;
 enum class Simulator { kMbs, kPhysics };
 inline std::vector<std::string> names_of(Simulator) { return {"mbs", "physics"}; }
 
-/// How a policy is learned: from rewards (section IV-B2), or down the gradient of the learned simulator.
-enum class Method { kTd3, kModelGradient };
-inline std::vector<std::string> names_of(Method) { return {"td3", "model_gradient"}; }
+/// How a policy is learned: from rewards (section IV-B2), down the gradient of the learned simulator, or from
+/// the decisions of a planner in it that learns what poses cost.
+enum class Method { kTd3, kModelGradient, kValueIteration };
+inline std::vector<std::string> names_of(Method) { return {"td3", "model_gradient", "value_iteration"}; }
 
 /// The run around the learner.
 struct PolicyTrainingConfig {
@@ -78,16 +80,16 @@ struct TrainPolicyConfig {
   Td3Config td3;
   NoiseConfig noise;
   ModelGradientConfig model_gradient;
+  ValueIterationConfig value_iteration;
   PolicyTrainingConfig training;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("seed", seed, "", "seed of every random stream of the run", {0, 9e15});
     v.field("threads", threads, "", "threads; 0 means one per processor", {0, 1024});
-    v.field(
-        "method", method, "",
-        "how the policy is learned: by TD3 from rewards, or down the gradient of what the learned simulator "
-        "expects of a pulse");
+    v.field("method", method, "",
+            "how the policy is learned: by TD3 from rewards, down the gradient of what the learned simulator "
+            "expects of a pulse, or, for poses, by value iteration in it");
     v.field("dynamics", dynamics, "", "dynamics checkpoint: folder that train-dynamics wrote");
     v.field("simulator", simulator, "",
             "what the policy is trained in: the learned MBS, or the simulator of IV-C");
@@ -105,12 +107,19 @@ struct TrainPolicyConfig {
     v.group("td3", td3, "the learner of method td3");
     v.group("noise", noise, "its exploration");
     v.group("model_gradient", model_gradient, "the learner of method model_gradient");
+    v.group("value_iteration", value_iteration, "the learner of method value_iteration");
     v.group("training", training, "how long, how often");
   }
   /// Throws ConfigError when nothing would be learned.
   void validate() const;
+  /// Pulses that the policy proposes; 0: it gives one.
+  std::int64_t proposals() const {
+    if (method == Method::kValueIteration) return value_iteration.proposals;
+    return method == Method::kTd3 ? 0 : model_gradient.proposals;
+  }
   /// Widths of the policy's hidden layers.
   const std::vector<std::int64_t>& hidden() const {
+    if (method == Method::kValueIteration) return value_iteration.hidden;
     return method == Method::kTd3 ? td3.hidden : model_gradient.hidden;
   }
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "lodestone/common/config.h"
+#include "lodestone/common/random.h"
 #include "lodestone/geometry/drive.h"
 
 namespace lodestone::task {
@@ -34,5 +35,11 @@ ActionConfig action_from_json(common::Json json, const std::string& what);
 
 /// The drive that an action is; components are clipped to [-1, 1] first.
 geometry::Drive drive_of(const geometry::Drive& action, const ActionConfig& config);
+
+/// An action of `size` numbers in any direction, the largest of them log-uniform from `weakest` to 1:
+/// friction lets a needle turn at a tenth of what moves it, and both are looked for alike.
+geometry::Drive draw_action(int size, double weakest, common::RandomStream& random);
+/// One near another: its strength by a factor of about exp(+-share), its direction by about `share` in rad.
+geometry::Drive vary_action(const geometry::Drive& action, double share, common::RandomStream& random);
 
 }  // namespace lodestone::task

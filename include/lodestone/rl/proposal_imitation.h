@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+
+#include "lodestone/geometry/pose2.h"
+
+namespace lodestone::rl {
+
+/// How well an actor with proposals (inference::Actor) gives an action that somebody else has chosen: the
+/// proposal nearest to it comes nearer still, and the scores learn to name that one (or resting, where the
+/// action is zero). So of two ways to a target each has a proposal of its own, where a mean would lie between
+/// them (compare Guzman-Rivera et al., Multiple choice learning, 2012).
+///
+/// `output` is a row of the actor's last layer, for `proposals` proposals; writes the loss' gradient times
+/// `weight` there, 4 * proposals + 1 numbers. Returns the loss: (1 - cos of the angle between) / kDirection +
+/// (difference of the logarithms of the strengths)^2 / 2 kStrength^2, and the cross-entropy of the scores.
+double imitate(const float* output, std::int64_t proposals, const geometry::Vector2& action, double weight,
+               float* gradient);
+
+}  // namespace lodestone::rl

@@ -1,0 +1,81 @@
+#include "lodestone/rl/proposal_imitation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace lodestone::rl {
+namespace {
+
+constexpr double kDirection = 0.03;  // 1 - cos of 14 degrees
+constexpr double kStrength = 0.3;    // of the logarithm
+constexpr double kAlso = 0.02;       // of the gradient, to the proposals that are not the nearest
+const double kMostStrength = std::sqrt(2.0);
+
+/// A proposal as the actor understands it.
+struct Proposal {
+  explicit Proposal(const float* numbers)
+      : towards(numbers[0], numbers[1]),
+        length(std::max(1e-6, towards.norm())),
+        direction(towards / length),
+        odds(1.0 / (1.0 + std::exp(-static_cast<double>(numbers[2])))) {}
+  double angle_part(const geometry::Vector2& wanted) const {
+    return (1.0 - direction.dot(wanted)) / kDirection;
+  }
+  double strength_off(double wanted) const { return std::log(kMostStrength * odds / wanted); }
+  double loss(const geometry::Vector2& wanted_direction, double wanted_strength) const {
+    const double off = strength_off(wanted_strength) / kStrength;
+    return angle_part(wanted_direction) + 0.5 * off * off;
+  }
+
+  geometry::Vector2 towards;
+  double length;
+  geometry::Vector2 direction;
+  double odds;
+};
+
+}  // namespace
+
+double imitate(const float* output, std::int64_t proposals, const geometry::Vector2& action, double weight,
+               float* gradient) {
+  const double strength = std::min(action.norm(), kMostStrength);
+  const bool rests = strength <= 0.0;
+  std::fill_n(gradient, 4 * proposals + 1, 0.0F);
+  std::int64_t chosen = proposals;
+  double loss = 0.0;
+  if (!rests) {
+    const geometry::Vector2 direction = action / action.norm();
+    double least = std::numeric_limits<double>::infinity();
+    for (std::int64_t k = 0; k < proposals; ++k) {
+      const double each = Proposal(output + 3 * k).loss(direction, strength);
+      if (each < least) {
+        least = each;
+        chosen = k;
+      }
+    }
+    loss += least;
+    for (std::int64_t k = 0; k < proposals; ++k) {
+      const Proposal proposal(output + 3 * k);
+      const double share = weight * (k == chosen ? 1.0 : kAlso);
+      const geometry::Vector2 across = direction - direction.dot(proposal.direction) * proposal.direction;
+      gradient[3 * k] = static_cast<float>(-share * across.x() / (kDirection * proposal.length));
+      gradient[3 * k + 1] = static_cast<float>(-share * across.y() / (kDirection * proposal.length));
+      const double pull = proposal.strength_off(strength) / (kStrength * kStrength) * (1.0 - proposal.odds);
+      gradient[3 * k + 2] = static_cast<float>(share * std::clamp(pull, -10.0, 10.0));
+    }
+  }
+  const float* score = output + 3 * proposals;
+  const float most = *std::max_element(score, score + proposals + 1);
+  const double sum = std::accumulate(score, score + proposals + 1, 0.0, [most](double so_far, float each) {
+    return so_far + std::exp(static_cast<double>(each - most));
+  });
+  for (std::int64_t k = 0; k <= proposals; ++k) {
+    const double given = std::exp(static_cast<double>(score[k] - most)) / sum;
+    gradient[3 * proposals + k] = static_cast<float>(weight * (given - (k == chosen ? 1.0 : 0.0)));
+    if (k == chosen) loss -= std::log(std::max(1e-12, given));
+  }
+  return loss;
+}
+
+}  // namespace lodestone::rl

@@ -1,0 +1,151 @@
+#include "lodestone/rl/value_iteration_learner.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "env/linear_model.h"
+#include "lodestone/common/error.h"
+
+using lodestone::geometry::Pose2;
+using lodestone::inference::CostToGo;
+using lodestone::nets::Checkpoint;
+using lodestone::rl::ImaginedTask;
+using lodestone::rl::LearningConfig;
+using lodestone::rl::ValueIterationConfig;
+using lodestone::rl::ValueIterationLearner;
+namespace env_tests = lodestone::env::tests;
+
+namespace {
+
+constexpr double kGain_m = 1e-3;  // per unit of drive, of which an action of 1 has ten
+
+LearningConfig learning_for(std::int64_t env_steps) {
+  LearningConfig learning;
+  learning.env_steps = env_steps;
+  learning.final_learning_rate = 0.1;
+  return learning;
+}
+
+ValueIterationConfig small_config() {
+  ValueIterationConfig config;
+  config.value_hidden = {48, 48};
+  config.hidden = {48, 48};
+  config.proposals = 2;
+  config.learning_rate = 3e-3;
+  config.polyak = 0.2;
+  config.candidates = 24;
+  config.refinements = 12;
+  config.particles = 2;
+  config.updates = 2;
+  config.cost.discount = 0.8;
+  config.place_sigma = 0.0;
+  config.gain_sigma = 0.1;
+  return config;
+}
+
+ImaginedTask task_for(std::int64_t environments) {
+  ImaginedTask task;
+  task.task.goal = lodestone::task::GoalKind::kPose;
+  task.task.goal_radius = 0.8;
+  task.task.dish_radius_m = 0.0425;
+  task.encoder.heading = lodestone::task::HeadingEncoding::kSineCosine;
+  task.encoder.relative_target = true;
+  task.encoder.target_heading = true;
+  task.encoder.fine_distance_m = 0.0005;
+  task.encoder.drive_gain = true;
+  task.encoder.target_ahead = true;
+  task.encoder.length_scale_m = 0.0425;
+  task.action.scale = 10.0;
+  task.environments = environments;
+  return task;
+}
+
+std::unique_ptr<ValueIterationLearner> make(std::int64_t env_steps, std::int64_t threads = 1) {
+  return std::make_unique<ValueIterationLearner>(learning_for(env_steps), small_config(), task_for(128),
+                                                 env_tests::noisy_linear_model(kGain_m), 1, threads);
+}
+
+double cost_of(const CostToGo& learned, const Pose2& pose, const Pose2& goal) {
+  CostToGo::Workspace workspace;
+  const double state[] = {pose.x_m, pose.y_m, pose.heading_rad};
+  double cost = 0.0;
+  learned.evaluate(state, &goal, 1, 1, &cost, workspace);
+  return cost;
+}
+
+bool same(const lodestone::inference::Arrays& one, const lodestone::inference::Arrays& two) {
+  if (one.size() != two.size()) return false;
+  for (const auto& [name, array] : one)
+    if (array.to_vector<float>() != two.at(name).to_vector<float>()) return false;
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("A cost-to-go learns how many pulses away a pose is, and that some are out of reach", "[rl]") {
+  // Where pulses move the needle by up to 10 mm along each axis, and never turn it.
+  const auto learner = make(40000);
+  while (!learner->finished()) learner->step();
+  const CostToGo learned = *learner->cost_to_go();
+  const double most = learned.cost().most();
+  const Pose2 goal{0.005, -0.004, 0.7};
+  CHECK(cost_of(learned, goal, goal) < 0.15 * most);
+  const double near = cost_of(learned, {0.008, -0.004, 0.7}, goal);
+  const double far = cost_of(learned, {-0.028, 0.012, 0.7}, goal);
+  CHECK(near < 0.4 * most);                                            // one pulse away
+  CHECK(far > near);                                                   // four
+  CHECK(cost_of(learned, {0.008, -0.004, -2.0}, goal) > 0.75 * most);  // turned away, for good
+
+  // And the policy gives the pulse.
+  const ImaginedTask task = task_for(128);
+  const lodestone::task::ObservationEncoder encoder(task.encoder);
+  lodestone::task::Observation seen;
+  seen.pose = {0.009, -0.004, 0.7};
+  seen.target_m = goal.position_m();
+  seen.target_heading_rad = goal.heading_rad;
+  seen.drive_gain = lodestone::task::DriveGain{0.0, 0.05};
+  std::vector<float> input(static_cast<std::size_t>(encoder.size()));
+  encoder.encode(seen, input.data());
+  float action[2];
+  lodestone::inference::Actor::Workspace workspace;
+  learner->actor().act(input.data(), 1, action, workspace);
+  CHECK(static_cast<double>(action[0]) == Approx(-0.4).margin(0.15));
+  CHECK(static_cast<double>(action[1]) == Approx(0.0).margin(0.15));
+}
+
+TEST_CASE("Value iteration does not depend on threads, and goes on bitwise", "[rl]") {
+  const auto through = make(100000, 2);
+  const auto first = make(100000, 1);
+  for (int i = 0; i < 6; ++i) {
+    through->step();
+    first->step();
+  }
+  Checkpoint checkpoint;
+  first->save(checkpoint);
+  const auto second = make(100000, 2);
+  second->load(checkpoint);
+  for (int i = 0; i < 6; ++i) {
+    through->step();
+    second->step();
+  }
+  CHECK(second->env_steps() == through->env_steps());
+  CHECK(same(through->actor_weights(), second->actor_weights()));
+  CHECK(same(through->cost_to_go()->weights(), second->cost_to_go()->weights()));
+  Checkpoint broken = checkpoint;
+  broken.parts["running"].erase("decisions");
+  CHECK_THROWS_WITH(make(1000)->load(broken), Catch::Contains("\"decisions\" is missing"));
+}
+
+TEST_CASE("Value iteration refuses what has no heading or no distribution", "[rl]") {
+  const auto start = [](const ImaginedTask& task, const lodestone::inference::DynamicsModel& model) {
+    ValueIterationLearner(learning_for(1000), small_config(), task, model, 1, 1);
+  };
+  CHECK_THROWS_WITH(
+      start(task_for(8), env_tests::linear_model(lodestone::data::StateLayout::kPose, {kGain_m}, {0.0})),
+      Catch::Contains("model.components"));
+  ImaginedTask point = task_for(8);
+  point.task.goal = lodestone::task::GoalKind::kPoint;
+  CHECK_THROWS_WITH(start(point, env_tests::noisy_linear_model(kGain_m)), Catch::Contains("task.goal"));
+}
