@@ -53,7 +53,8 @@ void add_bench_rigs(Verb& bench) {
   add("--sensor", "sensor.kind", Shorthand::kText, "camera or simulated");
   add("--models", "models", Shorthand::kText,
       "folder that holds the policy `any_rig` and the simulator `dynamics_best`");
-  add("--controllers", "controllers", Shorthand::kText, "with commas between: planner, policy, baseline");
+  add("--controllers", "controllers", Shorthand::kText,
+      "with commas between: planner, policy, baseline, observer");
   const auto pulses = [&](const char* flag, const std::string& key, const char* meaning) {
     verb.add_option(
         flag,

@@ -76,6 +76,7 @@ std::vector<experiments::ControllerSource> sources(const ConsoleConfig& config,
   }
   parts.bench.routes = experiments::route_map(deployment, identified_by, policy ? &*policy : nullptr);
   found.push_back(experiments::baseline_source(deployment, identified_by));
+  found.push_back(experiments::observer_source(deployment));
   return found;
 }
 

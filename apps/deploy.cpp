@@ -180,7 +180,7 @@ void add_deploy(Verb& program) {
   add_shorthand(verb, options, "--trials", "trials.count", Shorthand::kValue, "trials per task");
   text("--on", "on_rig", "the rig that was explored, rigs never seen, or both: explored, unseen, both");
   text("--sensor", "sensor.kind", "camera or simulated");
-  text("--controller", "controller", "planner, policy, baseline or both");
+  text("--controller", "controller", "planner, policy, baseline, both, or observer");
   const auto target = [set](const std::string& value) { set("target_mm=[" + value + "]", "--target-mm"); };
   verb.add_option("--target-mm", target, "X,Y of the target of `point` in mm");
   verb.add_option("--record", Flag{[set] { set("record.enabled=true", "--record"); }},

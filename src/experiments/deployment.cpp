@@ -8,6 +8,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/log.h"
 #include "lodestone/control/gain_correction.h"
+#include "lodestone/control/observer_controller.h"
 #include "lodestone/control/policy_controller.h"
 #include "lodestone/experiments/heading_need.h"
 #include "lodestone/geometry/angle.h"
@@ -290,6 +291,21 @@ ControllerSource baseline_source(const DeploymentConfig& config, const Simulator
   source.make = [config](std::uint64_t) {
     return decorated(std::make_unique<control::GainCorrection>(
                          std::make_unique<control::DipolePullController>(config.rig, config.baseline)),
+                     config, config.rig.coils.max_current_A);
+  };
+  return source;
+}
+
+ControllerSource observer_source(const DeploymentConfig& config) {
+  ControllerSource source;
+  source.name = "observer";
+  source.action.scale = config.rig.coils.max_current_A;
+  source.action.size = config.rig.drive_size();
+  DeploymentConfig around = config;
+  around.decorators.lead_s = 0.0;  // it knows where its target will be
+  source.make = [config = around](std::uint64_t) {
+    return decorated(std::make_unique<control::ObserverController>(config.rig, config.observer,
+                                                                   config.loop.pulse_s, config.loop.rest_s),
                      config, config.rig.coils.max_current_A);
   };
   return source;

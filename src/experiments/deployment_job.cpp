@@ -160,6 +160,8 @@ DeploymentJob plan_job(const DeployConfig& config, const std::vector<std::string
       check_goal(config, *policy, job);
       job.sources.push_back(policy_source(config.deployment, *policy, config.policy, identified_by));
       job.provenance = common::artefact_from_json<runs::Provenance>(policy->provenance, config.policy);
+    } else if (controller == "observer") {
+      job.sources.push_back(observer_source(config.deployment));
     } else {
       job.sources.push_back(baseline_source(config.deployment, identified_by));
     }

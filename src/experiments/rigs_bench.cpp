@@ -98,12 +98,13 @@ std::vector<std::string> RigsBenchConfig::controller_names() const {
     const bool known =
         std::find(runs::kControllers.begin(), runs::kControllers.end(), name) != runs::kControllers.end();
     if (!known || std::find(names.begin(), names.end(), name) != names.end())
-      throw common::ConfigError("controllers = \"" + controllers + "\": \"" + name +
-                                (known ? "\" comes twice" : "\" is none of planner, policy, baseline"));
+      throw common::ConfigError(
+          "controllers = \"" + controllers + "\": \"" + name +
+          (known ? "\" comes twice" : "\" is none of planner, policy, baseline, observer"));
     names.push_back(name);
   }
   if (names.empty() && learners().empty())
-    throw common::ConfigError("controllers = \"\": name some of planner, policy, baseline");
+    throw common::ConfigError("controllers = \"\": name some of planner, policy, baseline, observer");
   return names;
 }
 

@@ -117,6 +117,7 @@ std::string rig_words(const std::string& rig) { return rig == "unseen" ? "unseen
 const char* bar_colour(const ErrorRow& row) {
   if (row.published) return kPaperColour;
   if (row.controller == "baseline") return row.rig == "unseen" ? kUnseenBaselineColour : kBaselineColour;
+  if (row.controller == "observer") return row.rig == "unseen" ? kUnseenObserverColour : kObserverColour;
   return row.rig == "unseen" ? kUnseenColour : kPolicyColour;
 }
 
@@ -255,6 +256,11 @@ std::string introduction(const std::vector<ErrorRow>& rows) {
     text += "Unseen rigs have a friction map and a calibration error that are new to the controller. ";
   if (any([](const ErrorRow& row) { return row.controller == "baseline"; }))
     text += "The baseline is a proportional pull through the inverse field of the plain simulator. ";
+  if (any([](const ErrorRow& row) { return row.controller == "observer"; }))
+    text +=
+        "The observer is sliding mode with a disturbance observer: it knows the rig's description and its "
+        "own "
+        "pulses. ";
   text +=
       "For points the error is the distance at the end of a trial, for paths the cross-track RMS of one. A "
       "path succeeds where 95 % of its points were reached in order and in time, every corner was, and the "

@@ -22,6 +22,7 @@ using runs::RigsTaskSummary;
 
 const char* colour_of(const std::string& controller) {
   if (controller == "baseline") return kBaselineColour;
+  if (controller == "observer") return kObserverColour;
   if (controller.rfind("adapted_", 0) == 0) return kSecondColour;
   if (controller.rfind("from_scratch_", 0) == 0) return kPaperColour;
   return controller == "policy" ? kUnseenColour : kPolicyColour;

@@ -15,7 +15,7 @@ namespace lodestone::report {
 struct Trial {
   std::string task;
   std::string rig;         ///< "explored", "unseen" or "real"
-  std::string controller;  ///< "policy", "planner" or "baseline"
+  std::string controller;  ///< "policy", "planner", "baseline" or "observer"
   std::int64_t number = 0;
   Points path_mm;                                      ///< empty for points
   std::optional<std::pair<double, double>> target_mm;  ///< none for paths

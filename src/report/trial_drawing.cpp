@@ -76,6 +76,7 @@ void draw_targets(const std::vector<const Trial*>& trials, DishSvg& dish) {
 
 std::string colour_of(const std::string& controller) {
   if (controller == "baseline") return kBaselineColour;
+  if (controller == "observer") return kObserverColour;
   return controller == "planner" ? kSecondColour : kPolicyColour;
 }
 

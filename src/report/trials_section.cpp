@@ -21,14 +21,18 @@ struct Group {
   std::vector<Trial> trials;
 };
 
+const char* unseen_colour_of(const std::string& controller) {
+  if (controller == "baseline") return kUnseenBaselineColour;
+  return controller == "observer" ? kUnseenObserverColour : kUnseenColour;
+}
+
 std::vector<Group> groups_of(const RunData& run) {
   std::vector<Group> groups;
   for (const DeployData& deploy : run.rigs) {
     const std::vector<Trial> trials = read_trials(deploy);
     for (const std::string& controller : controllers_of(trials)) {
       Group group{controller + ", " + deploy.rig, colour_of(controller), {}};
-      if (deploy.rig == "unseen")
-        group.colour = controller == "baseline" ? kUnseenBaselineColour : kUnseenColour;
+      if (deploy.rig == "unseen") group.colour = unseen_colour_of(controller);
       for (const Trial& trial : trials)
         if (trial.controller == controller) group.trials.push_back(trial);
       groups.push_back(std::move(group));

@@ -84,7 +84,7 @@ check(["bench", "paper", "--scale", "smoke", "--only", "nothing"], 2, "nothing",
 check(["deploy", "--controller", "planner", "--sensor", "simulated", "--out", "run"], 2, "dynamics")
 check(["deploy", "--controller", "planner", "--set", "planner.elites=5000", "--out", "run"], 2,
       "--set planner.elites: planner.elites = 5000 must not exceed candidates")
-check(["bench", "rigs", "--controllers", "magic", "--out", "run"], 2, "\"magic\" is none of planner, policy, baseline")
+check(["bench", "rigs", "--controllers", "magic", "--out", "run"], 2, "\"magic\" is none of planner, policy, baseline, observer")
 check(["bench", "rigs", "--decorated", "--controllers", "baseline", "--out", "run"], 2, "name a policy")
 check(["bench", "rigs", "--controllers", "planner", "--sensor", "simulated", "--out", "run"], 2, "dynamics=DIR")
 check(["deploy", "--models", "missing", "--out", "run"], 2, "missing/deploy.json")

@@ -49,6 +49,18 @@ TEST_CASE("tasks and rigs are what was asked for") {
   CHECK(experiments::plan_job(config).rigs == std::vector<RigKind>{RigKind::kReal});
 }
 
+TEST_CASE("the observer needs neither policy nor simulator, and is not identified") {
+  DeployConfig config;
+  config.controller = "observer";
+  config.deployment.turn.current_A = 1.0;
+  const auto job = experiments::plan_job(config);
+  REQUIRE(job.sources.size() == 1);
+  CHECK(job.sources.front().name == "observer");
+  CHECK(job.sources.front().action.scale == config.deployment.rig.coils.max_current_A);
+  CHECK_FALSE(job.sources.front().identify);
+  CHECK(job.sources.front().make(1)->clone() != nullptr);
+}
+
 TEST_CASE("a path is read from its file, and must lie in the dish") {
   const tests::TemporaryFolder folder;
   DeployConfig config = by_baseline();

@@ -75,8 +75,8 @@ TEST_CASE("what was learned of the rigs stands over the minutes that it took") {
   summary.by_controller["adapted_1000"]["point"].minus_planner_interval_mm = {-0.03, -0.012};
   common::write_artefact(folder / runs::RigsSummary::kFile, summary);
   const auto read = common::read_artefact<runs::RigsSummary>(folder / runs::RigsSummary::kFile);
-  CHECK(read.controllers() ==
-        std::vector<std::string>{"planner", "from_scratch_300", "adapted_1000", "policy", "baseline"});
+  CHECK(read.controllers() == std::vector<std::string>{"planner", "from_scratch_300", "adapted_1000",
+                                                       "policy", "baseline", "observer"});
   CHECK(read.by_controller.at("adapted_1000").at("point").n_trials == 10);
   common::write_artefact(folder / runs::RigsResult::kFile, runs::RigsResult());
 

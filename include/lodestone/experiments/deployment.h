@@ -13,6 +13,7 @@
 #include "lodestone/control/decorators.h"
 #include "lodestone/control/dipole_pull.h"
 #include "lodestone/control/learned_simulator.h"
+#include "lodestone/control/observer_config.h"
 #include "lodestone/control/planner.h"
 #include "lodestone/control/reference.h"
 #include "lodestone/control/rig_identifier.h"
@@ -93,6 +94,7 @@ struct DeploymentConfig {
   control::DecoratorConfig decorators;
   control::TurnConfig turn;
   control::DipolePullConfig baseline;
+  control::ObserverConfig observer;
   control::PlannerConfig planner;
   control::IdentificationConfig identification;
   rig::RigConfig rig;
@@ -113,6 +115,7 @@ struct DeploymentConfig {
     v.group("decorators", decorators, "what is put around every controller");
     v.group("turn", turn, "turning in place, where a target has a heading (task pose)");
     v.group("baseline", baseline, "the proportional baseline");
+    v.group("observer", observer, "sliding mode with a disturbance observer");
     v.group("planner", planner, "planning in the learned simulator");
     v.group("identification", identification,
             "what the pulses say about the rig, where a learned simulator is named (dynamics)");
@@ -178,7 +181,7 @@ SimulatorSource load_simulator(const DeploymentConfig& config, const std::string
 /// A controller and the scale of its actions. What it makes is made once per trial, and must be safe to make
 /// from several threads.
 struct ControllerSource {
-  std::string name;  ///< "policy", "planner" or "baseline"
+  std::string name;  ///< "policy", "planner", "baseline" or "observer"
   task::ActionConfig action;
   std::function<std::unique_ptr<control::Controller>(std::uint64_t seed)> make;
   /// What the rig is identified by in the next trial, as it knows it then; empty: it is not.
@@ -188,6 +191,10 @@ struct ControllerSource {
 /// The baseline at the rig's largest current; with a simulator, its commands are divided by the gain that is
 /// identified.
 ControllerSource baseline_source(const DeploymentConfig& config, const SimulatorSource* simulator = nullptr);
+
+/// Sliding mode with a disturbance observer, at the rig's largest current. It knows the description and its
+/// own pulses: no simulator identifies its rig, as it estimates the gain itself.
+ControllerSource observer_source(const DeploymentConfig& config);
 
 /// A trained policy; with a simulator, as the baseline. Throws ConfigError when its actions go beyond the
 /// rig's largest current; `what` names it.

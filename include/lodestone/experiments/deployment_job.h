@@ -31,7 +31,7 @@ struct DeployConfig {
     v.field("policy", policy, "", "folder of the policy checkpoint");
     v.field("dynamics", dynamics, "",
             "folder of the dynamics checkpoint that the planner plans in, and that every controller's rig is "
-            "identified by");
+            "identified by but the observer's");
     v.field("task", task, "",
             "centre, point, pose, square, circle, all, or a path file.csv (columns x_m,y_m, and heading_rad "
             "where it has headings)");
@@ -43,8 +43,9 @@ struct DeployConfig {
     v.field("controller", controller, "",
             "what drives: a planner in the learned simulator, a trained policy, the proportional baseline, "
             "both of "
-            "these; auto: the planner where a simulator is named and no policy is, else both",
-            {"auto", "planner", "policy", "baseline", "both"});
+            "these; observer: sliding mode with a disturbance observer; auto: the planner where a simulator "
+            "is named and no policy is, else both",
+            {"auto", "planner", "policy", "baseline", "both", "observer"});
     v.field("realtime", realtime, "", "wait as long as a real rig would");
     v.group("mcap", mcap, "logs of the trials");
   }
@@ -67,7 +68,8 @@ struct DeploymentJob {
 /// Reads the checkpoints and the path that the configuration names. Throws ConfigError where they do not fit
 /// what is asked, and CheckpointError, IoError and DataError where they cannot be read.
 DeploymentJob plan_job(const DeployConfig& config);
-/// The same with these controllers ("planner", "policy", "baseline"), whatever the configuration says.
+/// The same with these controllers ("planner", "policy", "baseline", "observer"), whatever the configuration
+/// says.
 DeploymentJob plan_job(const DeployConfig& config, const std::vector<std::string>& controllers);
 
 }  // namespace lodestone::experiments

@@ -31,7 +31,8 @@ struct RigsBenchConfig {
     deployment.visit(v);
     v.field("threads", threads, "", "trials at the same time; 0 means one per processor", {0, 1024});
     v.field("rigs", rigs, "", "rigs that nobody has seen; trials.count is for each of them", {1, 100000});
-    v.field("controllers", controllers, "", "what drives, with commas between: planner, policy, baseline");
+    v.field("controllers", controllers, "",
+            "what drives, with commas between: planner, policy, baseline, observer");
     v.field(
         "models", models, "",
         "folder that holds the policy as `any_rig` and the simulator as `dynamics_best`, where `policy` and "
@@ -39,7 +40,7 @@ struct RigsBenchConfig {
     v.field("policy", policy, "", "folder of the policy checkpoint");
     v.field("dynamics", dynamics, "",
             "folder of the dynamics checkpoint that the planner plans in, and that every controller's rig is "
-            "identified by");
+            "identified by but the observer's");
     v.field("task", task, "", "centre, point, square, circle or all",
             {"centre", "point", "square", "circle", "all"});
     v.field("adapt", adapt, "",

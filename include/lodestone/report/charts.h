@@ -15,6 +15,8 @@ constexpr const char* kBaselineColour = "#c8553d";
 constexpr const char* kUnseenBaselineColour = "#e0a695";
 constexpr const char* kPaperColour = "#b9bfc5";
 constexpr const char* kSecondColour = "#7a8b3c";
+constexpr const char* kObserverColour = "#8a5a9e";
+constexpr const char* kUnseenObserverColour = "#c4a5d1";
 
 struct LineSeries {
   std::string name;

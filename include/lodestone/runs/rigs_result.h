@@ -14,7 +14,7 @@
 namespace lodestone::runs {
 
 /// What a controller drives with on many rigs.
-constexpr std::array<const char*, 3> kControllers = {"planner", "policy", "baseline"};
+constexpr std::array<const char*, 4> kControllers = {"planner", "policy", "baseline", "observer"};
 
 /// The rig on which a controller did worst at a task.
 struct WorstRig {
