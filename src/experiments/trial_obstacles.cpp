@@ -8,7 +8,7 @@
 namespace lodestone::experiments {
 namespace {
 
-constexpr int kMaxDraws = 100000;
+constexpr int kMostObstacleDraws = 100000;
 
 }  // namespace
 
@@ -38,7 +38,7 @@ std::vector<physics::ObstacleConfig> draw_obstacles(const TrialObstaclesConfig& 
   geometry::KeepOut alone = plan.keep_out;
   std::vector<physics::ObstacleConfig> discs;
   for (int draws = 0; static_cast<std::int64_t>(discs.size()) < config.count;) {
-    if (++draws > kMaxDraws)
+    if (++draws > kMostObstacleDraws)
       throw common::ConfigError("trials.obstacles.diameter_m = " + std::to_string(config.diameter_m) +
                                 ": no place clear of start and target was found for every obstacle; use "
                                 "smaller ones, or a smaller route.clearance_m");
