@@ -105,6 +105,7 @@ void add_bench(Verb& program) {
   verb.renamed = {{"hil", "emulation"}};
   add_bench_rigs(verb);
   add_bench_speed(verb);
+  add_bench_tasks(verb);
   add_bench_tracking(verb);
   add_bench_console(verb);
   add_bench_emulation(verb);

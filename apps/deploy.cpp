@@ -65,6 +65,10 @@ void print_rig(const std::string& rig, const runs::RigSummary& summary) {
 void print_touches(const std::string& rig, const std::string& controller, const runs::TaskTable& table) {
   for (const auto& [task, of_task] : table.by_task) {
     const runs::ErrorStatistics& errors = of_task.truth ? *of_task.truth : of_task.sensed;
+    if (of_task.unreachable.value_or(0) > 0)
+      std::printf("%s, %s, %s: in %lld of %lld trials no way led past the obstacles; they count as failed.\n",
+                  rig.c_str(), controller.c_str(), task.c_str(), static_cast<long long>(*of_task.unreachable),
+                  static_cast<long long>(of_task.n_trials));
     if (!errors.touching_rate || !errors.least_clearance_mm || !errors.touching_interval) continue;
     std::printf(
         "%s, %s, %s: %.0f %% of the trials touched a keep-out zone (95 %%: %.0f to %.0f %%); least clearance "

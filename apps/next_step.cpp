@@ -38,6 +38,7 @@ constexpr Follower kFollowers[] = {
     {"rig field", "hold {--out} against what a gaussmeter shows"},
     {"bench speed", "scripts/update-readme {--out}/speed.json"},
     {"bench paper", "open {--out}/report.html in a browser; it needs no network"},
+    {"bench tasks", "open {--out}/report.html in a browser; it needs no network"},
     {"evaluate dynamics", "lodestone train-policy --set dynamics={--checkpoint} --out runs/policy"},
     {"evaluate segmenter", "lodestone collect --set sensor.segmenter={--checkpoint} --out runs/collect"},
     {"report", "open {--out} in a browser; it needs no network"},

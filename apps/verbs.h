@@ -39,6 +39,7 @@ void add_bench_emulation(Verb& bench);
 void add_bench_paper(Verb& bench);
 void add_bench_rigs(Verb& bench);
 void add_bench_speed(Verb& bench);
+void add_bench_tasks(Verb& bench);
 void add_bench_tracking(Verb& bench);
 void add_calibrate_coils(Verb& calibrate);
 void add_calibrate_field(Verb& calibrate);

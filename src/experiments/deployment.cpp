@@ -114,6 +114,19 @@ rig::RigConfig warmed(rig::RigConfig config, double temperature_C) {
   return config;
 }
 
+/// Draws what a trial has of its own, and says whether there is a way past it.
+void add_obstacles(const DeploymentConfig& config, TrialPlan& plan) {
+  const TrialObstaclesConfig& wanted = config.trials.obstacles;
+  check_obstacles(wanted, config.rig, plan.task);
+  if (wanted.count == 0) return;
+  plan.obstacles = draw_obstacles(wanted, config.rig, plan, config.route.clearance_m,
+                                  common::RandomStream(trial_seed(config, plan), "obstacles"));
+  for (std::size_t i = 0; i < plan.obstacles.size(); ++i)
+    plan.keep_out.zones.push_back(zone_of(plan.obstacles[i], "obstacle " + std::to_string(i + 1)));
+  plan.unreachable =
+      plan.routes && plan.routes->route(plan.start.position_m(), plan.target_m, plan.keep_out).empty();
+}
+
 }  // namespace
 
 std::string to_string(RigKind kind) {
@@ -222,6 +235,7 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
   if (task == "pose") plan.target_heading_rad = random.uniform(-geometry::kPi, geometry::kPi);
   if (task == "pose" && config.trials.path_heading == geometry::HeadingRule::kFixed)
     plan.target_heading_rad = geometry::wrap_angle(geometry::kRadPerDeg * config.trials.path_heading_deg);
+  add_obstacles(config, plan);
   return plan;
 }
 
@@ -352,8 +366,10 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
                                 bool realtime, const TrialFolders& folders) const {
   const std::uint64_t seed = trial_seed(config_, plan);
   const bool explored = kind == RigKind::kExplored;
-  const UnseenRig made = explored ? UnseenRig{config_.rig, static_cast<std::uint64_t>(config_.rig_seed), 0}
-                                  : unseen_rig(config_, plan.task, plan.index);
+  UnseenRig made = explored ? UnseenRig{config_.rig, static_cast<std::uint64_t>(config_.rig_seed), 0}
+                            : unseen_rig(config_, plan.task, plan.index);
+  std::vector<physics::ObstacleConfig>& solid = made.config.simulation.obstacles;
+  solid.insert(solid.end(), plan.obstacles.begin(), plan.obstacles.end());
   common::SteadyClock wall;  // outlives the rig
   rig::VirtualRig rig(made.config, made.seed, sample_rig_->fields());
   // The scatter from pulse to pulse belongs to the trial, or trials on the explored rig would all see the
@@ -363,14 +379,18 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   state["scatter"] = common::RandomStream(seed, "pulse scatter").save();
   rig.restore(state);
   rig.place(plan.start);
-  const session::SeenBench bench = explored ? explored_ : sensing_.new_bench(made.scene);
+  session::SeenBench bench = explored ? explored_ : sensing_.new_bench(made.scene, plan.obstacles);
+  if (explored && !plan.obstacles.empty())
+    bench.renderer = sensing_.new_bench(explored_.seed, plan.obstacles).renderer;
   RigDrive drive{&rig.coils(), &rig.clock(), nullptr};
   if (drive_) drive = drive_(rig);
   const std::unique_ptr<session::RigSensor> sensor =
       sensing_.make(rig, bench, common::RandomStream(seed, "sensor noise"), drive.clock);
   if (realtime) rig.keep_pace_with(wall);
   common::Clock& clock = *drive.clock;
-  safety::Supervisor coils(*drive.coils, config_.safety, config_.rig, clock);
+  safety::SafetyConfig limits = config_.safety;
+  limits.keep_out = plan.keep_out.zones;
+  safety::Supervisor coils(*drive.coils, limits, config_.rig, clock);
   const std::shared_ptr<control::RigIdentifier> identifier = identifier_of(source);
   control::ControlLoop loop(config_.loop, source.action, coils, *sensor, clock, &config_.rig,
                             identifier.get());

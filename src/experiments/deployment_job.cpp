@@ -174,6 +174,8 @@ DeploymentJob plan_job(const DeployConfig& config, const std::vector<std::string
     job.region = policy->region;
   }
   check_tasks_keep_out(config, job);
+  for (const std::string& task : job.tasks)
+    check_obstacles(config.deployment.trials.obstacles, config.deployment.rig, task);
   job.routes = route_map(config.deployment, identified_by, policy ? &*policy : nullptr);
   return job;
 }

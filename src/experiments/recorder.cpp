@@ -150,6 +150,14 @@ runs::TrialRecord record_of(const TrialResult& result) {
     record.target_mm = point_mm(plan.target_m);
     if (plan.routes) record.route_mm.emplace();
   }
+  if (!plan.obstacles.empty()) {
+    record.obstacles_mm.emplace();
+    for (const physics::ObstacleConfig& disc : plan.obstacles)
+      record.obstacles_mm->push_back({geometry::kMmPerM * disc.centre_m[0],
+                                      geometry::kMmPerM * disc.centre_m[1],
+                                      geometry::kMmPerM * disc.radius_m});
+    if (plan.routes) record.unreachable = plan.unreachable;
+  }
   if (result.truth) record.trajectory.emplace();
   record.current_A.emplace();
   const bool temperatures = !result.samples.empty() && result.samples.back().temperature_C;

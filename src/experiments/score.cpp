@@ -215,6 +215,8 @@ runs::TaskSummary summarise_task(const std::vector<runs::TrialRecord>& trials) {
     ++summary.n_trials;
     if (!trial.completed) ++summary.stopped;
     if (trial.rig_changed_s) ++*summary.rig_changed;
+    if (trial.unreachable)
+      summary.unreachable = summary.unreachable.value_or(0) + (*trial.unreachable ? 1 : 0);
     if (trial.truth) truth.push_back(&*trial.truth);
     sensed.push_back(&trial.sensed);
   }

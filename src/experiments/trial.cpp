@@ -1,5 +1,7 @@
 #include "lodestone/experiments/trial.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 
 #include "lodestone/common/error.h"
@@ -93,6 +95,17 @@ std::vector<geometry::Pose2> known_poses(const TrialResult& result, const Afterm
   return poses;
 }
 
+/// What became of a trial to whose target no way leads.
+control::LoopOutcome not_driven(const TrialPlan& plan) {
+  control::LoopOutcome outcome;
+  outcome.stop_reason = fmt::format(
+      "no way leads from ({:.1f}, {:.1f}) mm to ({:.1f}, {:.1f}) mm past the obstacles of this trial "
+      "(trials.obstacles): it was not driven",
+      geometry::kMmPerM * plan.start.x_m, geometry::kMmPerM * plan.start.y_m,
+      geometry::kMmPerM * plan.target_m.x(), geometry::kMmPerM * plan.target_m.y());
+  return outcome;
+}
+
 runs::TrialFigures score_trial(const TrialResult& result, const Aftermath& after, bool truth,
                                const ScoreConfig& config) {
   const TrialPlan& plan = result.plan;
@@ -122,15 +135,17 @@ TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control
                    plan.waypoint_radius_m);
   control::Reference& followed = routed ? static_cast<control::Reference&>(*routed) : reference;
   const auto truth = [&true_pose] { return true_pose ? std::optional(true_pose()) : std::nullopt; };
-  const control::LoopOutcome outcome = loop.run(controller, followed, [&](const control::StepRecord& step) {
+  const auto observer = [&](const control::StepRecord& step) {
     result.samples.push_back({step, truth(), path && path->approaching(), {}});
     if (const auto reported = report ? report() : std::nullopt)
       result.samples.back().temperature_C = reported->temperature_C;
     if (watch) watch(result.samples.back());
-  });
+  };
+  const control::LoopOutcome outcome =
+      plan.unreachable ? not_driven(plan) : loop.run(controller, followed, observer);
   result.completed = outcome.completed;
   result.stop_reason = outcome.stop_reason;
-  // A fault before the first observation.
+  // It was not driven, or there was a fault before the first observation.
   if (result.samples.empty()) {
     control::StepRecord step;
     step.target_m = plan.path ? plan.path->at(0.0) : plan.target_m;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lodestone/common/config.h"
+#include "lodestone/common/error.h"
 #include "lodestone/geometry/angle.h"
 
 namespace lodestone::physics {
@@ -66,6 +67,27 @@ RodDrag rod_drag(const NeedleConfig& needle, const FluidConfig& fluid) {
   drag.across_N_s_m = std::max(2.0 * wall_per_m * length, free_across);
   drag.rotation_N_m_s = std::max(2.0 * wall_per_m * length * length * length / 12.0, free_rotation);
   return drag;
+}
+
+double broadside_drag_N(const NeedleConfig& needle, const FluidConfig& fluid, double speed_m_s) {
+  const double kinematic = fluid.viscosity_Pa_s / (fluid.density_kg_m3 * needle.diameter_m);
+  const double inertial =
+      0.5 * fluid.density_kg_m3 * needle.diameter_m * needle.length_m * fluid.cross_flow_factor;
+  const double cross_flow_N =
+      inertial * (speed_m_s + 10.0 * std::cbrt(kinematic * kinematic * speed_m_s)) * speed_m_s;
+  return rod_drag(needle, fluid).across_N_s_m * speed_m_s + cross_flow_N;
+}
+
+double broadside_speed_m_s(const NeedleConfig& needle, const FluidConfig& fluid, double drag_N) {
+  constexpr double kFastest_m_s = 1e6;
+  LODESTONE_CHECK(drag_N > 0.0 && broadside_drag_N(needle, fluid, kFastest_m_s) > drag_N,
+                  "fluid that has such a drag");
+  double slow_m_s = 0.0, fast_m_s = kFastest_m_s;
+  for (int halving = 0; halving < 200; ++halving) {
+    const double middle_m_s = 0.5 * (slow_m_s + fast_m_s);
+    (broadside_drag_N(needle, fluid, middle_m_s) < drag_N ? slow_m_s : fast_m_s) = middle_m_s;
+  }
+  return fast_m_s;
 }
 
 }  // namespace lodestone::physics

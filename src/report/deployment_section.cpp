@@ -11,6 +11,8 @@
 namespace lodestone::report {
 namespace {
 
+constexpr std::size_t kDrawnLayouts = 6;
+
 /// Classes of the table's rows: the paper's, ours, and where a task begins.
 std::string class_of(const ErrorRow& row, bool first_of_task) {
   const std::string kind = row.published ? "published" : row.controller == "baseline" ? "" : "ours";
@@ -76,13 +78,17 @@ std::string keep_out_table(const std::vector<ErrorRow>& rows) {
   for (const ErrorRow& row : rows)
     if (row.touching_rate) kept_out.push_back(row);
   if (kept_out.empty()) return "";
-  return rows_table(kept_out,
-                    {"clearance from the nearest zone (mm)", "least of all trials (mm)",
-                     "trials that touched one", "95 % interval (%)"},
-                    [](const ErrorRow& row) -> std::vector<std::string> {
-                      return {fixed(row.clearance_mm, 2), fixed(row.least_clearance_mm, 2),
-                              percent(row.touching_rate), interval(row.touching_interval, 100.0, 0)};
-                    });
+  const bool drawn = std::any_of(kept_out.begin(), kept_out.end(),
+                                 [](const ErrorRow& row) { return row.unreachable.has_value(); });
+  std::vector<std::string> columns = {"clearance from the nearest zone (mm)", "least of all trials (mm)",
+                                      "trials that touched one", "95 % interval (%)"};
+  if (drawn) columns.emplace_back("without any way");
+  return rows_table(kept_out, columns, [drawn](const ErrorRow& row) {
+    std::vector<std::string> cells = {fixed(row.clearance_mm, 2), fixed(row.least_clearance_mm, 2),
+                                      percent(row.touching_rate), interval(row.touching_interval, 100.0, 0)};
+    if (drawn) cells.push_back(fixed(row.unreachable, 0));
+    return cells;
+  });
 }
 
 std::string error_tables(const std::vector<ErrorRow>& rows) {
@@ -186,6 +192,26 @@ std::string panels(const std::vector<Trial>& trials, const std::string& controll
           (rig.keep_out.empty() ? "" : " Red areas: zones that the needle must keep out of."));
 }
 
+/// The first trials of a controller that had obstacles of their own, each in its dish; empty where none had.
+std::string layouts(const std::vector<Trial>& trials, const std::string& controller, const DrawnRig& rig) {
+  std::string html;
+  std::size_t shown = 0;
+  for (const Trial& trial : trials) {
+    if (trial.controller != controller || trial.obstacles.empty() || shown >= kDrawnLayouts) continue;
+    ++shown;
+    html +=
+        "<div class=\"panel\">" +
+        draw_trials({&trial}, rig, trial.task + " past obstacles, trial " + std::to_string(trial.number)) +
+        "<b>" + escape(trial.task) + "</b>, trial " + std::to_string(trial.number) + "<br>" +
+        fixed(trial.error_mm, 1) + " mm, " + (trial.success ? "reached" : "not reached") + "</div>";
+  }
+  if (html.empty()) return "";
+  return figure("<div class=\"panels\">" + html + "</div>",
+                "<b>" + escape(controller) +
+                    " past obstacles.</b> Red discs: solid obstacles that were drawn "
+                    "for that trial alone.");
+}
+
 std::string trajectories(const RunData& run, const std::vector<ErrorRow>& rows) {
   std::string html;
   for (const DeployData& deploy : run.rigs) {
@@ -196,7 +222,7 @@ std::string trajectories(const RunData& run, const std::vector<ErrorRow>& rows) 
     }
     std::string shown;
     for (const std::string& controller : controllers_of(trials))
-      shown += panels(trials, controller, rows, drawn_rig(run));
+      shown += panels(trials, controller, rows, drawn_rig(run)) + layouts(trials, controller, drawn_rig(run));
     html += &deploy == &run.rigs.front()
                 ? shown
                 : "<details><summary>Trajectories on the " + escape(rig_words(deploy.rig)) + "</summary>" +

@@ -39,6 +39,7 @@ ErrorRow measured(const runs::TaskSummary& summary, const char* task, const std:
   row.clearance_mm = best.clearance_mm;
   row.least_clearance_mm = best.least_clearance_mm;
   row.touching_rate = best.touching_rate;
+  if (summary.unreachable) row.unreachable = static_cast<double>(*summary.unreachable);
   if (const auto& range = best.touching_interval)
     row.touching_interval = common::Interval{range->at(0), range->at(1)};
   if (!summary.truth) return row;

@@ -1,6 +1,8 @@
 #include "lodestone/report/html.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <map>
 
@@ -28,6 +30,14 @@ std::string plus_minus(const std::optional<double>& mean, const std::optional<do
                        int decimals) {
   return deviation && mean ? fixed(mean, decimals) + " ± " + fixed(deviation, decimals)
                            : fixed(mean, decimals);
+}
+
+std::string with_interval(const std::optional<double>& value,
+                          const std::optional<std::array<double, 2>>& interval, int decimals, double scale,
+                          const std::string& unit) {
+  if (!value || !interval) return "–";
+  return fixed(scale * *value, decimals) + unit + " (" + fixed(scale * interval->at(0), decimals) + " to " +
+         fixed(scale * interval->at(1), decimals) + ")";
 }
 
 std::string percent(const std::optional<double>& fraction) {
@@ -59,6 +69,18 @@ std::string table(const std::vector<std::string>& headers, const std::vector<std
     html += "</tr>\n";
   }
   return html + "</tbody></table></div>\n";
+}
+
+void drop_empty_columns(std::vector<std::string>& headers, std::vector<std::vector<std::string>>& rows) {
+  if (rows.empty()) return;
+  for (std::size_t column = headers.size(); column-- > 0;) {
+    const bool empty =
+        std::all_of(rows.begin(), rows.end(), [column](const auto& row) { return row[column] == "–"; });
+    if (!empty) continue;
+    const auto at = static_cast<std::ptrdiff_t>(column);
+    headers.erase(headers.begin() + at);
+    for (std::vector<std::string>& row : rows) row.erase(row.begin() + at);
+  }
 }
 
 std::string figure(const std::string& content, const std::string& caption, const std::string& css_class) {

@@ -28,18 +28,6 @@ const char* colour_of(const std::string& controller) {
   return controller == "policy" ? kUnseenColour : kPolicyColour;
 }
 
-std::string with_interval(double value, const std::array<double, 2>& interval, int decimals, double scale,
-                          const std::string& unit) {
-  return fixed(scale * value, decimals) + unit + " (" + fixed(scale * interval[0], decimals) + " to " +
-         fixed(scale * interval[1], decimals) + ")";
-}
-
-std::string with_interval(const std::optional<double>& value,
-                          const std::optional<std::array<double, 2>>& interval, int decimals, double scale,
-                          const std::string& unit) {
-  return value && interval ? with_interval(*value, *interval, decimals, scale, unit) : "–";
-}
-
 const std::vector<std::string>& headings() {
   static const std::vector<std::string> kHeadings = {"task",
                                                      "controller",
@@ -197,15 +185,9 @@ std::string write_rigs_report(const std::string& folder, const std::string& out)
   const auto summary = common::read_artefact<runs::RigsSummary>(folder + "/" + runs::RigsSummary::kFile);
   const auto result = common::read_artefact<runs::RigsResult>(folder + "/" + runs::RigsResult::kFile);
   const auto rows = rows_of(summary);
-  std::vector<std::string> shown_headings;
-  std::vector<std::vector<std::string>> shown_rows(rows.size());
-  for (std::size_t column = 0; column < headings().size(); ++column) {
-    const bool empty =
-        std::all_of(rows.begin(), rows.end(), [&](const auto& row) { return row[column] == "–"; });
-    if (empty && !rows.empty()) continue;
-    shown_headings.push_back(headings()[column]);
-    for (std::size_t row = 0; row < rows.size(); ++row) shown_rows[row].push_back(rows[row][column]);
-  }
+  std::vector<std::string> shown_headings = headings();
+  std::vector<std::vector<std::string>> shown_rows = rows;
+  drop_empty_columns(shown_headings, shown_rows);
   HtmlPage page("Controllers on " + std::to_string(summary.rigs) + " rigs",
                 std::to_string(summary.trials_per_rig) + " trials of a task on each, " +
                     (summary.decorated ? "with decorators" : "as configured"));

@@ -38,6 +38,9 @@ Trial read_trial(const runs::TrialRecord& record) {
   trial.number = record.trial;
   trial.path_mm = points_of(record.path_mm);
   trial.route_mm = points_of(record.route_mm);
+  if (record.obstacles_mm)
+    for (const runs::DiscMm& disc : *record.obstacles_mm)
+      trial.obstacles.push_back({{{disc[0], disc[1]}}, disc[2]});
   if (record.target_mm) trial.target_mm = point(*record.target_mm);
   trial.track_is_true = record.trajectory.has_value();
   trial.track_mm = track_of(record);

@@ -19,8 +19,9 @@ struct Trial {
   std::int64_t number = 0;
   Points path_mm;                                      ///< empty for points
   std::optional<std::pair<double, double>> target_mm;  ///< none for paths
-  Points route_mm;  ///< that the needle was led over; empty where no way was searched
-  Points track_mm;  ///< true positions, or as sensed where nobody knows them
+  Points route_mm;                        ///< that the needle was led over; empty where no way was searched
+  std::vector<DrawnZone> obstacles = {};  ///< that were drawn for it alone
+  Points track_mm;                        ///< true positions, or as sensed where nobody knows them
   bool track_is_true = true;
   std::vector<bool> unseen;  ///< whether there was no pose
   Points reference_mm;       ///< where it should have been; the target, or the moving point of a path

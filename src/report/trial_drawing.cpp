@@ -85,7 +85,11 @@ std::string draw_trials(const std::vector<const Trial*>& trials, const DrawnRig&
   if (trials.empty()) return "";
   const std::vector<const Trial*> drawn(
       trials.begin(), trials.begin() + static_cast<std::ptrdiff_t>(std::min(trials.size(), kDrawnTrials)));
-  DishSvg dish(rig, true);
+  DrawnRig around = rig;
+  if (drawn.size() == 1)
+    around.keep_out.insert(around.keep_out.end(), drawn.front()->obstacles.begin(),
+                           drawn.front()->obstacles.end());
+  DishSvg dish(around, true);
   dish.line(drawn.front()->path_mm, kTargetColour, 0.7, 0.9, true);
   draw_path_headings(*drawn.front(), dish);
   for (const Trial* trial : drawn) draw_trial(*trial, dish);

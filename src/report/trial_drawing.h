@@ -16,7 +16,8 @@ constexpr std::size_t kDrawnTrials = 16;
 std::string colour_of(const std::string& controller);
 
 /// Trajectories of the first trials, seen from above, with starts, ends, and targets or the path; empty
-/// without trials. `label` describes it to those who cannot see it.
+/// without trials. Obstacles that a trial has of its own are drawn where it is the only one. `label`
+/// describes it to those who cannot see it.
 std::string draw_trials(const std::vector<const Trial*>& trials, const DrawnRig& rig,
                         const std::string& label);
 

@@ -154,9 +154,12 @@ std::string worst_section(const std::vector<const Trial*>& trials, const DrawnRi
               "<b>" + escape(trial->task) + "</b><br>" + escape(trial->rig) + ", trial " +
               std::to_string(trial->number) + ": " + fixed(trial->error_mm, 1) + " mm</div>";
   }
+  const bool obstacles =
+      std::any_of(drawn.begin(), drawn.end(), [](const Trial* trial) { return !trial->obstacles.empty(); });
   return table({"task", "controller", "rig", "ended", "trial", "error (mm)", "success"}, rows, 4) +
          figure("<div class=\"panels\">" + panels + "</div>",
-                "<b>The worst trial of each task.</b> " + legend_of(drawn));
+                "<b>The worst trial of each task.</b> " + legend_of(drawn) +
+                    (obstacles ? " Red discs: the obstacles that were drawn for that trial." : ""));
 }
 
 std::string coil_chart(const Trial& trial, const std::string& id, const std::string& title,

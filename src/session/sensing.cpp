@@ -90,12 +90,14 @@ Sensing::Sensing(const SensingConfig& config, const rig::VirtualRigConfig& rig) 
   if (by_camera()) segmenter_ = vision::Segmenter::load(config.segmenter);
 }
 
-SeenBench Sensing::new_bench(std::uint64_t seed) const {
+SeenBench Sensing::new_bench(std::uint64_t seed, const std::vector<physics::ObstacleConfig>& more) const {
   SeenBench bench;
   bench.seed = seed;
   if (by_camera()) {
     imaging::SceneConfig scene = config_.scene;
     scene.bench = rendered_bench_;
+    for (const physics::ObstacleConfig& obstacle : more)
+      scene.bench.obstacles_m.push_back(obstacle.outline_m());
     bench.renderer = std::make_shared<const imaging::SceneRenderer>(imaging::draw_scene(scene, seed));
   }
   return bench;

@@ -87,6 +87,12 @@ check(["deploy", "--controller", "planner", "--set", "planner.elites=5000", "--o
 check(["bench", "rigs", "--controllers", "magic", "--out", "run"], 2, "\"magic\" is none of planner, policy, baseline, observer")
 check(["bench", "rigs", "--decorated", "--controllers", "baseline", "--out", "run"], 2, "name a policy")
 check(["bench", "rigs", "--controllers", "planner", "--sensor", "simulated", "--out", "run"], 2, "dynamics=DIR")
+check(["bench", "tasks", "--tasks", "triangle", "--out", "run"], 2, "\"triangle\" is none of pose")
+check(["bench", "tasks", "--controllers", "magic", "--out", "run"], 2, "\"magic\" is none of planner, policy, baseline")
+check(["bench", "tasks", "--scale", "quick", "--out", "run"], 2, "must be smoke or full")
+check(["bench", "tasks", "--only", "pose", "--out", "run"], 2, "there is no cell \"pose\"")
+check(["deploy", "--controller", "baseline", "--task", "square", "--set", "trials.obstacles.count=3", "--sensor", "simulated", "--out", "run"],
+      2, "trials.obstacles.count = 3", "point or pose")
 check(["deploy", "--models", "missing", "--out", "run"], 2, "missing/deploy.json")
 check(["collect", "--by", "policy", "--out", "run"], 2, "--policy")
 check(["train-policy", "--set", "simulator=physics", "--set", "task.within=reachable", "--out", "run"], 2, "dynamics")
@@ -262,6 +268,13 @@ for preset in sorted((source / "configs").glob("*/*.json")):
         listed = subprocess.run([program, "bench", "paper", "--config", str(preset), "--list"], capture_output=True, text=True)
         if listed.returncode != 0 or "transfer/best/bare/square/1" not in listed.stdout:
             failures.append(f"bench paper --config {preset} --list: {listed.stderr!r}")
+        continue
+    if preset.stem.startswith("tasks_"):
+        with tempfile.TemporaryDirectory() as folder:
+            shown = subprocess.run([program, "bench", "tasks", "--config", str(preset), "--models", str(source / "models"), "--report",
+                                    "--out", folder], capture_output=True, text=True)
+        if shown.returncode != 0 or "0 of " not in shown.stdout:
+            failures.append(f"bench tasks --config {preset} --report: {shown.stdout!r} {shown.stderr!r}")
         continue
     json.loads(preset.read_text())  # strict JSON, which other programs read, too
     if preset.parent.name == "plans":

@@ -7,6 +7,7 @@ BASE = "build/release/apps/lodestone "
 # Neither in the sample nor in the soak. What calls the program is still parsed by it, as written.
 NOT_RUN = {
     ("README.md", "scripts/test"): "runs this test, among all others",
+    ("docs/beyond-the-paper.md", BASE + "bench tasks --out"): "takes hours; apps.tasks runs a small one",
     ("docs/drive-a-bench.md", "apt-get install gcc-avr"): "needs root and a mirror of Debian; scripts/setup has installed the same",
     ("docs/drive-a-bench.md", "avrdude"): "needs an Arduino",
     ("docs/drive-a-bench.md", BASE + "rig check --rig configs/rigs/serial.json"): "needs an Arduino; below it runs on an emulated one",

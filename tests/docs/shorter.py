@@ -29,6 +29,7 @@ SETTINGS = {
 }
 OPTIONS = {
     ("", "bench paper"): ("--list",),
+    ("", "bench tasks"): ("--tasks", "still", "--controllers", "baseline", "--trials", "1"),
     ("", "bench paper --scale quick --out runs/quick --only"): ("--report",),
     ("", "console"): ("--port", "0"),
 }

@@ -151,6 +151,17 @@ TEST_CASE("what lies in a zone to keep out of is refused, and points are gone to
   CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("square_side_m"));
 }
 
+TEST_CASE("obstacles of every trial need a point and a virtual rig, and ways around them") {
+  DeployConfig config = by_baseline();
+  config.deployment.trials.obstacles.count = 3;
+  CHECK_THROWS_WITH(experiments::plan_job(config),
+                    Catch::Contains("trials.obstacles.count = 3"));  // all tasks
+  config.task = "pose";
+  CHECK(experiments::plan_job(config).routes);
+  config.deployment.rig.backend = rig::Backend::kSerial;
+  CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("virtual rig"));
+}
+
 TEST_CASE("a policy drives to what it was trained for") {
   const tests::TemporaryFolder folder;
   DeployConfig config;

@@ -274,6 +274,10 @@ TEST_CASE("a task is summed up by true poses where they are known, and by what w
   CHECK(summary.sensed.mean_error_mm == Approx(4.0));
   CHECK(summary.n_trials == 2);
   CHECK(summary.stopped == 1);
+  CHECK_FALSE(summary.unreachable);
+  good.unreachable = false;
+  bad.unreachable = true;
+  CHECK(experiments::summarise_task({good, bad}).unreachable == 1);
   good.truth.reset();
   bad.truth.reset();
   summary = experiments::summarise_task({good, bad});

@@ -6,6 +6,8 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/physics/field_table.h"
+#include "lodestone/physics/needle_motion.h"
+#include "physics/moving_needle.h"
 #include "sphere_rig.h"
 
 namespace lodestone::physics {
@@ -39,6 +41,30 @@ TEST_CASE("drag grows with viscosity and is larger across the needle than along 
   CHECK(rod_drag(needle, fluid).rotation_N_m_s == Approx(3.0 * thin.rotation_N_m_s));
   fluid.wall_gap_m = 0.1;  // the free rod's drag is the least there can be
   CHECK(rod_drag(needle, fluid).across_N_s_m < 3.0 * thin.across_N_s_m);
+}
+
+TEST_CASE(
+    "fluid that flows across a needle sets it in motion at the speed at which its drag is what friction "
+    "holds") {
+  const NeedleConfig needle;
+  const FluidConfig fluid;
+  const FrictionConfig friction = tests::smooth_friction();
+  const double holds_N = friction.static_coefficient * needle.net_weight_N;
+  const double speed_m_s = broadside_speed_m_s(needle, fluid, holds_N);
+  CHECK(broadside_drag_N(needle, fluid, speed_m_s) == Approx(holds_N));
+  CHECK(speed_m_s > broadside_speed_m_s(needle, fluid, 0.5 * holds_N));
+  const auto moves = [&](double factor) {
+    FlowConfig flow;
+    flow.kind = FlowKind::kUniform;
+    flow.speed_m_s = factor * speed_m_s;
+    const NeedleMotion motion(needle, fluid, friction, DishConfig{}, Flow(flow));
+    NeedleState state;
+    state.pose.heading_rad = 0.5 * geometry::kPi;
+    motion.step(state, tests::paper_coils(), {}, FrictionMap(friction, 0.0425, 1), 1.0, 1e-4);
+    return !state.stuck;
+  };
+  CHECK_FALSE(moves(0.99));
+  CHECK(moves(1.01));
 }
 
 TEST_CASE("magnets that are longer than their needle are refused") {

@@ -32,6 +32,22 @@ TEST_CASE("how zones were kept out of has a table of its own, where there were a
   }
 }
 
+TEST_CASE(
+    "obstacles that trials have of their own are drawn trial by trial, and layouts without a way counted") {
+  RunData run = small_run();
+  CHECK_FALSE(holds(deployment_section(run), "past obstacles"));
+  lodestone::runs::TaskSummary& point = run.rigs[0].summary.tasks.by_task["point"];
+  point.truth->clearance_mm = point.truth->least_clearance_mm = 2.0;
+  point.truth->touching_rate = 0.0;
+  CHECK_FALSE(holds(deployment_section(run), "without any way"));
+  point.unreachable = 1;
+  run.rigs.front().trials->front().obstacles_mm = {{10.0, -5.0, 3.0}};
+  const std::string html = deployment_section(run);
+  CHECK(holds(html, "without any way"));
+  CHECK(holds(html, "past obstacles.</b>"));
+  CHECK(holds(html, "class=\"keep-out\""));
+}
+
 TEST_CASE("where the needle can be brought is drawn with the zones and the ways, where ways were searched") {
   RunData run = small_run();
   CHECK_FALSE(holds(deployment_section(run), "can be brought"));

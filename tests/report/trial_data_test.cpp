@@ -39,6 +39,16 @@ TEST_CASE("a trial that has headings brings them along") {
   CHECK(read_trials({record}).front().target_heading_rad == 2.0);
 }
 
+TEST_CASE("a trial brings the obstacles along that were drawn for it") {
+  lodestone::runs::TrialRecord record = point_trial("policy", "explored");
+  CHECK(read_trials({record}).front().obstacles.empty());
+  record.obstacles_mm = {{10.0, -5.0, 3.0}};
+  const Trial trial = read_trials({record}).front();
+  REQUIRE(trial.obstacles.size() == 1);
+  CHECK(trial.obstacles[0].corners_mm.front() == std::pair(10.0, -5.0));
+  CHECK(trial.obstacles[0].radius_mm == 3.0);
+}
+
 TEST_CASE("where nobody knows the true pose, the way is what was seen") {
   lodestone::runs::TrialRecord record = point_trial("policy", "real");
   record.trajectory.reset();

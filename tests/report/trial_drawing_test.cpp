@@ -71,6 +71,14 @@ TEST_CASE("the points that a needle was led over are drawn, and said in the capt
   CHECK(holds(legend_of({&trials[0]}), "led"));
 }
 
+TEST_CASE("obstacles of a trial's own are drawn where it is alone") {
+  auto trials = read_trials({point_trial("policy", "explored"), point_trial("policy", "explored")});
+  CHECK_FALSE(holds(draw_trials({&trials[0]}, 42.5, "some"), "keep-out"));
+  trials[0].obstacles = {{{{8.5, -4.25}}, 3.0}};
+  CHECK(holds(draw_trials({&trials[0]}, 42.5, "some"), "keep-out"));
+  CHECK_FALSE(holds(draw_trials({&trials[0], &trials[1]}, 42.5, "some"), "keep-out"));
+}
+
 TEST_CASE("a drawing becomes a file that opens by itself, an empty one none") {
   const lodestone::tests::TemporaryFolder folder;
   const auto trials = read_trials({point_trial("policy", "explored")});

@@ -33,6 +33,8 @@ runs::TrialRecord record(bool known) {
   made.truth->final_error_mm = 0.25;
   made.truth->clearance_mm = -0.5;
   made.truth->touches = 2;
+  made.obstacles_mm = {{10.0, 1.0 / 3.0, 3.0}};
+  made.unreachable = false;
   return made;
 }
 
@@ -51,6 +53,9 @@ TEST_CASE("trials read back to the last digit, and one without a true pose has n
   CHECK(trials->at(0).figures().final_error_mm == 0.25);
   CHECK(trials->at(0).truth->corner_errors_mm->at(1) == 1.0 / 3.0);
   CHECK(trials->at(0).truth->touches == 2);
+  CHECK(trials->at(0).obstacles_mm->front()[1] == 1.0 / 3.0);
+  CHECK(trials->at(0).unreachable == false);
+  CHECK_FALSE(trials->at(1).unreachable);
   CHECK_FALSE(trials->at(1).sensed.clearance_mm);
   CHECK_FALSE(trials->at(1).truth);
   CHECK_FALSE(trials->at(1).trajectory);

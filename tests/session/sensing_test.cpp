@@ -55,3 +55,15 @@ TEST_CASE("the scene is of the rig's own size") {
   CHECK(Sensing(simulated(), large).bench().dish_radius_m == 0.05);
   CHECK(Sensing(simulated(), large).bench().obstacles_m.empty());  // of which no description tells
 }
+
+TEST_CASE("the camera sees obstacles of a trial beside those of the rig") {
+  rig::VirtualRigConfig rig;
+  rig.simulation.obstacles.emplace_back();
+  SensingConfig config;
+  config.segmenter = std::string(LODESTONE_SOURCE_DIR) + "/models/segmenter";
+  const Sensing sensing(config, rig);
+  physics::ObstacleConfig more;
+  more.centre_m = {0.02, 0.0};
+  CHECK(sensing.new_bench(3).renderer->scene().bench.obstacles_m.size() == 1);
+  CHECK(sensing.new_bench(3, {more}).renderer->scene().bench.obstacles_m.size() == 2);
+}

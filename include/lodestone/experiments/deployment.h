@@ -20,6 +20,7 @@
 #include "lodestone/control/turn_in_place.h"
 #include "lodestone/experiments/score.h"
 #include "lodestone/experiments/trial.h"
+#include "lodestone/experiments/trial_obstacles.h"
 #include "lodestone/experiments/trial_recording.h"
 #include "lodestone/geometry/path_heading.h"
 #include "lodestone/inference/policy.h"
@@ -46,6 +47,7 @@ struct TrialsConfig {
   double circle_radius_m = 0.015;
   geometry::HeadingRule path_heading = geometry::HeadingRule::kNone;
   double path_heading_deg = 0.0;
+  TrialObstaclesConfig obstacles;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -77,6 +79,7 @@ struct TrialsConfig {
         "path_heading_deg, or as the path's file says (column heading_rad); fixed is that of `pose`, too, "
         "which is drawn otherwise");
     v.field("path_heading_deg", path_heading_deg, "deg", "the heading, where it is fixed", {-360.0, 360.0});
+    v.group("obstacles", obstacles, "obstacles that are drawn for each trial");
   }
 };
 
@@ -151,7 +154,9 @@ geometry::Path headed_path(const geometry::Path& path, const DeploymentConfig& c
 /// Start, target or path of trial `index` of a task ("centre", "point", "pose", "square", "circle", or "path"
 /// with `path`). `target_m`, when given, replaces the drawn target of `point`. `fits` says whether a start
 /// lies inside the dish. With a `region`, start and drawn target lie in it. Both keep clear of the zones of
-/// config.safety; by `routes` the needle is led around them.
+/// config.safety; by `routes` the needle is led around them. Obstacles are drawn from a stream of their own,
+/// so that start and target are those of a trial without; where `routes` has no way past them the plan says
+/// so. Throws ConfigError where nothing fits, and what check_obstacles() throws.
 TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, std::int64_t index,
                      const std::optional<geometry::Vector2>& target_m,
                      const std::optional<geometry::Path>& path,

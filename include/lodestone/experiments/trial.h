@@ -10,6 +10,7 @@
 #include "lodestone/control/control_loop.h"
 #include "lodestone/experiments/score.h"
 #include "lodestone/geometry/keep_out.h"
+#include "lodestone/physics/obstacles.h"
 #include "lodestone/physics/per_coil.h"
 #include "lodestone/task/route_map.h"
 
@@ -26,8 +27,10 @@ struct TrialPlan {
   double duration_s = 20.0;                                ///< point tasks
   control::PathReferenceConfig reference;                  ///< path tasks
   geometry::KeepOut keep_out;                              ///< what the needle must keep out of
-  std::shared_ptr<const task::RouteMap> routes;  ///< by which it is led to a point; null: straight to it
-  double waypoint_radius_m = 0.004;              ///< a point of the way is passed within this
+  std::vector<physics::ObstacleConfig> obstacles;  ///< drawn for it: in its rig, and among those zones
+  std::shared_ptr<const task::RouteMap> routes;    ///< by which it is led to a point; null: straight to it
+  double waypoint_radius_m = 0.004;                ///< a point of the way is passed within this
+  bool unreachable = false;  ///< `routes` has no way past its obstacles: there is nothing to drive
 };
 
 /// One observation with the true pose beside it, where somebody knows it. Only scoring sees the latter.
@@ -58,7 +61,8 @@ using TruePose = std::function<geometry::Pose2()>;
 /// What the coils reported last; nothing before they did.
 using CoilReport = std::function<std::optional<rig::CoilStatus>()>;
 
-/// Runs one trial and scores it. `report`, when given, is asked at every sample.
+/// Runs one trial and scores it; one that is unreachable is not driven, and has failed. `report`, when given,
+/// is asked at every sample.
 TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control::Controller& controller,
                       const TruePose& true_pose, const ScoreConfig& score, const TrialWatch& watch = {},
                       const CoilReport& report = {});

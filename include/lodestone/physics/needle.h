@@ -98,4 +98,12 @@ struct RodDrag {
 /// Torre 1979-80).
 RodDrag rod_drag(const NeedleConfig& needle, const FluidConfig& fluid);
 
+/// Drag (N) on a needle at rest of fluid that flows past it at right angles, the most that fluid of a speed
+/// does to it: rod_drag() and the cross-flow drag of a cylinder (White, Viscous Fluid Flow), as NeedleMotion
+/// has it.
+double broadside_drag_N(const NeedleConfig& needle, const FluidConfig& fluid, double speed_m_s);
+/// The speed (m/s) at which that is `drag_N`. Throws LogicFault unless fluid has any drag and `drag_N` is
+/// above 0.
+double broadside_speed_m_s(const NeedleConfig& needle, const FluidConfig& fluid, double drag_N);
+
 }  // namespace lodestone::physics

@@ -23,6 +23,7 @@ struct ErrorRow {
   /// 95 % interval.
   std::optional<double> clearance_mm = {}, least_clearance_mm = {}, touching_rate = {};
   std::optional<common::Interval> touching_interval = {};
+  std::optional<double> unreachable = {};  ///< trials whose own obstacles left no way to the target
   std::optional<double> hold_mm = {}, seconds_to_reach = {}, success_rate = {}, trials = {}, stopped = {};
   /// 95 %: bootstrap over the trials, each with its RMS error; Wilson's of the fraction of successes.
   std::optional<common::Interval> rms_interval_mm = {}, success_interval = {};

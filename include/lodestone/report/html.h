@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +15,11 @@ std::string fixed(const std::optional<double>& value, int decimals);
 /// "6.30 ± 2.10"; the mean alone when the deviation is absent.
 std::string plus_minus(const std::optional<double>& mean, const std::optional<double>& deviation,
                        int decimals);
+/// "0.45 (0.41 to 0.52)", of numbers times `scale`, with `unit` behind the first; an en dash when either is
+/// absent.
+std::string with_interval(const std::optional<double>& value,
+                          const std::optional<std::array<double, 2>>& interval, int decimals,
+                          double scale = 1.0, const std::string& unit = "");
 /// Fraction as "87 %".
 std::string percent(const std::optional<double>& fraction);
 /// Whole number with thin spaces between thousands.
@@ -23,6 +29,9 @@ std::string grouped(double value);
 /// right. `row_classes` may be empty, or names a CSS class for each row.
 std::string table(const std::vector<std::string>& headers, const std::vector<std::vector<std::string>>& rows,
                   int text_columns, const std::vector<std::string>& row_classes = {});
+
+/// Takes away columns of which every cell is an en dash; without rows there are none.
+void drop_empty_columns(std::vector<std::string>& headers, std::vector<std::vector<std::string>>& rows);
 
 /// A figure of ready HTML with its caption (HTML).
 std::string figure(const std::string& content, const std::string& caption, const std::string& css_class = "");

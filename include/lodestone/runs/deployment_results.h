@@ -64,6 +64,7 @@ struct TrialFigures {
 
 using PointMm = std::array<double, 2>;  ///< x, y in mm
 using PoseMm = std::array<double, 3>;   ///< x, y in mm, heading in rad
+using DiscMm = std::array<double, 3>;   ///< x, y of its middle and its radius, in mm
 using PerCoil = std::vector<double>;    ///< in the order of the rig's coils: +x, -x, +y, -y
 
 /// One trial, as a line of trials.jsonl while a deployment runs, and in trials.json when it has ended.
@@ -81,7 +82,11 @@ struct TrialRecord {
   std::vector<std::optional<PoseMm>> sensed_trajectory;  ///< null: no pose was found
   std::optional<std::vector<PointMm>> reference_mm;      ///< paths only
   std::optional<std::vector<int>> approach;              ///< paths only: 1 on the way to the start
-  std::optional<std::vector<PointMm>> route_mm;   ///< points that the needle was sent to, one after another
+  std::optional<std::vector<PointMm>> route_mm;  ///< points that the needle was sent to, one after another
+  std::optional<std::vector<DiscMm>>
+      obstacles_mm;  ///< that were drawn for this trial; absent where none were
+  std::optional<bool>
+      unreachable;  ///< no way led past them: it was not driven; absent where none was searched
   std::optional<std::vector<PerCoil>> current_A;  ///< asked of the coils; absent in older runs
   /// Of paths that have headings: how the needle should have lain.
   std::optional<std::vector<double>> reference_heading_rad;
@@ -117,6 +122,8 @@ struct TrialRecord {
     v.field("reference_heading_rad", reference_heading_rad);
     v.field("approach", approach);
     v.field("route_mm", route_mm);
+    v.field("obstacles_mm", obstacles_mm);
+    v.field("unreachable", unreachable);
     v.field("current_A", current_A);
     v.field("temperature_C", temperature_C);
     v.field("log_drive_gain", log_drive_gain);
@@ -177,6 +184,9 @@ struct TaskSummary {
   std::int64_t stopped = 0;  ///< trials that ended early; they count as failed
   /// Trials in which the rig was told to be another than simulator and gain describe; absent in older runs.
   std::optional<std::int64_t> rig_changed;
+  /// Trials whose obstacles left no way to the target, counted as stopped, too; absent where none was
+  /// searched.
+  std::optional<std::int64_t> unreachable;
   std::optional<ErrorStatistics> truth;  ///< against true poses; absent where nobody knows them
   ErrorStatistics sensed;
 
@@ -185,6 +195,7 @@ struct TaskSummary {
     v.field("n_trials", n_trials);
     v.field("stopped", stopped);
     v.field("rig_changed", rig_changed);
+    v.field("unreachable", unreachable);
     v.part("mean_error_mm", truth);
     v.field("sensed", sensed);
   }

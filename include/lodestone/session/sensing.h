@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lodestone/imaging/scene_renderer.h"
+#include "lodestone/physics/obstacles.h"
 #include "lodestone/physics/per_coil.h"
 #include "lodestone/rig/free_running_camera.h"
 #include "lodestone/rig/rendered_camera.h"
@@ -101,8 +102,9 @@ class Sensing {
   /// A bench seen under one seed, calibrated from an image of the empty dish, as an operator would before
   /// placing the needle. Throws DataError when that fails.
   SeenBench calibrated_bench(std::uint64_t seed) const;
-  /// The same without calibration: the sensor then calibrates itself on its first image.
-  SeenBench new_bench(std::uint64_t seed) const;
+  /// The same without calibration: the sensor then calibrates itself on its first image. `more` obstacles
+  /// stand there besides those of the rig.
+  SeenBench new_bench(std::uint64_t seed, const std::vector<physics::ObstacleConfig>& more = {}) const;
   /// `clock`: what moves the rig's time where the rig does not do so itself.
   std::unique_ptr<RigSensor> make(rig::VirtualRig& rig, const SeenBench& bench, common::RandomStream noise,
                                   common::Clock* clock = nullptr, Images images = Images::kWhenAsked) const;

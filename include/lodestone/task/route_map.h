@@ -39,7 +39,7 @@ struct RouteConfig {
     v.field(
         "use", use, "",
         "when the needle is led to a point by a way that was searched: where there are zones to keep out of "
-        "(safety.keep_out), always, or never");
+        "(safety.keep_out, trials.obstacles), always, or never");
     v.field(
         "clearance_m", clearance_m, "m",
         "a way on which the needle's ends, whichever way it lies, come nearer to a zone's margin than this "

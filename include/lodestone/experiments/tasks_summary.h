@@ -1,0 +1,16 @@
+#pragma once
+
+#include <vector>
+
+#include "lodestone/runs/plan.h"
+#include "lodestone/runs/tasks_result.h"
+
+namespace lodestone::experiments {
+
+/// One task by one controller, of at least one trial; without what it is compared with.
+runs::TaskFigures task_figures(const std::vector<runs::TrialRecord>& trials);
+
+/// What the finished cells of tasks_plan() measured. Throws DataError where one is damaged.
+runs::TasksSummary summarise_tasks(const runs::Plan& plan, const runs::PlanPlace& place);
+
+}  // namespace lodestone::experiments

@@ -1,0 +1,167 @@
+#include "lodestone/report/tasks_report.h"
+
+#include <fmt/core.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lodestone/common/artefact.h"
+#include "lodestone/common/files.h"
+#include "lodestone/report/charts.h"
+#include "lodestone/report/html.h"
+#include "lodestone/report/html_page.h"
+#include "lodestone/runs/rigs_result.h"
+#include "lodestone/runs/tasks_result.h"
+
+namespace lodestone::report {
+namespace {
+
+using runs::TaskDrivers;
+using runs::TaskFigures;
+using TableRows = std::vector<std::vector<std::string>>;
+
+constexpr const char* kSquares = "square_at_mm_s";
+constexpr const char* kArounds[] = {"bare", "decorated"};
+
+std::vector<std::string> task_columns() {
+  return {"task",
+          "controller",
+          "around it",
+          "error (mm)",
+          "RMS error (mm)",
+          "moving reference (mm)",
+          "heading at the end (degrees)",
+          "heading RMS (degrees)",
+          "success",
+          "without any way",
+          "success where there is a way",
+          "touched an obstacle",
+          "error / that in fluid at rest",
+          "error / the baseline's",
+          "stopped",
+          "trials"};
+}
+
+std::vector<std::string> task_row(const std::string& task, const std::string& controller,
+                                  const std::string& around, const TaskFigures& figures) {
+  const runs::ErrorStatistics& errors = figures.errors();
+  return {task,
+          controller,
+          around,
+          with_interval(errors.mean_error_mm, figures.mean_error_interval_mm, 2),
+          with_interval(errors.rms_error_mm, figures.rms_error_interval_mm, 2),
+          with_interval(errors.time_rms_error_mm, figures.time_rms_error_interval_mm, 2),
+          with_interval(errors.heading_error_deg, figures.heading_error_interval_deg, 1),
+          with_interval(errors.heading_rms_deg, figures.heading_rms_interval_deg, 1),
+          with_interval(errors.success_rate, figures.success_interval, 1, 100.0, " %"),
+          with_interval(figures.unreachable_rate, figures.unreachable_interval, 1, 100.0, " %"),
+          with_interval(figures.reachable_success_rate, figures.reachable_success_interval, 1, 100.0, " %"),
+          with_interval(errors.touching_rate, errors.touching_interval, 1, 100.0, " %"),
+          with_interval(figures.ratio_to_still, figures.ratio_to_still_interval, 2),
+          with_interval(figures.ratio_to_baseline, figures.ratio_to_baseline_interval, 2),
+          std::to_string(figures.stopped),
+          std::to_string(figures.n_trials)};
+}
+
+void add_task_rows(const std::string& task, const TaskDrivers& drivers, TableRows& rows) {
+  for (const char* controller : runs::kControllers)
+    for (const char* around : kArounds) {
+      const auto of_controller = drivers.find(controller);
+      if (of_controller == drivers.end() || of_controller->second.count(around) == 0) continue;
+      rows.push_back(task_row(task, controller, around, of_controller->second.at(around)));
+    }
+}
+
+TableRows task_rows(const runs::TasksSummary& summary) {
+  TableRows rows;
+  for (const char* task : runs::TasksSummary::kAlone)
+    if (const auto found = summary.alone.find(task); found != summary.alone.end())
+      add_task_rows(task, found->second, rows);
+  for (const char* group : runs::TasksSummary::kGroups)
+    if (const auto found = summary.groups.find(group); found != summary.groups.end())
+      for (const auto& [name, drivers] : found->second)
+        add_task_rows(std::string(group) + " " + name, drivers, rows);
+  return rows;
+}
+
+/// A line a row: of a figure what it is called, and its number.
+std::string text_of_tasks(const TableRows& rows) {
+  const std::vector<std::string> columns = task_columns();
+  std::string text;
+  for (const std::vector<std::string>& row : rows) {
+    text += fmt::format("{:<20} {:<9} {:<9}", row[0], row[1], row[2]);
+    const char* before = " ";
+    for (std::size_t column = 3; column < row.size(); ++column) {
+      if (row[column] == "–") continue;
+      text += before + columns[column] + ": " + row[column];
+      before = "; ";
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+const char* task_colour(const std::string& controller) {
+  if (controller == "baseline") return kBaselineColour;
+  return controller == "policy" ? kUnseenColour : kPolicyColour;
+}
+
+/// Errors along a square by the speed of its reference; empty where there are none.
+std::string speed_figure(const runs::TasksSummary& summary) {
+  const auto squares = summary.groups.find(kSquares);
+  if (squares == summary.groups.end()) return "";
+  LineChart chart{"square-speed", "", "speed of the reference (mm/s)", "error (mm)"};
+  chart.from_zero = true;
+  for (const char* controller : runs::kControllers)
+    for (const char* around : kArounds) {
+      LineSeries series{std::string(controller) + ", " + around, {}, task_colour(controller)};
+      series.dashed = around == std::string("decorated");
+      for (const auto& [speed_mm_s, drivers] : squares->second) {
+        const auto of_controller = drivers.find(controller);
+        if (of_controller == drivers.end() || of_controller->second.count(around) == 0) continue;
+        series.points.emplace_back(std::stod(speed_mm_s),
+                                   of_controller->second.at(around).errors().mean_error_mm);
+      }
+      if (!series.points.empty()) chart.series.push_back(std::move(series));
+    }
+  return chart.series.empty() ? ""
+                              : figure(chart_html(chart),
+                                       "<b>A square at several speeds.</b> Mean over the trials of the "
+                                       "cross-track RMS; dashed: decorated.");
+}
+
+}  // namespace
+
+std::string write_tasks_report(const std::string& folder, const std::string& out) {
+  const auto summary = common::read_artefact<runs::TasksSummary>(folder + "/" + runs::TasksSummary::kFile);
+  const TableRows rows = task_rows(summary);
+  const std::string finished =
+      fmt::format("{} of {} cells are finished", summary.cells, summary.cells_planned);
+  HtmlPage page("Beyond points", finished);
+  std::vector<std::string> shown_columns = task_columns();
+  TableRows shown_rows = rows;
+  drop_empty_columns(shown_columns, shown_rows);
+  const std::string flow =
+      summary.flow_speed_m_s
+          ? fmt::format(
+                " The flow rises and falls as a sine once a second, {:.1f} mm/s in the mean; at its peak "
+                "its drag on a needle that lies across it is half of what friction holds.",
+                1e3 * *summary.flow_speed_m_s)
+          : "";
+  page.add_section(
+      "table", "In numbers",
+      figure(
+          table(shown_columns, shown_rows, 3),
+          "<b>Each trial is on a rig of its own that nobody has seen.</b> Every controller has the same "
+          "rigs, "
+          "starts and targets. Error: of points and poses the distance at the end, of paths the cross-track "
+          "RMS of a trial. Intervals of 95 %: Wilson's of shares, else by drawing trials anew." +
+              flow));
+  if (const std::string speeds = speed_figure(summary); !speeds.empty())
+    page.add_section("speed", "Error against speed", speeds);
+  common::write_file_atomically(out, page.render());
+  return finished + "\n" + text_of_tasks(rows);
+}
+
+}  // namespace lodestone::report

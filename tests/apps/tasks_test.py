@@ -1,0 +1,74 @@
+#!/usr/bin/env python3
+"""bench tasks: every cell of a small one runs, the same command goes on, and all ends in one summary.
+
+usage: tasks_test.py LODESTONE SOURCE_FOLDER
+"""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+program, source = sys.argv[1], pathlib.Path(sys.argv[2])
+scratch = tempfile.TemporaryDirectory()
+out = pathlib.Path(scratch.name) / "tasks"
+
+
+def bench(*arguments, code=0):
+    done = subprocess.run([program, "bench", "tasks", "--config", str(source / "configs/bench/tasks_smoke.json"), "--models",
+                           str(source / "models"), "--out", str(out), *arguments], capture_output=True, text=True)
+    assert done.returncode == code, (arguments, done.returncode, done.stdout, done.stderr)
+    return done
+
+
+def trials(cell):
+    return json.loads((out / "cells" / cell / "trials.json").read_text())
+
+
+# One cell first: a summary of what there is.
+said = bench("--only", "obstacles/baseline/bare").stdout
+assert "1 of " in said, said
+assert json.loads((out / "summary.json").read_text())["cells"] == 1
+past = trials("obstacles/baseline/bare")
+assert [len(trial["obstacles_mm"]) for trial in past] == [3, 3], past
+assert past[0]["obstacles_mm"] != past[1]["obstacles_mm"]
+assert all(isinstance(trial["unreachable"], bool) for trial in past)
+
+# All others, and the page.
+said = bench().stdout
+summary = json.loads((out / "summary.json").read_text())
+assert summary["cells"] == summary["cells_planned"] > 30, summary["cells"]
+assert summary["flow_speed_m_s"] > 0.0
+drivers = [summary["pose"], summary["pose_wide"], summary["obstacles"], *summary["tangent_path"].values(), *summary["flow"].values(),
+           *summary["still"].values(), *summary["square_at_mm_s"].values()]
+assert len(drivers) == 3 + 3 + 2 + 2 + 3, len(drivers)
+for task in drivers:
+    for around in ("bare", "decorated"):
+        assert task["baseline"][around]["n_trials"] == 2, task
+        assert len(task["baseline"][around]["success_interval"]) == 2
+assert sorted(summary["tangent_path"]) == ["circle", "eight", "square"]
+assert sorted(summary["square_at_mm_s"]) == ["2", "4", "6"]
+assert "heading_rms_deg" in summary["tangent_path"]["eight"]["baseline"]["bare"]
+assert "heading_error_deg" in summary["pose"]["baseline"]["bare"]
+assert list(summary["pose"]["policy"]) == ["decorated"], summary["pose"]["policy"]
+assert "policy" not in summary["tangent_path"]["circle"]
+assert summary["flow"]["point"]["policy"]["bare"]["ratio_to_still"] > 0.0
+assert "ratio_to_baseline" in summary["square_at_mm_s"]["6"]["policy"]["decorated"]
+assert "flow point" in said and "square_at_mm_s 6" in said, said
+assert "square-speed" in (out / "report.html").read_text()
+
+# Every controller has the same rigs, starts, targets and obstacles, and so have tasks that go to the same places.
+starts = [[trial["start"] for trial in trials(cell)] for cell in ("obstacles/baseline/bare", "obstacles/policy/decorated",
+                                                                  "still/point/policy/bare", "flow/point/baseline/bare")]
+assert all(each == starts[0] for each in starts), starts
+assert [t["obstacles_mm"] for t in trials("obstacles/policy/decorated")] == [t["obstacles_mm"] for t in past]
+
+# Nothing is run again, and the same folder takes no others.
+before = (out / "summary.json").read_bytes()
+bench("--resume")
+assert (out / "summary.json").read_bytes() == before
+bench("--report")
+assert (out / "summary.json").read_bytes() == before
+assert "trials = 3 (there: 2)" in bench("--trials", "3", code=2).stderr
+
+print("bench tasks: run, gone on with, and summed up")
