@@ -44,7 +44,7 @@ std::vector<ScoredSample> missed_by(const TrialResult& result, control::Referenc
   double time_s = result.samples.back().step.time_s;
   while (!reference.finished(time_s)) {
     time_s += period_s;
-    const geometry::Vector2 target_m = reference.target(time_s, lies.position_m());
+    const geometry::Vector2 target_m = reference.target(time_s, lies);
     missed.push_back(moment(time_s, lies, target_m, path != nullptr && path->approaching(),
                             reference.target_heading_rad()));
   }
