@@ -6,6 +6,11 @@
 #include "lodestone/geometry/angle.h"
 
 namespace lodestone::control {
+namespace {
+
+constexpr double kSlack_s = 5e-7;  // times are sums of periods
+
+}  // namespace
 
 SutureReference::SutureReference(const std::vector<geometry::Stitch>& stitches,
                                  const SutureReferenceConfig& config)
@@ -33,7 +38,6 @@ double SutureReference::arc_m(double time_s) const {
 }
 
 bool SutureReference::through(double time_s) const {
-  constexpr double kSlack_s = 5e-7;  // times are sums of periods
   return !approaching() && time_s - pushed_s_ >= way().length_m() / config_.speed_m_s - kSlack_s;
 }
 
@@ -43,7 +47,8 @@ geometry::Vector2 SutureReference::target(double time_s, const geometry::Pose2& 
     since_s_ = time_s;
     pushed_s_ = -1.0;
   }
-  if (approaching() && (arrived(needle) || time_s - since_s_ >= config_.arrive_limit_s)) pushed_s_ = time_s;
+  const bool waited = time_s - since_s_ >= config_.arrive_limit_s - kSlack_s;
+  if (approaching() && (arrived(needle) || waited)) pushed_s_ = time_s;
   heading_rad_ = way().heading_rad(arc_m(time_s));
   return way().at(arc_m(time_s));
 }

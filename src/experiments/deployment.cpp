@@ -174,6 +174,7 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
   plan.index = index;
   plan.duration_s = config.trials.point_seconds;
   plan.reference = config.reference;
+  plan.suture = suture_reference(config);
   plan.keep_out = config.safety.keeps_out(config.rig);
   plan.routes = std::move(routes);
   // Whatever holds the needle near its target would hold it there on its way, too.
@@ -215,8 +216,11 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
     plan.path = geometry::Path::circle(config.trials.circle_radius_m);
   else if (task == "path")
     plan.path = path;
+  else if (task == "suture")
+    plan.stitches = stitches_of(config.trials.suture);
   else
-    LODESTONE_CHECK(task == "centre", "a task: centre, point, pose, square, circle or path, not " + task);
+    LODESTONE_CHECK(task == "centre",
+                    "a task: centre, point, pose, square, circle, path or suture, not " + task);
   if (plan.path) plan.path = headed_path(*plan.path, config);
   if (task == "pose") plan.target_heading_rad = random.uniform(-geometry::kPi, geometry::kPi);
   if (task == "pose" && config.trials.path_heading == geometry::HeadingRule::kFixed)
