@@ -37,6 +37,7 @@ Trial read_trial(const runs::TrialRecord& record) {
   trial.controller = record.controller;
   trial.number = record.trial;
   trial.path_mm = points_of(record.path_mm);
+  if (record.stitches) trial.stitches = *record.stitches;
   trial.route_mm = points_of(record.route_mm);
   if (record.target_mm) trial.target_mm = point(*record.target_mm);
   trial.track_is_true = record.trajectory.has_value();

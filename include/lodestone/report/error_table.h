@@ -11,14 +11,16 @@ namespace lodestone::report {
 
 /// One line of the error table: a task driven by something on some rig.
 struct ErrorRow {
-  std::string task;        ///< "centre", "point", "square", "circle" or "path"
+  std::string task;        ///< one of runs::kTasks
   std::string controller;  ///< "policy", "planner", "baseline", or what the paper calls it
   std::string rig;         ///< "explored", "unseen", "real", or "paper"
   std::optional<double> mean_mm = {}, std_mm = {}, median_mm = {}, rms_mm = {};
   std::optional<double> sensed_mean_mm = {}, sensed_std_mm = {};
   std::optional<double> target_deviation_mm = {}, target_deviation_std_mm = {};
   std::optional<double> completion = {}, corners_reached = {}, time_rms_mm = {}, frechet_mm = {};
-  std::optional<double> heading_rms_deg = {};  ///< of paths that have headings
+  std::optional<double> heading_rms_deg = {};  ///< of sutures, and of paths that have headings
+  std::optional<double> stitches_made = {}, stitches_made_share = {}, stitch_worst_mm = {},
+                        stitch_worst_deg = {};  ///< of sutures
   /// Of trials with zones to keep out of: mean and least clearance, and the share that touched one, with its
   /// 95 % interval.
   std::optional<double> clearance_mm = {}, least_clearance_mm = {}, touching_rate = {};
