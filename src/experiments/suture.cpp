@@ -9,6 +9,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/experiments/deployment.h"
+#include "lodestone/experiments/heading_need.h"
 #include "lodestone/experiments/routing.h"
 #include "lodestone/geometry/angle.h"
 
@@ -105,6 +106,7 @@ control::SutureReferenceConfig suture_reference(const DeploymentConfig& config) 
 }
 
 void check_stitches(const DeploymentConfig& config) {
+  refuse_heading(config.rig, "suture");
   const SutureConfig& suture = config.trials.suture;
   const geometry::KeepOut keep_out = config.safety.keeps_out(config.rig);
   const std::vector<Stitch> stitches = stitches_of(suture);

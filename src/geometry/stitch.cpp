@@ -30,6 +30,34 @@ struct Curve {
   }
 };
 
+/// Points of a path, and how the needle lies at each.
+struct Way {
+  std::vector<Vector2> points_m;
+  std::vector<double> heading_rad;
+
+  void add(const Vector2& point_m, double lies_rad) {
+    points_m.push_back(point_m);
+    heading_rad.push_back(lies_rad);
+  }
+};
+
+void add_through(const Stitch& stitch, double approach_m, double leave_m, Way& way) {
+  const Vector2 entry_m = stitch.entry.position_m(), exit_m = stitch.exit.position_m();
+  const double apart_m = (exit_m - entry_m).norm();
+  if (!(apart_m > 0.0))
+    throw common::DataError("a stitch needs an entry and an exit at two points, not at one");
+  const Curve curve{entry_m, exit_m, apart_m * ahead_of(stitch.entry), apart_m * ahead_of(stitch.exit)};
+  if (approach_m > 0.0) way.add(entry_m - approach_m * ahead_of(stitch.entry), stitch.entry.heading_rad);
+  way.add(entry_m, stitch.entry.heading_rad);
+  for (int i = 1; i < kPieces; ++i) {
+    const double t = static_cast<double>(i) / kPieces;
+    const Vector2 along_m = curve.tangent(t);
+    way.add(curve.at(t), std::atan2(along_m.y(), along_m.x()));
+  }
+  way.add(exit_m, stitch.exit.heading_rad);
+  if (leave_m > 0.0) way.add(exit_m + leave_m * ahead_of(stitch.exit), stitch.exit.heading_rad);
+}
+
 }  // namespace
 
 std::vector<Stitch> running_stitch(std::int64_t count, double length_m, double pitch_m) {
@@ -45,27 +73,13 @@ std::vector<Stitch> running_stitch(std::int64_t count, double length_m, double p
 }
 
 Path way_through(const Stitch& stitch, double approach_m, double leave_m) {
-  const Vector2 entry_m = stitch.entry.position_m(), exit_m = stitch.exit.position_m();
-  const double apart_m = (exit_m - entry_m).norm();
-  if (!(apart_m > 0.0))
-    throw common::DataError("a stitch needs an entry and an exit at two points, not at one");
-  const Curve curve{entry_m, exit_m, apart_m * ahead_of(stitch.entry), apart_m * ahead_of(stitch.exit)};
-  std::vector<Vector2> points_m;
-  std::vector<double> heading_rad;
-  const auto add = [&](const Vector2& point_m, double lies_rad) {
-    points_m.push_back(point_m);
-    heading_rad.push_back(lies_rad);
-  };
-  if (approach_m > 0.0) add(entry_m - approach_m * ahead_of(stitch.entry), stitch.entry.heading_rad);
-  add(entry_m, stitch.entry.heading_rad);
-  for (int i = 1; i < kPieces; ++i) {
-    const double t = static_cast<double>(i) / kPieces;
-    const Vector2 along_m = curve.tangent(t);
-    add(curve.at(t), std::atan2(along_m.y(), along_m.x()));
-  }
-  add(exit_m, stitch.exit.heading_rad);
-  if (leave_m > 0.0) add(exit_m + leave_m * ahead_of(stitch.exit), stitch.exit.heading_rad);
-  return Path(std::move(points_m), false).with_heading(PathHeading::column(std::move(heading_rad)));
+  return way_through_all({stitch}, approach_m, leave_m);
+}
+
+Path way_through_all(const std::vector<Stitch>& stitches, double approach_m, double leave_m) {
+  Way way;
+  for (const Stitch& stitch : stitches) add_through(stitch, approach_m, leave_m, way);
+  return Path(std::move(way.points_m), false).with_heading(PathHeading::column(std::move(way.heading_rad)));
 }
 
 }  // namespace lodestone::geometry

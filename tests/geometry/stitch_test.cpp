@@ -63,6 +63,17 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("through stitches in a row the way leads on from each to the next one") {
+  const auto stitches = geometry::running_stitch(2, 0.006, 0.004);
+  const geometry::Path way = geometry::way_through_all(stitches, 0.003, 0.003);
+  CHECK(way.length_m() == Approx(0.012 + 0.004 + 0.012));
+  CHECK((way.at(0.012) - Vector2(-0.002, 0.006)).norm() < 1e-9);
+  CHECK((way.at(0.016) - Vector2(0.002, 0.006)).norm() < 1e-9);
+  CHECK(*way.heading_rad(0.006) == Approx(0.5 * kPi));
+  CHECK(*way.heading_rad(0.022) == Approx(-0.5 * kPi));
+  CHECK_THROWS_AS(geometry::way_through_all({}, 0.003, 0.003), common::DataError);
+}
+
 TEST_CASE("a stitch at one point is none") {
   CHECK_THROWS_AS(geometry::way_through({{0.001, 0.0, 0.0}, {0.001, 0.0, 1.0}}, 0.003, 0.003),
                   common::DataError);

@@ -54,9 +54,9 @@ std::vector<geometry::Stitch> stitches_of(const SutureConfig& config);
 /// lie there, so a needle counts as arrived where it is held.
 control::SutureReferenceConfig suture_reference(const DeploymentConfig& config);
 
-/// Throws ConfigError, naming the stitch, where a needle cannot be led through config's stitches: it would
-/// not fit into the dish as it should lie, or come too near a zone; a heading points away from the other end;
-/// or the ends are so near to each other that one place would count as both.
+/// Throws ConfigError, naming the stitch, where a needle cannot be led through config's stitches: it is a
+/// sphere, would not fit into the dish as it should lie, or come too near a zone; a heading points away from
+/// the other end; or the ends are so near to each other that one place would count as both.
 void check_stitches(const DeploymentConfig& config);
 
 }  // namespace lodestone::experiments

@@ -26,4 +26,8 @@ std::vector<Stitch> running_stitch(std::int64_t count, double length_m, double p
 /// common::DataError where entry and exit are the same point.
 Path way_through(const Stitch& stitch, double approach_m, double leave_m);
 
+/// The same through one stitch after another, and straight from behind each to before the next one, on which
+/// way the needle turns. Throws common::DataError without any stitch, too.
+Path way_through_all(const std::vector<Stitch>& stitches, double approach_m, double leave_m);
+
 }  // namespace lodestone::geometry
