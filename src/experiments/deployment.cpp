@@ -9,6 +9,7 @@
 #include "lodestone/common/log.h"
 #include "lodestone/control/gain_correction.h"
 #include "lodestone/control/policy_controller.h"
+#include "lodestone/experiments/effort.h"
 #include "lodestone/experiments/heading_need.h"
 #include "lodestone/geometry/angle.h"
 #include "lodestone/physics/viscosity.h"
@@ -310,6 +311,7 @@ TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& c
   const std::unique_ptr<control::Controller> controller = source.make(trial_seed(config, plan));
   TrialResult result = run_trial(plan, loop, *controller, truth, config.score, watch,
                                  [&bench] { return bench.coils().reported(); });
+  note_effort(config.loop, config.rig, result);
   if (!result.samples.empty() && result.samples.front().step.estimate.valid)
     result.plan.start = result.samples.front().step.estimate.pose;
   result.rig = to_string(RigKind::kReal);
@@ -374,6 +376,7 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
       plan, loop, *controller, [&rig] { return rig.true_pose(); }, config_.score,
       [&recording](const TrialSample& sample) { recording.show(sample); },
       [&coils] { return coils.reported(); });
+  note_effort(config_.loop, config_.rig, result);
   recording.finish(result);
   result.rig = to_string(kind);
   result.controller = source.name;

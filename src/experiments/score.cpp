@@ -207,6 +207,9 @@ runs::ErrorStatistics summarise_trials(const std::vector<const runs::TrialFigure
   out.corners_reached = mean_of(trials, &Figures::corners_reached);
   out.clearance_mm = mean_of(trials, &Figures::clearance_mm);
   out.touches = mean_of(trials, &Figures::touches);
+  out.duration_s = mean_of(trials, &Figures::duration_s);
+  out.charge_As = mean_of(trials, &Figures::charge_As);
+  out.heat_J = mean_of(trials, &Figures::heat_J);
   note_touches(trials, out);
   return out;
 }

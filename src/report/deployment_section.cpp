@@ -118,13 +118,19 @@ std::string error_tables(const std::vector<ErrorRow>& rows) {
   std::vector<ErrorRow> ours;
   for (const ErrorRow& row : rows)
     if (!row.published) ours.push_back(row);
-  html += "<details><summary>Further figures: medians, as sensed, holding, time to reach</summary>" +
-          rows_table(ours, {"median (mm)", "as sensed, mean ± std (mm)", "holding (mm)", "to reach (s)"},
-                     [](const ErrorRow& row) -> std::vector<std::string> {
-                       return {fixed(row.median_mm, 2), plus_minus(row.sensed_mean_mm, row.sensed_std_mm, 2),
-                               fixed(row.hold_mm, 2), fixed(row.seconds_to_reach, 1)};
-                     }) +
-          "</details>\n";
+  html +=
+      "<details><summary>Further figures: medians, as sensed, holding, time to reach, what it "
+      "took</summary>" +
+      rows_table(ours,
+                 {"median (mm)", "as sensed, mean ± std (mm)", "holding (mm)", "to reach (s)", "lasted (s)",
+                  "charge (A s)", "heat in the coils (J)"},
+                 [](const ErrorRow& row) -> std::vector<std::string> {
+                   return {fixed(row.median_mm, 2),  plus_minus(row.sensed_mean_mm, row.sensed_std_mm, 2),
+                           fixed(row.hold_mm, 2),    fixed(row.seconds_to_reach, 1),
+                           fixed(row.duration_s, 1), fixed(row.charge_As, 1),
+                           fixed(row.heat_J, 0)};
+                 }) +
+      "</details>\n";
   return html;
 }
 

@@ -40,6 +40,9 @@ ErrorRow measured(const runs::TaskSummary& summary, const char* task, const std:
   row.stitches_made_share = best.stitches_made_share;
   row.stitch_worst_mm = best.stitch_worst_mm;
   row.stitch_worst_deg = best.stitch_worst_deg;
+  row.duration_s = best.duration_s;
+  row.charge_As = best.charge_As;
+  row.heat_J = best.heat_J;
   row.clearance_mm = best.clearance_mm;
   row.least_clearance_mm = best.least_clearance_mm;
   row.touching_rate = best.touching_rate;

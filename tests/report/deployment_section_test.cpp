@@ -96,6 +96,19 @@ TEST_CASE("stitches have a table of their own, where there are any") {
   }
 }
 
+TEST_CASE("what trials took is told among the further figures") {
+  RunData run = small_run();
+  lodestone::runs::ErrorStatistics& errors = *run.rigs[0].summary.tasks.by_task["point"].truth;
+  errors.duration_s = 20.125;
+  errors.charge_As = 33.375;
+  errors.heat_J = 1234.0;
+  const std::string html = deployment_section(run);
+  for (const char* part : {"lasted (s)", "20.1", "33.4", "1234"}) {
+    CAPTURE(part);
+    CHECK(holds(html, part));
+  }
+}
+
 TEST_CASE("a run without a deployment says how to make one") {
   CHECK(holds(deployment_section(RunData{}), "lodestone deploy"));
 }

@@ -26,6 +26,7 @@ struct ErrorRow {
   std::optional<double> clearance_mm = {}, least_clearance_mm = {}, touching_rate = {};
   std::optional<common::Interval> touching_interval = {};
   std::optional<double> hold_mm = {}, seconds_to_reach = {}, success_rate = {}, trials = {}, stopped = {};
+  std::optional<double> duration_s = {}, charge_As = {}, heat_J = {};
   /// 95 %: bootstrap over the trials, each with its RMS error; Wilson's of the fraction of successes.
   std::optional<common::Interval> rms_interval_mm = {}, success_interval = {};
   /// 95 %: bootstrap of the mean over the trials.

@@ -46,6 +46,9 @@ struct TrialFigures {
   /// or less where it touched one; absent where there was none.
   std::optional<double> clearance_mm;
   std::optional<std::int64_t> touches;  ///< times that it came to touch one; with any the trial has failed
+  /// How long the trial lasted, and what its pulses asked of all coils together: charge, and heat at their
+  /// resistances at 20 C; absent in older runs.
+  std::optional<double> duration_s, charge_As, heat_J;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -71,6 +74,9 @@ struct TrialFigures {
     v.field("seconds_to_reach", seconds_to_reach);
     v.field("clearance_mm", clearance_mm);
     v.field("touches", touches);
+    v.field("duration_s", duration_s);
+    v.field("charge_As", charge_As);
+    v.field("heat_J", heat_J);
   }
   /// The one error of a trial: of a path the cross-track RMS, of a suture the RMS at the ends of its
   /// stitches, of a point the distance at the end.
@@ -162,6 +168,7 @@ struct ErrorStatistics {
   /// which the needle touched one with its 95 % interval (Wilson's).
   std::optional<double> clearance_mm, least_clearance_mm, touches, touching_rate;
   std::optional<std::array<double, 2>> touching_interval;
+  std::optional<double> duration_s, charge_As, heat_J;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -191,6 +198,9 @@ struct ErrorStatistics {
     v.field("touches", touches);
     v.field("touching_rate", touching_rate);
     v.field("touching_interval", touching_interval);
+    v.field("duration_s", duration_s);
+    v.field("charge_As", charge_As);
+    v.field("heat_J", heat_J);
   }
 };
 
