@@ -24,20 +24,20 @@ const Pose2 kBefore{-0.002, -0.006, 0.5 * kPi};  // the first one,
 const Pose2 kNext{0.002, 0.006, -0.5 * kPi};     // and the second
 const Pose2 kElsewhere{0.02, 0.02, 0.0};
 
-bool near(const Vector2& a, const Vector2& b) { return (a - b).norm() < 1e-9; }
+bool is_at(const Vector2& a, const Vector2& b) { return (a - b).norm() < 1e-9; }
 
 }  // namespace
 
 TEST_CASE("a needle is waited for before its stitch until it has come there and lies along it") {
   SutureReference reference = two_stitches();
-  CHECK(near(reference.target(0.0, kElsewhere), kBefore.position_m()));
+  CHECK(is_at(reference.target(0.0, kElsewhere), kBefore.position_m()));
   CHECK(*reference.target_heading_rad() == Approx(0.5 * kPi));
   CHECK(reference.approaching());
   CHECK(reference.stitch() == 0);
   CHECK(reference.ahead(0.0, 0.3, 5).empty());  // a pose to stay at
   Pose2 needle = kBefore;
   needle.heading_rad += 7.0 * geometry::kRadPerDeg;  // there, but askew
-  CHECK(near(reference.target(0.3, needle), kBefore.position_m()));
+  CHECK(is_at(reference.target(0.3, needle), kBefore.position_m()));
   CHECK(reference.approaching());
   needle = kBefore;
   needle.x_m += 0.0009;  // along it, but not there
@@ -45,7 +45,7 @@ TEST_CASE("a needle is waited for before its stitch until it has come there and 
   CHECK(reference.approaching());
   needle.x_m -= 0.0002;
   needle.heading_rad += 2.0 * kPi - 5.0 * geometry::kRadPerDeg;
-  CHECK(near(reference.target(0.9, needle), kBefore.position_m()));
+  CHECK(is_at(reference.target(0.9, needle), kBefore.position_m()));
   CHECK_FALSE(reference.approaching());
 }
 
@@ -53,26 +53,26 @@ TEST_CASE("it is pushed through along its way, told what comes, and sent to the 
   SutureReference reference = two_stitches();
   reference.target(0.0, kElsewhere);
   reference.target(3.0, kBefore);
-  CHECK(near(reference.target(4.5, kElsewhere), {-0.002, -0.003}));  // the entry, wherever the needle is
+  CHECK(is_at(reference.target(4.5, kElsewhere), {-0.002, -0.003}));  // the entry, wherever the needle is
   CHECK(*reference.target_heading_rad() == Approx(0.5 * kPi));
   const auto ahead = reference.ahead(4.5, 0.5, 20);
   REQUIRE(ahead.size() == 20);
   CHECK(ahead[0].in_s == 0.5);
-  CHECK(near(ahead[0].point_m, {-0.002, -0.002}));
+  CHECK(is_at(ahead[0].point_m, {-0.002, -0.002}));
   CHECK(*ahead[0].heading_rad == Approx(0.5 * kPi));
-  CHECK(near(ahead[8].point_m, {-0.002, 0.006}));
-  CHECK(near(ahead[19].point_m, {-0.002, 0.006}));  // when it goes on depends on the needle
-  CHECK(near(reference.target(7.5, kElsewhere), {-0.002, 0.003}));
-  CHECK(near(reference.target(8.9, kElsewhere), {-0.002, 0.0058}));
+  CHECK(is_at(ahead[8].point_m, {-0.002, 0.006}));
+  CHECK(is_at(ahead[19].point_m, {-0.002, 0.006}));  // when it goes on depends on the needle
+  CHECK(is_at(reference.target(7.5, kElsewhere), {-0.002, 0.003}));
+  CHECK(is_at(reference.target(8.9, kElsewhere), {-0.002, 0.0058}));
   CHECK(reference.stitch() == 0);
   CHECK_FALSE(reference.finished(9.0));
-  CHECK(near(reference.target(9.0, kElsewhere), kNext.position_m()));
+  CHECK(is_at(reference.target(9.0, kElsewhere), kNext.position_m()));
   CHECK(reference.stitch() == 1);
   CHECK(reference.approaching());
   CHECK(*reference.target_heading_rad() == Approx(-0.5 * kPi));
   reference.target(12.0, kNext);
   CHECK_FALSE(reference.approaching());
-  CHECK(near(reference.target(18.0, kElsewhere), {0.002, -0.006}));
+  CHECK(is_at(reference.target(18.0, kElsewhere), {0.002, -0.006}));
   CHECK_FALSE(reference.finished(17.9));
   CHECK(reference.finished(18.0));
   CHECK(reference.stitch() == 1);
@@ -107,7 +107,7 @@ TEST_CASE("through a stitch that turns the heading turns with the way") {
   reference.target(0.0, {-0.003, -0.003, 0.5 * kPi});
   REQUIRE_FALSE(reference.approaching());
   const double top_s = 0.5 * reference.way().length_m() / config.speed_m_s;
-  CHECK(near(reference.target(top_s, kElsewhere), {0.0, 0.0015}));
+  CHECK(is_at(reference.target(top_s, kElsewhere), {0.0, 0.0015}));
   CHECK(*reference.target_heading_rad() == Approx(0.0).margin(1e-6));
   CHECK(*reference.ahead(top_s, 0.5, 1).front().heading_rad < -0.1);
 }

@@ -13,13 +13,13 @@ using experiments::stitches_of;
 namespace {
 
 /// One stitch that is listed.
-DeploymentConfig listed(const experiments::StitchConfig& stitch) {
+DeploymentConfig one_stitch(const experiments::StitchConfig& stitch) {
   DeploymentConfig config;
   config.trials.suture.stitches = {stitch};
   return config;
 }
 
-experiments::SutureConfig read(const char* text) {
+experiments::SutureConfig read_suture(const char* text) {
   return common::config_from_json<experiments::SutureConfig>(common::Json::parse(text), "suture.json");
 }
 
@@ -29,10 +29,10 @@ TEST_CASE("a suture is a running stitch, or the stitches that are listed") {
   experiments::SutureConfig config;
   CHECK(stitches_of(config).size() == 5);
   CHECK(stitches_of(config).front().entry.x_m == Approx(-0.008));
-  config = read(R"({"count": 3, "length_m": 0.008, "pitch_m": 0.005})");
+  config = read_suture(R"({"count": 3, "length_m": 0.008, "pitch_m": 0.005})");
   CHECK(stitches_of(config).size() == 3);
   CHECK(stitches_of(config).front().entry.y_m == Approx(-0.004));
-  config = read(R"({"stitches": [
+  config = read_suture(R"({"stitches": [
       {"entry_mm": [-8, -3], "entry_deg": 90, "exit_mm": [-7, 3], "exit_deg": 80},
       {"entry_mm": [-4, 3], "entry_deg": 270, "exit_mm": [-4, -3]}]})");
   const auto stitches = stitches_of(config);
@@ -61,8 +61,8 @@ TEST_CASE("what is wrong in a list of stitches is said with the stitch and the k
       {R"({"count": 0})", "count = 0"}};
   for (const auto& [text, message] : bad) {
     CAPTURE(text);
-    CHECK_THROWS_WITH(read(text), Catch::Contains("suture.json") && Catch::Contains(message));
-    CHECK_THROWS_AS(read(text), common::ConfigError);
+    CHECK_THROWS_WITH(read_suture(text), Catch::Contains("suture.json") && Catch::Contains(message));
+    CHECK_THROWS_AS(read_suture(text), common::ConfigError);
   }
 }
 
@@ -85,21 +85,21 @@ TEST_CASE("a needle has arrived where it is held near a target") {
 
 TEST_CASE("stitches that no needle can be led through are refused") {
   CHECK_NOTHROW(experiments::check_stitches({}));
-  CHECK_NOTHROW(experiments::check_stitches(listed({{-8.0, -3.0}, 60.0, {-2.0, 3.0}, 30.0})));
+  CHECK_NOTHROW(experiments::check_stitches(one_stitch({{-8.0, -3.0}, 60.0, {-2.0, 3.0}, 30.0})));
   DeploymentConfig shorter;
   shorter.trials.suture.length_m = 0.0015;
   CHECK_THROWS_WITH(experiments::check_stitches(shorter),
                     Catch::Contains("stitch 1: entry and exit are 1.5 mm apart, must be more than 2.0 mm"));
   CHECK_THROWS_WITH(
-      experiments::check_stitches(listed({{0.0, -3.0}, 90.0, {0.0, 3.0}, -90.0})),
+      experiments::check_stitches(one_stitch({{0.0, -3.0}, 90.0, {0.0, 3.0}, -90.0})),
       Catch::Contains(
           "trials.suture.stitches: stitch 1: the heading of its exit is 180 degrees off the way"));
-  CHECK_THROWS_WITH(experiments::check_stitches(listed({{0.0, -3.0}, 185.0, {0.0, 3.0}, 90.0})),
+  CHECK_THROWS_WITH(experiments::check_stitches(one_stitch({{0.0, -3.0}, 185.0, {0.0, 3.0}, 90.0})),
                     Catch::Contains("its entry is 95 degrees off"));
-  CHECK_NOTHROW(experiments::check_stitches(listed({{-3.0, 0.0}, 90.0, {3.0, 0.0}, -90.0})));
-  CHECK_THROWS_WITH(experiments::check_stitches(listed({{0.0, 24.0}, 90.0, {0.0, 30.0}, 90.0})),
+  CHECK_NOTHROW(experiments::check_stitches(one_stitch({{-3.0, 0.0}, 90.0, {3.0, 0.0}, -90.0})));
+  CHECK_THROWS_WITH(experiments::check_stitches(one_stitch({{0.0, 24.0}, 90.0, {0.0, 30.0}, 90.0})),
                     Catch::Contains("beyond the wall of the dish") && Catch::Contains("at 90 degrees"));
-  CHECK_NOTHROW(experiments::check_stitches(listed({{-3.0, 30.0}, 0.0, {3.0, 30.0}, 0.0})));
+  CHECK_NOTHROW(experiments::check_stitches(one_stitch({{-3.0, 30.0}, 0.0, {3.0, 30.0}, 0.0})));
 }
 
 TEST_CASE("stitches, and the ways between them, keep clear of zones") {
