@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "lodestone/common/error.h"
 #include "lodestone/experiments/deployment.h"
