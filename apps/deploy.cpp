@@ -49,10 +49,10 @@ void print_tasks(const std::string& rig, const std::string& controller, const ru
     std::printf(kRow, rig.c_str(), controller.c_str(), task, text(errors.mean_error_mm).c_str(),
                 text(errors.std_error_mm).c_str(), text(errors.median_error_mm).c_str(),
                 text(summary.sensed.mean_error_mm).c_str(), text(errors.time_rms_error_mm).c_str(),
-                share(errors.completion).c_str(), share(errors.corners_reached).c_str(),
-                number(heading_deg, "%.1f").c_str(), text(errors.seconds_to_reach).c_str(),
-                share(errors.success_rate).c_str(), std::to_string(summary.stopped).c_str(),
-                std::to_string(summary.n_trials).c_str());
+                share(errors.stitches_made_share ? errors.stitches_made_share : errors.completion).c_str(),
+                share(errors.corners_reached).c_str(), number(heading_deg, "%.1f").c_str(),
+                text(errors.seconds_to_reach).c_str(), share(errors.success_rate).c_str(),
+                std::to_string(summary.stopped).c_str(), std::to_string(summary.n_trials).c_str());
   }
 }
 
@@ -87,7 +87,8 @@ void print_touches(const std::string& rig, const runs::RigSummary& summary) {
 void print_summary(const DeploymentJob& job, const runs::DeploymentSummary& summary) {
   std::printf(
       "Errors in mm %s. centre, point: distance at the end of a trial; paths: cross-track RMS of a trial; "
-      "heading, in degrees: at the end, or RMS along a path.\n",
+      "suture: RMS at the ends of its stitches; heading, in degrees: at the end, or RMS along a path or "
+      "suture.\n",
       job.rigs.front() == experiments::RigKind::kReal
           ? "as the camera saw them: nobody knows the true pose on a real bench"
           : "against the true pose");
@@ -179,7 +180,8 @@ void add_deploy(Verb& program) {
   text("--policy", "policy", "folder of the policy checkpoint");
   verb.add_option(
       "--task", [&options](const std::string& value) { use_task(options, value); },
-      "centre, point, pose, square, circle, all, FILE.csv with columns x_m,y_m (and heading_rad), or a "
+      "centre, point, pose, square, circle, suture, all, FILE.csv with columns x_m,y_m (and heading_rad), or "
+      "a "
       "FILE.json that describes one");
   add_shorthand(verb, options, "--trials", "trials.count", Shorthand::kValue, "trials per task");
   text("--on", "on_rig", "the rig that was explored, rigs never seen, or both: explored, unseen, both");

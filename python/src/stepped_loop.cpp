@@ -14,7 +14,7 @@ struct EpisodeOver : std::exception {
 /// What it is all for is not the loop's business here.
 struct NoReference final : control::Reference {
   void reset() override {}
-  geometry::Vector2 target(double, const geometry::Vector2&) override { return geometry::Vector2::Zero(); }
+  geometry::Vector2 target(double, const geometry::Pose2&) override { return geometry::Vector2::Zero(); }
   bool finished(double) const override { return false; }
 };
 

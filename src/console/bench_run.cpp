@@ -7,6 +7,8 @@
 #include "lodestone/common/random.h"
 #include "lodestone/console/drawn_path.h"
 #include "lodestone/control/routed_reference.h"
+#include "lodestone/control/suture_reference.h"
+#include "lodestone/experiments/suture.h"
 
 namespace lodestone::console {
 
@@ -17,6 +19,9 @@ constexpr double kForGood_s = 1e9;   // a target is held until somebody ends the
 }  // namespace
 
 std::shared_ptr<control::Reference> Bench::State::reference_of(const Goal& to, bool unattended) const {
+  if (!to.stitches.empty())
+    return std::make_shared<control::SutureReference>(to.stitches,
+                                                      experiments::suture_reference(parts.config));
   if (to.path) return std::make_shared<control::PathReference>(*to.path, parts.config.reference);
   const auto point = std::make_shared<control::PointReference>(
       to.target_m, unattended ? parts.config.trials.point_seconds : kForGood_s, to.heading_rad);

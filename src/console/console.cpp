@@ -118,7 +118,7 @@ struct Console::State {
   common::PriorityMutex mutex;  // of what follows
   Seat seat;
   std::set<PageId> pages;
-  std::optional<geometry::Path> planned;
+  std::optional<Goal> planned;
   std::unique_ptr<Recording> recording;
   std::atomic<bool> ready{false};
   common::PriorityMutex hearing;  // held while a page is heard
@@ -185,7 +185,7 @@ struct Console::State {
         {"image",
          {{"width_px", image ? image->image.cols : 1280}, {"height_px", image ? image->image.rows : 1024}}},
         {"controllers", controllers},
-        {"shapes", {"centre", "square", "circle"}},
+        {"shapes", {"centre", "square", "circle", "suture"}},
         {"jobs", jobs->verbs()},
         {"period_s", config.loop.period_s()},
         {"coils", coil_names()},
@@ -401,73 +401,78 @@ struct Console::State {
     const ImageMap map(*now.camera);
     std::vector<Vector2> points_m;
     for (const ImagePlace& place : stroke.points) points_m.push_back(map.to_dish(place));
-    plan(page, [&] { return smoothed(points_m, stroke.closed); });
+    plan(page, [&] { return path_goal(smoothed(points_m, stroke.closed), parts.bench.config); });
   }
   void obey(PageId page, const DrawnCsv& csv) {
     ask_clerk(page, DrawnCsv::kWord, [this, page, text = csv.text] {
       plan(page, [&] {
         const std::string file = parts.folder + "/drawn.csv";
         common::write_file_atomically(file, text);
-        return geometry::Path::from_csv(file);
+        return path_goal(geometry::Path::from_csv(file), parts.bench.config);
       });
     });
   }
   void obey(PageId page, const DrawnShape& shape) {
-    const experiments::TrialsConfig& trials = parts.bench.config.trials;
+    const experiments::DeploymentConfig& config = parts.bench.config;
     if (shape.name == "centre") {
       Goal goal;
       goal.task = "centre";
       return begin(page, DrawnShape::kWord, goal);
     }
     if (shape.name == "square")
-      return plan(page, [&] { return geometry::Path::square(trials.square_side_m); });
+      return plan(page,
+                  [&] { return path_goal(geometry::Path::square(config.trials.square_side_m), config); });
     if (shape.name == "circle")
-      return plan(page, [&] { return geometry::Path::circle(trials.circle_radius_m); });
+      return plan(page,
+                  [&] { return path_goal(geometry::Path::circle(config.trials.circle_radius_m), config); });
+    if (shape.name == "suture") return plan(page, [&] { return suture_goal(config); });
     answer(page, DrawnShape::kWord, "there is no such shape");
   }
 
-  /// Checks a path and shows it as it would be followed.
+  /// Checks the path of a goal and shows it as it would be followed.
   template <class Make>
   void plan(PageId page, const Make& make) {
     Json told = {
         {"kind", "plan"}, {"ok", false}, {"text", ""}, {"points", Json::array()}, {"bad", Json::array()}};
-    std::optional<geometry::Path> path;
+    std::optional<Goal> goal;
     try {
-      path = experiments::headed_path(make(), parts.bench.config);
+      goal = make();
     } catch (const common::Error& error) {
       told["text"] = error.what();
     }
-    if (path) {
-      const PathObjection objection = object_to(*path, reachable());
+    if (goal) {
+      const geometry::Path& path = *goal->path;
+      const PathObjection objection = object_to(path, reachable());
       const BenchState now = bench->state();
       told["ok"] = objection.why_not.empty();
       told["text"] = objection.why_not;
-      told["length_mm"] = geometry::kMmPerM * path->length_m();
-      told["seconds"] = path->length_m() / parts.bench.config.reference.speed_m_s;
+      told["length_mm"] = geometry::kMmPerM * path.length_m();
+      const experiments::DeploymentConfig& config = parts.bench.config;
+      told["seconds"] =
+          path.length_m() / (goal->stitches.empty() ? config.reference.speed_m_s : config.suture.speed_m_s);
       if (now.camera) {
         const ImageMap map(*now.camera);
-        told["points"] = map.json(path->points_m());
+        told["points"] = map.json(path.points_m());
         told["bad"] = map.json(objection.bad_m);
       }
-      if (!objection.why_not.empty()) path.reset();
+      if (!objection.why_not.empty()) goal.reset();
     }
-    bench->show_plan(path);
+    bench->show_plan(goal ? goal->path : std::nullopt);
     {
       const std::lock_guard<common::PriorityMutex> lock(mutex);
-      planned = std::move(path);
+      planned = std::move(goal);
     }
     send(page, text_of(told));
   }
 
   void obey(PageId page, const Follow&) {
-    Goal goal;
-    goal.task = "path";
+    std::optional<Goal> goal;
     {
       const std::lock_guard<common::PriorityMutex> lock(mutex);
-      goal.path = planned;
+      goal = planned;
     }
-    if (!goal.path) return answer(page, Follow::kWord, "draw a path first");
-    begin(page, Follow::kWord, goal);
+    if (!goal) return answer(page, Follow::kWord, "draw a path first");
+    begin(page, Follow::kWord, *goal);
   }
   void obey(PageId page, const Hand& hand) {
     if (const std::string why_not = bench->hold(hand.drive); !why_not.empty())

@@ -23,18 +23,18 @@ bool finite(const geometry::Pose2& pose) {
 /// Sensed poses and what was done between them.
 struct Memory {
   bool has_pose = false;
-  geometry::Vector2 position_m = geometry::Vector2::Zero();
+  geometry::Pose2 pose;
   geometry::Drive action;
   std::optional<geometry::Pose2> pose_before;  // the last pulse, which was not a probe
 
-  task::Observation observe(const geometry::Pose2& pose, const geometry::Vector2& target_m,
+  task::Observation observe(const geometry::Pose2& now, const geometry::Vector2& target_m,
                             std::optional<double> target_heading_rad) const {
     task::Observation observation;
-    observation.pose = pose;
+    observation.pose = now;
     observation.target_m = target_m;
     observation.target_heading_rad = target_heading_rad;
     observation.last_action = action;
-    if (has_pose) observation.last_displacement_m = pose.position_m() - position_m;
+    if (has_pose) observation.last_displacement_m = now.position_m() - pose.position_m();
     return observation;
   }
 };
@@ -173,9 +173,9 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     record.estimate.either_way = record.estimate.either_way && finite(record.estimate.pose);
     coils_.observe(record.estimate);
     if (record.estimate.fault) throw common::HardwareError(record.estimate.reason);
-    const geometry::Vector2 seen_m =
-        record.estimate.valid ? record.estimate.pose.position_m() : memory.position_m;
-    record.target_m = reference.target(due_s, seen_m);
+    const geometry::Pose2 seen = record.estimate.valid ? record.estimate.pose : memory.pose;
+    const geometry::Vector2 seen_m = seen.position_m();
+    record.target_m = reference.target(due_s, seen);
     record.target_heading_rad = reference.target_heading_rad();
     record.last = reference.finished(due_s);
     const auto observed = [&] {
@@ -201,7 +201,7 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
       if (recovery_) recovery_->seen(record.estimate.pose);
       memory.has_pose = true;
       memory.pose_before = record.estimate.pose;
-      memory.position_m = seen_m;
+      memory.pose = seen;
     } else {
       ++invalid_in_a_row;
       memory.pose_before.reset();

@@ -10,10 +10,10 @@ double PathReference::way_m() const {
 
 double PathReference::duration_s() const { return way_m() / config_.speed_m_s; }
 
-geometry::Vector2 PathReference::target(double time_s, const geometry::Vector2& position_m) {
+geometry::Vector2 PathReference::target(double time_s, const geometry::Pose2& needle) {
   const geometry::Vector2 start_m = path_.at(0.0);
-  if (approaching() &&
-      ((position_m - start_m).norm() <= config_.approach_radius_m || time_s >= config_.approach_limit_s))
+  if (approaching() && ((needle.position_m() - start_m).norm() <= config_.approach_radius_m ||
+                        time_s >= config_.approach_limit_s))
     started_s_ = time_s;
   heading_rad_ = heading_at_rad(time_s);
   if (approaching()) return start_m;

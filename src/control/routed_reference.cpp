@@ -58,8 +58,9 @@ bool RoutedReference::passed(const geometry::Vector2& position_m) const {
   return map_->straight(position_m, after_m, keep_out_, least_m);
 }
 
-geometry::Vector2 RoutedReference::target(double time_s, const geometry::Vector2& position_m) {
-  const geometry::Vector2 goal_m = inner_->target(time_s, position_m);
+geometry::Vector2 RoutedReference::target(double time_s, const geometry::Pose2& needle) {
+  const geometry::Vector2 position_m = needle.position_m();
+  const geometry::Vector2 goal_m = inner_->target(time_s, needle);
   const bool others = zones_moved();
   if (others || route_m_.empty() || route_m_.back() != goal_m) {
     if (!search(position_m, goal_m)) {

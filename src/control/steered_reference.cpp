@@ -32,9 +32,9 @@ void SteeredReference::reset() {
   began_s_ = 0.0;
 }
 
-geometry::Vector2 SteeredReference::target(double time_s, const geometry::Vector2& position_m) {
+geometry::Vector2 SteeredReference::target(double time_s, const geometry::Pose2& needle) {
   take_up(time_s);
-  return followed_->target(time_s - began_s_, position_m);
+  return followed_->target(time_s - began_s_, needle);
 }
 
 bool SteeredReference::finished(double time_s) const {

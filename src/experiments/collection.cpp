@@ -23,7 +23,7 @@ class UntilOver final : public control::Reference {
   UntilOver(std::function<bool()> over, double duration_s, const Sight& sight)
       : over_(std::move(over)), duration_s_(duration_s), sight_(sight) {}
   void reset() override {}
-  geometry::Vector2 target(double, const geometry::Vector2&) override { return geometry::Vector2::Zero(); }
+  geometry::Vector2 target(double, const geometry::Pose2&) override { return geometry::Vector2::Zero(); }
   bool finished(double time_s) const override {
     return sight_.lost ? sight_.found : over_() || time_s >= duration_s_;
   }

@@ -10,6 +10,7 @@
 #include "lodestone/control/gain_correction.h"
 #include "lodestone/control/observer_controller.h"
 #include "lodestone/control/policy_controller.h"
+#include "lodestone/experiments/effort.h"
 #include "lodestone/experiments/heading_need.h"
 #include "lodestone/geometry/angle.h"
 #include "lodestone/physics/viscosity.h"
@@ -188,6 +189,7 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
   plan.index = index;
   plan.duration_s = config.trials.point_seconds;
   plan.reference = config.reference;
+  plan.suture = suture_reference(config);
   plan.keep_out = config.safety.keeps_out(config.rig);
   plan.routes = std::move(routes);
   // Whatever holds the needle near its target would hold it there on its way, too.
@@ -229,8 +231,11 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
     plan.path = geometry::Path::circle(config.trials.circle_radius_m);
   else if (task == "path")
     plan.path = path;
+  else if (task == "suture")
+    plan.stitches = stitches_of(config.trials.suture);
   else
-    LODESTONE_CHECK(task == "centre", "a task: centre, point, pose, square, circle or path, not " + task);
+    LODESTONE_CHECK(task == "centre",
+                    "a task: centre, point, pose, square, circle, path or suture, not " + task);
   if (plan.path) plan.path = headed_path(*plan.path, config);
   if (task == "pose") plan.target_heading_rad = random.uniform(-geometry::kPi, geometry::kPi);
   if (task == "pose" && config.trials.path_heading == geometry::HeadingRule::kFixed)
@@ -337,6 +342,7 @@ TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& c
   const std::unique_ptr<control::Controller> controller = source.make(trial_seed(config, plan));
   TrialResult result = run_trial(plan, loop, *controller, truth, config.score, watch,
                                  [&bench] { return bench.coils().reported(); });
+  note_effort(config.loop, config.rig, result);
   if (!result.samples.empty() && result.samples.front().step.estimate.valid)
     result.plan.start = result.samples.front().step.estimate.pose;
   result.rig = to_string(RigKind::kReal);
@@ -407,6 +413,7 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
       plan, loop, *controller, [&rig] { return rig.true_pose(); }, config_.score,
       [&recording](const TrialSample& sample) { recording.show(sample); },
       [&coils] { return coils.reported(); });
+  note_effort(config_.loop, config_.rig, result);
   recording.finish(result);
   result.rig = to_string(kind);
   result.controller = source.name;

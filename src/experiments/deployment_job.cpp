@@ -11,7 +11,12 @@
 namespace lodestone::experiments {
 namespace {
 
-const std::vector<std::string> kTasks = {"centre", "point", "square", "circle"};
+const std::vector<std::string> kAll = {"centre", "point", "square", "circle"};
+
+/// Those that are named, but for the path of a file.
+bool is_task(const std::string& name) {
+  return name == "pose" || name == "suture" || std::find(kAll.begin(), kAll.end(), name) != kAll.end();
+}
 
 bool follows_path(const std::vector<std::string>& tasks) {
   return std::any_of(tasks.begin(), tasks.end(), [](const std::string& task) {
@@ -19,8 +24,9 @@ bool follows_path(const std::vector<std::string>& tasks) {
   });
 }
 
-/// Whether paths are followed that say how the needle shall lie.
+/// Whether what is followed says how the needle shall lie.
 bool wants_headings(const DeployConfig& config, const DeploymentJob& job) {
+  if (config.task == "suture") return true;
   return config.deployment.trials.path_heading != geometry::HeadingRule::kNone && follows_path(job.tasks);
 }
 
@@ -45,13 +51,13 @@ void choose_tasks(const DeployConfig& config, DeploymentJob& job) {
     job.path = geometry::Path::from_csv(config.task);
     job.tasks = {"path"};
   } else if (config.task == "all") {
-    job.tasks = kTasks;
-  } else if (config.task == "pose" || std::find(kTasks.begin(), kTasks.end(), config.task) != kTasks.end()) {
+    job.tasks = kAll;
+  } else if (is_task(config.task)) {
     job.tasks = {config.task};
   } else {
     throw common::ConfigError(
         "task = \"" + config.task +
-        "\", must be centre, point, pose, square, circle, all, or the name of a .csv file");
+        "\", must be centre, point, pose, square, circle, suture, all, or the name of a .csv file");
   }
   if (config.target_mm.size() == 2) {
     job.target_m = geometry::Vector2(1e-3 * config.target_mm[0], 1e-3 * config.target_mm[1]);
@@ -60,7 +66,10 @@ void choose_tasks(const DeployConfig& config, DeploymentJob& job) {
   if (job.path)
     for (const geometry::Vector2& point_m : job.path->points_m())
       check_in_dish(config.deployment.rig, point_m, config.task + ": point");
-  check_headings(config, job);
+  if (config.task == "suture")
+    check_stitches(config.deployment);
+  else
+    check_headings(config, job);
 }
 
 /// A policy can do what it was trained for, and no other task.
@@ -70,15 +79,16 @@ void check_goal(const DeployConfig& config, const inference::Policy& policy, Dep
   if (headed && !policy.encoder.target_heading)
     common::log_warning(config.policy +
                         " was trained without headings (encoder.target_heading): it is not told how the "
-                        "needle shall lie along a path");
+                        "needle shall lie along its way");
   if (config.task == "all") {
     if (name != "point") job.tasks = {name};
     return;
   }
   // Any needle that has come to a point can be turned there.
   const bool turns = config.deployment.turn.current_A > 0.0;
+  const bool needs_turning = config.task == "pose" || config.task == "suture";
   const bool fits =
-      name == "point" ? config.task != "pose" || turns : config.task == name || (name == "pose" && headed);
+      name == "point" ? !needs_turning || turns : config.task == name || (name == "pose" && headed);
   if (!fits)
     throw common::ConfigError(
         "task = \"" + config.task + "\": " + config.policy + " was trained for goal \"" + name +

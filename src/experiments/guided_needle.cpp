@@ -37,7 +37,7 @@ class UntilBrought final : public control::Reference {
   UntilBrought(const geometry::Vector2& target_m, const Bringing& bringing)
       : target_m_(target_m), bringing_(bringing) {}
   void reset() override {}
-  geometry::Vector2 target(double, const geometry::Vector2&) override { return target_m_; }
+  geometry::Vector2 target(double, const geometry::Pose2&) override { return target_m_; }
   bool finished(double time_s) const override { return bringing_.there() || time_s >= kLongestWay_s; }
 
  private:

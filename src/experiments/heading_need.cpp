@@ -22,9 +22,10 @@ void refuse_heading(const physics::RigDescription& rig, const inference::Dynamic
 }
 
 void refuse_heading(const physics::RigDescription& rig, const std::string& task) {
-  if (rig.needle.is_sphere() && task == "pose")
-    throw common::ConfigError(
-        "task = \"pose\": a sphere (rig.needle.shape) has no heading to be turned to; use point");
+  if (rig.needle.is_sphere() && (task == "pose" || task == "suture"))
+    throw common::ConfigError("task = \"" + task +
+                              "\": a sphere (rig.needle.shape) has no heading to be turned to; use " +
+                              (task == "pose" ? "point" : "a path"));
 }
 
 }  // namespace lodestone::experiments

@@ -141,6 +141,13 @@ runs::TrialRecord record_of(const TrialResult& result) {
     record.path_mm.emplace();
     for (const geometry::Vector2& point_m : plan.path->points_m())
       record.path_mm->push_back(point_mm(point_m));
+  }
+  if (!plan.stitches.empty()) {
+    record.stitches.emplace();
+    for (const geometry::Stitch& stitch : plan.stitches)
+      record.stitches->push_back({pose_mm(stitch.entry), pose_mm(stitch.exit)});
+  }
+  if (plan.moves()) {
     record.reference_mm.emplace();
     record.approach.emplace();
     const auto headed = [](const TrialSample& sample) { return sample.step.target_heading_rad.has_value(); };
@@ -184,7 +191,7 @@ runs::TrialRecord record_of(const TrialResult& result) {
     if (record.route_mm &&
         (record.route_mm->empty() || record.route_mm->back() != point_mm(sample.step.target_m)))
       record.route_mm->push_back(point_mm(sample.step.target_m));
-    if (!plan.path) continue;
+    if (!plan.moves()) continue;
     record.reference_mm->push_back(point_mm(sample.step.target_m));
     if (record.reference_heading_rad)
       record.reference_heading_rad->push_back(*sample.step.target_heading_rad);

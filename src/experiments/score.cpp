@@ -198,10 +198,18 @@ runs::ErrorStatistics summarise_trials(const std::vector<const runs::TrialFigure
   out.time_rms_error_mm = mean_of(trials, &Figures::time_rms_error_mm);
   out.target_deviation_mm = mean_of(trials, &Figures::target_deviation_mm);
   out.frechet_mm = mean_of(trials, &Figures::frechet_mm);
+  out.stitches_made = mean_of(trials, &Figures::stitches_made);
+  out.stitches_made_share = mean_of(trials, &Figures::stitches_made_share);
+  out.stitch_rms_mm = mean_of(trials, &Figures::stitch_rms_mm);
+  out.stitch_worst_mm = mean_of(trials, &Figures::stitch_worst_mm);
+  out.stitch_worst_deg = mean_of(trials, &Figures::stitch_worst_deg);
   out.completion = mean_of(trials, &Figures::completion);
   out.corners_reached = mean_of(trials, &Figures::corners_reached);
   out.clearance_mm = mean_of(trials, &Figures::clearance_mm);
   out.touches = mean_of(trials, &Figures::touches);
+  out.duration_s = mean_of(trials, &Figures::duration_s);
+  out.charge_As = mean_of(trials, &Figures::charge_As);
+  out.heat_J = mean_of(trials, &Figures::heat_J);
   note_touches(trials, out);
   return out;
 }

@@ -27,6 +27,8 @@ constexpr HandedOn kHandedOn[] = {
     {"speed_m_s", "reference.speed_m_s"},
     {"laps", "reference.laps"},
     {"seconds", "trials.point_seconds"},
+    {"length_m", "trials.suture.length_m"},
+    {"pitch_m", "trials.suture.pitch_m"},
 };
 
 std::string setting(const char* key, const Json& value) { return std::string(key) + "=" + value.dump(); }
@@ -34,7 +36,7 @@ std::string setting(const char* key, const Json& value) { return std::string(key
 void check_keys(const std::string& file, const Json& json) {
   if (!json.is_object())
     throw ConfigError(file + ": a task is a JSON object {\"task\": ...}, not " + common::shown_json(json));
-  std::vector<std::string> known = {"task", "path", "heading"};
+  std::vector<std::string> known = {"task", "path", "heading", "stitches"};
   for (const HandedOn& each : kHandedOn) known.emplace_back(each.key);
   for (const auto& [key, value] : json.items())
     if (std::find(known.begin(), known.end(), key) == known.end())
@@ -52,9 +54,33 @@ std::string task_of(const std::string& file, const Json& json) {
   return found->get<std::string>();
 }
 
+/// A stitch has headings of its own, and nothing else has stitches.
+void check_suture_keys(const std::string& file, const Json& json, const std::string& task) {
+  const char* const wrong = task == "suture" ? "heading" : "stitches";
+  const auto found = json.find(wrong);
+  if (found == json.end()) return;
+  throw ConfigError(file + ": " + wrong + " = " + common::shown_json(*found) +
+                    (task == "suture"
+                         ? " is not for the task \"suture\": its stitches have entry_deg and exit_deg"
+                         : " belongs to the task \"suture\", not to \"" + task + "\""));
+}
+
+/// What `stitches` sets: a list of them, or how many there are in a row.
+std::vector<std::string> stitches_settings(const std::string& file, const Json& stitches) {
+  if (stitches.is_number())
+    return {setting("trials.suture.stitches", Json::array()), setting("trials.suture.count", stitches)};
+  if (!stitches.is_array() || stitches.empty())
+    throw ConfigError(
+        file + ": stitches = " + common::shown_json(stitches) +
+        " must be how many there are in a row, or a list of {\"entry_mm\": [x, y], \"entry_deg\": "
+        "A, \"exit_mm\": [x, y], \"exit_deg\": A}");
+  return {setting("trials.suture.stitches", stitches)};
+}
+
 /// The value of `task` in a deployment's configuration: a task, or the file of a path.
 std::string named_task(const std::string& file, const Json& json) {
   const std::string task = task_of(file, json);
+  check_suture_keys(file, json, task);
   const bool has_path = json.contains("path");
   if (has_path != (task == "path"))
     throw ConfigError(file + (has_path ? ": path = " + common::shown_json(json["path"]) +
@@ -80,8 +106,14 @@ std::vector<std::string> settings_of_task(const std::string& file) {
     settings.push_back(fixed ? "trials.path_heading=fixed" : setting("trials.path_heading", *heading));
     if (fixed) settings.push_back(setting("trials.path_heading_deg", *heading));
   }
-  for (const HandedOn& each : kHandedOn)
-    if (json.contains(each.key)) settings.push_back(setting(each.sets, json[each.key]));
+  if (const auto stitches = json.find("stitches"); stitches != json.end())
+    for (const std::string& each : stitches_settings(file, *stitches)) settings.push_back(each);
+  const bool suture = json["task"] == "suture";
+  for (const HandedOn& each : kHandedOn) {
+    const bool through = suture && each.sets == std::string("reference.speed_m_s");
+    if (json.contains(each.key))
+      settings.push_back(setting(through ? "suture.speed_m_s" : each.sets, json[each.key]));
+  }
   return settings;
 }
 

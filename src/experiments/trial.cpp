@@ -6,6 +6,8 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/control/routed_reference.h"
+#include "lodestone/control/suture_reference.h"
+#include "lodestone/experiments/suture_score.h"
 #include "lodestone/geometry/angle.h"
 
 namespace lodestone::experiments {
@@ -26,11 +28,38 @@ struct Aftermath {
   std::optional<geometry::Pose2> truly_lies;
 };
 
-/// One moment of a run with the needle at a pose.
-ScoredSample moment(double time_s, const geometry::Pose2& lies, const geometry::Vector2& target_m,
-                    bool approach, const std::optional<double>& target_heading_rad) {
-  return {time_s, lies.position_m(), target_m, approach, lies.heading_rad, target_heading_rad};
-}
+/// What leads the needle in a trial.
+class Lead {
+ public:
+  explicit Lead(const TrialPlan& plan) : point_(plan.target_m, plan.duration_s, plan.target_heading_rad) {
+    if (plan.path) path_.emplace(*plan.path, plan.reference);
+    if (!plan.stitches.empty()) suture_.emplace(plan.stitches, plan.suture);
+    if (plan.routes && !plan.moves())
+      routed_.emplace(std::make_shared<control::PointReference>(point_), plan.routes, plan.keep_out,
+                      plan.waypoint_radius_m);
+  }
+
+  /// What it is scored by,
+  control::Reference& reference() {
+    if (path_) return *path_;
+    if (suture_) return *suture_;
+    return point_;
+  }
+  /// and what it follows.
+  control::Reference& followed() { return routed_ ? *routed_ : reference(); }
+
+  /// Whether the needle is still on its way to what is scored.
+  bool approach() const { return (path_ && path_->approaching()) || (suture_ && suture_->approaching()); }
+  std::size_t stitch() const { return suture_ ? suture_->stitch() : 0; }
+  /// That a moving target takes, null for a point.
+  const geometry::Path* way() const { return path_ ? &path_->path() : suture_ ? &suture_->way() : nullptr; }
+
+ private:
+  control::PointReference point_;
+  std::optional<control::PathReference> path_;
+  std::optional<control::SutureReference> suture_;
+  std::optional<control::RoutedReference> routed_;
+};
 
 geometry::Pose2 last_sensed(const TrialResult& result) {
   geometry::Pose2 lies = result.plan.start;
@@ -39,16 +68,16 @@ geometry::Pose2 last_sensed(const TrialResult& result) {
   return lies;
 }
 
-std::vector<ScoredSample> missed_by(const TrialResult& result, control::Reference& reference,
-                                    const control::PathReference* path, double period_s) {
+std::vector<ScoredSample> missed_by(const TrialResult& result, Lead& lead, double period_s) {
+  control::Reference& reference = lead.reference();
   const geometry::Pose2 lies = last_sensed(result);
   std::vector<ScoredSample> missed;
   double time_s = result.samples.back().step.time_s;
   while (!reference.finished(time_s)) {
     time_s += period_s;
-    const geometry::Vector2 target_m = reference.target(time_s, lies.position_m());
-    missed.push_back(moment(time_s, lies, target_m, path != nullptr && path->approaching(),
-                            reference.target_heading_rad()));
+    const geometry::Vector2 target_m = reference.target(time_s, lies);
+    missed.push_back({time_s, lies.position_m(), target_m, lead.approach(), lies.heading_rad,
+                      reference.target_heading_rad(), lead.stitch()});
   }
   return missed;
 }
@@ -60,9 +89,9 @@ std::vector<ScoredSample> scored(const TrialResult& result, const Aftermath& aft
   geometry::Pose2 lies = result.plan.start;
   for (const TrialSample& sample : result.samples) {
     if (const auto pose = pose_of(sample, truth)) lies = *pose;
-    const geometry::Vector2& target_m = result.plan.path ? sample.step.target_m : result.plan.target_m;
-    out.push_back(
-        moment(sample.step.time_s, lies, target_m, sample.approach, sample.step.target_heading_rad));
+    const geometry::Vector2& target_m = result.plan.moves() ? sample.step.target_m : result.plan.target_m;
+    out.push_back({sample.step.time_s, lies.position_m(), target_m, sample.approach, lies.heading_rad,
+                   sample.step.target_heading_rad, sample.stitch});
   }
   if (truth && after.truly_lies) lies = *after.truly_lies;
   for (ScoredSample sample : after.missed) {
@@ -106,12 +135,17 @@ control::LoopOutcome not_driven(const TrialPlan& plan) {
   return outcome;
 }
 
+runs::TrialFigures score_task(const TrialPlan& plan, const std::vector<ScoredSample>& samples,
+                              const ScoreConfig& config) {
+  if (plan.path) return score_path(samples, *plan.path, config);
+  if (!plan.stitches.empty()) return score_suture(samples, plan.stitches, config);
+  return score_point(samples, config);
+}
+
 runs::TrialFigures score_trial(const TrialResult& result, const Aftermath& after, bool truth,
                                const ScoreConfig& config) {
   const TrialPlan& plan = result.plan;
-  const std::vector<ScoredSample> samples = scored(result, after, truth);
-  runs::TrialFigures score =
-      plan.path ? score_path(samples, *plan.path, config) : score_point(samples, config);
+  runs::TrialFigures score = score_task(plan, scored(result, after, truth), config);
   if (plan.target_heading_rad) note_heading(result, after, *plan.target_heading_rad, truth, config, score);
   score_keep_out(known_poses(result, after, truth), plan.keep_out, score);
   score.success = score.success && result.completed;
@@ -125,36 +159,27 @@ TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control
                       const CoilReport& report) {
   TrialResult result;
   result.plan = plan;
-  control::PointReference point(plan.target_m, plan.duration_s, plan.target_heading_rad);
-  std::optional<control::PathReference> path;
-  if (plan.path) path.emplace(*plan.path, plan.reference);
-  control::Reference& reference = path ? static_cast<control::Reference&>(*path) : point;
-  std::optional<control::RoutedReference> routed;
-  if (plan.routes && !path)
-    routed.emplace(std::make_shared<control::PointReference>(point), plan.routes, plan.keep_out,
-                   plan.waypoint_radius_m);
-  control::Reference& followed = routed ? static_cast<control::Reference&>(*routed) : reference;
+  Lead lead(plan);
   const auto truth = [&true_pose] { return true_pose ? std::optional(true_pose()) : std::nullopt; };
-  const auto observer = [&](const control::StepRecord& step) {
-    result.samples.push_back({step, truth(), path && path->approaching(), {}});
+  const auto observe = [&](const control::StepRecord& step) {
+    result.samples.push_back({step, truth(), lead.approach(), {}, lead.stitch()});
     if (const auto reported = report ? report() : std::nullopt)
       result.samples.back().temperature_C = reported->temperature_C;
     if (watch) watch(result.samples.back());
   };
   const control::LoopOutcome outcome =
-      plan.unreachable ? not_driven(plan) : loop.run(controller, followed, observer);
+      plan.unreachable ? not_driven(plan) : loop.run(controller, lead.followed(), observe);
   result.completed = outcome.completed;
   result.stop_reason = outcome.stop_reason;
   // It was not driven, or there was a fault before the first observation.
   if (result.samples.empty()) {
     control::StepRecord step;
-    step.target_m = plan.path ? plan.path->at(0.0) : plan.target_m;
-    step.target_heading_rad = plan.path ? plan.path->heading_rad(0.0) : plan.target_heading_rad;
-    result.samples.push_back({step, truth(), plan.path.has_value(), std::nullopt});
+    step.target_m = lead.way() != nullptr ? lead.way()->at(0.0) : plan.target_m;
+    step.target_heading_rad = lead.way() != nullptr ? lead.way()->heading_rad(0.0) : plan.target_heading_rad;
+    result.samples.push_back({step, truth(), plan.moves(), std::nullopt});
   }
   Aftermath after;
-  if (!result.completed)
-    after = {missed_by(result, reference, path ? &*path : nullptr, loop.period_s()), truth()};
+  if (!result.completed) after = {missed_by(result, lead, loop.period_s()), truth()};
   if (true_pose) result.truth = score_trial(result, after, true, score);
   result.sensed = score_trial(result, after, false, score);
   return result;

@@ -21,6 +21,11 @@ TrialVideo::TrialVideo(const std::string& file, const RecordingConfig& config, d
   annotation_.target_m = plan.target_m;
   if (plan.path) annotation_.reference_m = plan.path->points_m();
   if (plan.path) annotation_.reference_headings = plan.path->poses(kHeadingsApart_m);
+  if (!plan.stitches.empty())
+    annotation_.reference_m =
+        geometry::way_through_all(plan.stitches, plan.suture.approach_m, plan.suture.leave_m).points_m();
+  for (const geometry::Stitch& stitch : plan.stitches)
+    annotation_.reference_headings.insert(annotation_.reference_headings.end(), {stitch.entry, stitch.exit});
 }
 
 TrialVideo::~TrialVideo() = default;

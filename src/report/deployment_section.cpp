@@ -72,6 +72,22 @@ std::string path_table(const std::vector<ErrorRow>& rows) {
   });
 }
 
+/// How well stitches were made; empty where there are none.
+std::string suture_table(const std::vector<ErrorRow>& rows) {
+  std::vector<ErrorRow> sutures;
+  for (const ErrorRow& row : rows)
+    if (row.stitches_made) sutures.push_back(row);
+  if (sutures.empty()) return "";
+  return rows_table(sutures,
+                    {"stitches made", "share of all", "worst end (mm)", "worst heading at an end (degrees)",
+                     "heading RMS (degrees)", "95 % interval (degrees)"},
+                    [](const ErrorRow& row) -> std::vector<std::string> {
+                      return {fixed(row.stitches_made, 2),   percent(row.stitches_made_share),
+                              fixed(row.stitch_worst_mm, 2), fixed(row.stitch_worst_deg, 1),
+                              fixed(row.heading_rms_deg, 1), interval(row.heading_rms_interval_deg, 1.0, 1)};
+                    });
+}
+
 /// How well zones were kept out of; empty where there are none.
 std::string keep_out_table(const std::vector<ErrorRow>& rows) {
   std::vector<ErrorRow> kept_out;
@@ -104,17 +120,23 @@ std::string error_tables(const std::vector<ErrorRow>& rows) {
                                           fixed(row.stopped, 0),
                                           fixed(row.trials, 0)};
                                 });
-  html += path_table(rows) + keep_out_table(rows);
+  html += path_table(rows) + suture_table(rows) + keep_out_table(rows);
   std::vector<ErrorRow> ours;
   for (const ErrorRow& row : rows)
     if (!row.published) ours.push_back(row);
-  html += "<details><summary>Further figures: medians, as sensed, holding, time to reach</summary>" +
-          rows_table(ours, {"median (mm)", "as sensed, mean ± std (mm)", "holding (mm)", "to reach (s)"},
-                     [](const ErrorRow& row) -> std::vector<std::string> {
-                       return {fixed(row.median_mm, 2), plus_minus(row.sensed_mean_mm, row.sensed_std_mm, 2),
-                               fixed(row.hold_mm, 2), fixed(row.seconds_to_reach, 1)};
-                     }) +
-          "</details>\n";
+  html +=
+      "<details><summary>Further figures: medians, as sensed, holding, time to reach, what it "
+      "took</summary>" +
+      rows_table(ours,
+                 {"median (mm)", "as sensed, mean ± std (mm)", "holding (mm)", "to reach (s)", "lasted (s)",
+                  "charge (A s)", "heat in the coils (J)"},
+                 [](const ErrorRow& row) -> std::vector<std::string> {
+                   return {fixed(row.median_mm, 2),  plus_minus(row.sensed_mean_mm, row.sensed_std_mm, 2),
+                           fixed(row.hold_mm, 2),    fixed(row.seconds_to_reach, 1),
+                           fixed(row.duration_s, 1), fixed(row.charge_As, 1),
+                           fixed(row.heat_J, 0)};
+                 }) +
+      "</details>\n";
   return html;
 }
 
@@ -176,7 +198,7 @@ std::string panels(const std::vector<Trial>& trials, const std::string& controll
                    const std::vector<ErrorRow>& rows, const DrawnRig& rig) {
   std::string html;
   std::vector<const Trial*> drawn;
-  for (const char* task : {"centre", "point", "pose", "square", "circle", "path"}) {
+  for (const char* task : runs::kTasks) {
     const std::vector<const Trial*> chosen = select(trials, task, controller);
     if (chosen.empty()) continue;
     html += panel(chosen, task, controller, rig, rows);
@@ -287,6 +309,11 @@ std::string introduction(const std::vector<ErrorRow>& rows) {
         "The observer is sliding mode with a disturbance observer: it knows the rig's description and its "
         "own "
         "pulses. ";
+  if (any([](const ErrorRow& row) { return row.stitches_made.has_value(); }))
+    text +=
+        "Of a suture the error is the RMS distance of the needle from the ends of its stitches, each where "
+        "it was "
+        "nearest; a trial succeeds where every stitch was made. ";
   text +=
       "For points the error is the distance at the end of a trial, for paths the cross-track RMS of one. A "
       "path succeeds where 95 % of its points were reached in order and in time, every corner was, and the "

@@ -36,6 +36,13 @@ ErrorRow measured(const runs::TaskSummary& summary, const char* task, const std:
   row.time_rms_mm = best.time_rms_error_mm;
   row.frechet_mm = best.frechet_mm;
   row.heading_rms_deg = best.heading_rms_deg;
+  row.stitches_made = best.stitches_made;
+  row.stitches_made_share = best.stitches_made_share;
+  row.stitch_worst_mm = best.stitch_worst_mm;
+  row.stitch_worst_deg = best.stitch_worst_deg;
+  row.duration_s = best.duration_s;
+  row.charge_As = best.charge_As;
+  row.heat_J = best.heat_J;
   row.clearance_mm = best.clearance_mm;
   row.least_clearance_mm = best.least_clearance_mm;
   row.touching_rate = best.touching_rate;
@@ -118,7 +125,8 @@ std::string error_table_text(const std::vector<ErrorRow>& rows) {
   std::string text =
       "Errors in mm against the true pose (paper: Table II, on the real rig): of points the distance at the "
       "end, of "
-      "paths the cross-track RMS;\nto target: mean deviation from the targets along a path, as the paper has "
+      "paths the cross-track RMS, of sutures the RMS at the ends of the stitches;\nto target: mean deviation "
+      "from the targets along a path, as the paper has "
       "it; RMS in "
       "time: distance to the moving reference\n";
   std::snprintf(line, sizeof line, format, "task", "rig", "controller", "mean", "std", "rms", "sensed",
@@ -132,9 +140,9 @@ std::string error_table_text(const std::vector<ErrorRow>& rows) {
                   cell(row.mean_mm, "%.2f").c_str(), cell(row.std_mm, "%.2f").c_str(),
                   cell(row.rms_mm, "%.2f").c_str(), cell(row.sensed_mean_mm, "%.2f").c_str(),
                   cell(row.target_deviation_mm, "%.2f").c_str(), cell(row.time_rms_mm, "%.2f").c_str(),
-                  share(row.completion).c_str(), share(row.corners_reached).c_str(),
-                  share(row.success_rate).c_str(), cell(row.stopped, "%.0f").c_str(),
-                  cell(row.trials, "%.0f").c_str());
+                  share(row.stitches_made_share ? row.stitches_made_share : row.completion).c_str(),
+                  share(row.corners_reached).c_str(), share(row.success_rate).c_str(),
+                  cell(row.stopped, "%.0f").c_str(), cell(row.trials, "%.0f").c_str());
     text += line;
   }
   return text;

@@ -37,6 +37,7 @@ Trial read_trial(const runs::TrialRecord& record) {
   trial.controller = record.controller;
   trial.number = record.trial;
   trial.path_mm = points_of(record.path_mm);
+  if (record.stitches) trial.stitches = *record.stitches;
   trial.route_mm = points_of(record.route_mm);
   if (record.obstacles_mm)
     for (const runs::DiscMm& disc : *record.obstacles_mm)

@@ -18,6 +18,7 @@ struct Trial {
   std::string controller;  ///< "policy", "planner", "baseline" or "observer"
   std::int64_t number = 0;
   Points path_mm;                                      ///< empty for points
+  std::vector<runs::StitchRecord> stitches = {};       ///< of a suture
   std::optional<std::pair<double, double>> target_mm;  ///< none for paths
   Points route_mm;                        ///< that the needle was led over; empty where no way was searched
   std::vector<DrawnZone> obstacles = {};  ///< that were drawn for it alone
@@ -27,15 +28,16 @@ struct Trial {
   Points reference_mm;       ///< where it should have been; the target, or the moving point of a path
   std::vector<double> reference_heading_rad = {};  ///< and how it should have lain; empty: any way
   std::optional<double> target_heading_rad = {};   ///< likewise, of a pose
-  std::optional<double> heading_rms_deg = {};      ///< of a path that has headings
-  std::size_t approach = 0;  ///< so many observations at the start are the way to a path, not scored
+  std::optional<double> heading_rms_deg = {};      ///< of a suture, or a path that has headings
+  std::size_t approach =
+      0;  ///< so many observations at the start are the way to a path or a first stitch, not scored
   std::vector<double> time_s;
   std::vector<std::vector<double>> current_A;      ///< of each coil; empty when not recorded
   std::vector<std::vector<double>> temperature_C;  ///< likewise
   /// Mean and standard deviation of the logarithm of the drive's gain; NaN without a pose, empty when the rig
   /// was not identified.
   std::vector<std::array<double, 2>> log_drive_gain;
-  double error_mm = 0.0;  ///< path: RMS of the cross-track error; point: the distance at the end
+  double error_mm = 0.0;  ///< runs::TrialFigures::error_mm()
   bool success = false;
   bool completed = true;
   std::string stop_reason;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lodestone/common/files.h"
+#include "lodestone/geometry/stitch.h"
 #include "lodestone/report/charts.h"
 
 namespace lodestone::report {
@@ -60,6 +61,24 @@ void draw_path_headings(const Trial& trial, DishSvg& dish) {
   }
 }
 
+geometry::Pose2 pose_m(const runs::PoseMm& pose_mm) {
+  return {pose_mm[0] / geometry::kMmPerM, pose_mm[1] / geometry::kMmPerM, pose_mm[2]};
+}
+
+/// From entry to exit, with how the needle should lie at both.
+void draw_stitches(const Trial& trial, DishSvg& dish) {
+  for (const runs::StitchRecord& stitch : trial.stitches) {
+    const geometry::Path way = geometry::way_through({pose_m(stitch.entry), pose_m(stitch.exit)}, 0.0, 0.0);
+    Points thread;
+    for (const geometry::Vector2& point_m : way.points_m())
+      thread.emplace_back(geometry::kMmPerM * point_m.x(), geometry::kMmPerM * point_m.y());
+    dish.line(thread, kTargetColour, 0.7, 0.9);
+    for (const runs::PoseMm& end : {stitch.entry, stitch.exit}) draw_heading({end[0], end[1]}, end[2], dish);
+    dish.dot(stitch.entry[0], stitch.entry[1], 0.6, kTargetColour, true);
+    dish.dot(stitch.exit[0], stitch.exit[1], 0.6, kTargetColour);
+  }
+}
+
 void draw_targets(const std::vector<const Trial*>& trials, DishSvg& dish) {
   Points marked;
   for (const Trial* trial : trials) {
@@ -91,7 +110,8 @@ std::string draw_trials(const std::vector<const Trial*>& trials, const DrawnRig&
                            drawn.front()->obstacles.end());
   DishSvg dish(around, true);
   dish.line(drawn.front()->path_mm, kTargetColour, 0.7, 0.9, true);
-  draw_path_headings(*drawn.front(), dish);
+  if (drawn.front()->stitches.empty()) draw_path_headings(*drawn.front(), dish);
+  draw_stitches(*drawn.front(), dish);
   for (const Trial* trial : drawn) draw_trial(*trial, dish);
   draw_targets(drawn, dish);
   return dish.svg(label);
@@ -111,12 +131,14 @@ std::string legend_of(const std::vector<const Trial*>& trials) {
   if (any([](const Trial& trial) { return trial.target_mm.has_value(); }))
     text += "; green circles: the 3 mm around a target that count as reached";
   if (any([](const Trial& trial) { return !trial.path_mm.empty(); })) text += "; green, dashed: the path";
+  if (any([](const Trial& trial) { return !trial.stitches.empty(); }))
+    text += "; green lines: stitches, from a ring where the needle goes in to a dot where it comes out";
   if (any([](const Trial& trial) {
         return trial.target_heading_rad.has_value() || !trial.reference_heading_rad.empty();
       }))
     text += "; green ticks: where the needle's head should point";
   if (any([](const Trial& trial) { return trial.approach > 0; }))
-    text += "; grey lines: the way to the start of a path, which is not scored";
+    text += "; grey lines: the way to the start of a path or to a first stitch, which is not scored";
   if (any([](const Trial& trial) { return !trial.route_mm.empty(); }))
     text += "; grey, dashed: the points that it was led over";
   const auto blind = [](const Trial& trial) {

@@ -50,7 +50,7 @@ std::vector<const Trial*> of_task(const Group& group, const std::string& task) {
 
 std::vector<std::string> tasks_of(const std::vector<Group>& groups) {
   std::vector<std::string> tasks;
-  for (const char* task : {"centre", "point", "pose", "square", "circle", "path"})
+  for (const char* task : runs::kTasks)
     if (std::any_of(groups.begin(), groups.end(),
                     [task](const Group& group) { return !of_task(group, task).empty(); }))
       tasks.emplace_back(task);

@@ -84,7 +84,7 @@ std::optional<double> first_heading_rad(const TrialRecord& trial) {
 
 bool same_trial(const TrialRecord& a, const TrialRecord& b) {
   return a.start == b.start && a.target_mm == b.target_mm && a.target_heading_rad == b.target_heading_rad &&
-         a.path_mm == b.path_mm && first_heading_rad(a) == first_heading_rad(b);
+         a.path_mm == b.path_mm && a.stitches == b.stitches && first_heading_rad(a) == first_heading_rad(b);
 }
 
 using Key = std::tuple<std::string, std::string, std::int64_t>;  // task, kind of rig, number

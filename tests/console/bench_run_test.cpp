@@ -53,6 +53,21 @@ TEST_CASE("a bench shows how the needle shall lie along a path that has headings
   CHECK(lab.reach([](const BenchState& state) { return state.target_m && !state.target_heading_rad; }));
 }
 
+TEST_CASE("a bench leads the needle through stitches, and shows how it shall lie") {
+  Laboratory lab;
+  REQUIRE(lab.reach(Mode::kDisarmed));
+  REQUIRE(lab.arm().empty());
+  const console::Goal suture = console::suture_goal({});
+  REQUIRE(lab.bench->drive(suture).empty());
+  CHECK(lab.reach([](const BenchState& state) {  // before the first one
+    return state.target_m && (*state.target_m - geometry::Vector2(-0.008, -0.006)).norm() < 1e-9 &&
+           state.target_heading_rad && std::abs(*state.target_heading_rad - 0.5 * geometry::kPi) < 1e-9;
+  }));
+  CHECK(lab.bench->state().run->task == "suture");
+  CHECK(lab.bench->state().plan_m.size() == suture.path->points_m().size());
+  CHECK(lab.bench->state().plan_headings.size() > 10);
+}
+
 TEST_CASE("a controller that cannot be had stops the bench, and another one drives after that") {
   Laboratory lab;
   REQUIRE(lab.reach(Mode::kDisarmed));

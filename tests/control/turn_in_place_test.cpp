@@ -66,7 +66,7 @@ TEST_CASE("along a path no needle is turned in place, nor on the way to its star
   CHECK_FALSE(controller.act(observation) == Vector2(0.5, -0.5));  // a pose
   for (const double x_m : {0.001, 0.0}) {
     observation.pose.x_m = x_m;
-    observation.target_m = path.target(1.0, observation.pose.position_m());
+    observation.target_m = path.target(1.0, observation.pose);
     CHECK(path.approaching() == (x_m > 0.0));
     observation.target_heading_rad = path.target_heading_rad();
     observation.ahead = path.ahead(1.0, 0.3, 5);

@@ -20,6 +20,7 @@ SETTINGS = {
     ("docs/logs.md", "collect"): ("transitions=30", "sessions=1"),
     ("", "deploy"): SIMULATED,
     ("README.md", "deploy"): TRIALS,
+    ("docs/deploy-safely.md", "deploy"): (*SIMULATED, "suture.arrive_limit_s=1"),
     ("docs/drive-a-bench.md", "deploy"): ("trials.point_seconds=2", "safety.max_late_s=1", "safety.max_late_steps=10", "safety.max_pose_age_s=2"),
     ("docs/logs.md", "deploy"): TRIALS,
     ("docs/see-the-needle.md", "deploy"): TRIALS,

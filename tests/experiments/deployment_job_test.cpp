@@ -113,8 +113,10 @@ TEST_CASE("a sphere goes to points, by what knows of no heading") {
   const tests::TemporaryFolder folder;
   DeployConfig config = by_baseline();
   config.deployment.rig.needle = tests::sphere();
-  config.task = "pose";
-  CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("a sphere"));
+  for (const char* task : {"pose", "suture"}) {
+    config.task = task;
+    CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains(task) && Catch::Contains("a sphere"));
+  }
   config.task = "point";
   config.target_mm = {0.0, 40.9};  // nearer to the wall than a needle comes
   CHECK_NOTHROW(experiments::plan_job(config));
@@ -179,4 +181,28 @@ TEST_CASE("a policy drives to what it was trained for") {
   CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("trained for goal \"pose\""));
   config.deployment.trials.path_heading = geometry::HeadingRule::kTangent;  // a pose after the other
   CHECK(experiments::plan_job(config).tasks == std::vector<std::string>{"square"});
+}
+
+TEST_CASE("a suture is looked at before anything is driven, and driven by what can turn a needle") {
+  const tests::TemporaryFolder folder;
+  DeployConfig config = by_baseline();
+  config.task = "suture";
+  CHECK(experiments::plan_job(config).tasks == std::vector<std::string>{"suture"});
+  config.deployment.trials.path_heading = geometry::HeadingRule::kColumn;  // of paths
+  CHECK_NOTHROW(experiments::plan_job(config));
+  config.deployment.trials.suture.length_m = 0.07;
+  CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("stitch 1") && Catch::Contains("wall"));
+  config.deployment.trials.suture.length_m = 0.006;
+  config.deployment.safety.keep_out = {{"vessel", {0.0, 0.0}, 0.0005}};
+  CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("stitch 3") && Catch::Contains("vessel"));
+  config.deployment.safety.keep_out.clear();
+  config.controller = "policy";
+  config.policy = saved_policy(folder, "pose");
+  CHECK_NOTHROW(experiments::plan_job(config));
+  config.policy = saved_policy(folder, "point");
+  CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("trained for goal \"point\""));
+  config.deployment.turn.current_A = 1.5;
+  CHECK_NOTHROW(experiments::plan_job(config));
+  config.policy = saved_policy(folder, "centre");
+  CHECK_THROWS_WITH(experiments::plan_job(config), Catch::Contains("trained for goal \"centre\""));
 }

@@ -235,6 +235,55 @@ TEST_CASE("paths have the headings that are configured, and nothing else changes
   CHECK_FALSE(planned("path", headed).path->heading_rad(0.0));
 }
 
+TEST_CASE("a suture is planned as it is configured, from a start that is drawn as for any task") {
+  experiments::DeploymentConfig config;
+  const auto anywhere = [](const geometry::Pose2&) { return true; };
+  const auto planned = [&] {
+    return experiments::plan_trial(config, "suture", 3, std::nullopt, std::nullopt, anywhere);
+  };
+  const experiments::TrialPlan plan = planned();
+  REQUIRE(plan.stitches.size() == 5);
+  CHECK(plan.moves());
+  CHECK_FALSE(plan.path);
+  CHECK_FALSE(plan.target_heading_rad);
+  CHECK(plan.suture.arrive_m == config.suture.arrive_m);
+  CHECK(planned().start.x_m == plan.start.x_m);
+  config.trials.suture.count = 2;
+  config.decorators.hold_radius_m = 0.0015;
+  CHECK(planned().stitches.size() == 2);
+  CHECK(planned().start.x_m == plan.start.x_m);
+  CHECK(planned().suture.arrive_m == 0.0015);
+  CHECK_FALSE(experiments::plan_trial(config, "point", 3, std::nullopt, std::nullopt, anywhere).moves());
+}
+
+TEST_CASE("a suture is driven to its end on a virtual rig, scored and recorded") {
+  experiments::DeploymentConfig config = quick_config();
+  config.trials.suture.count = 2;
+  config.suture.speed_m_s = 0.02;
+  config.suture.arrive_limit_s = 0.9;
+  const experiments::Deployment deployment(config);
+  common::ThreadPool pool(1);
+  const auto result = deployment
+                          .run(plans(config, deployment, "suture", 1), experiments::RigKind::kExplored,
+                               experiments::baseline_source(config), pool)
+                          .front();
+  REQUIRE(result.completed);
+  REQUIRE(result.truth);
+  CHECK(result.truth->stitch_figures->size() == 2);
+  CHECK(result.truth->heading_rms_deg);
+  const runs::TrialRecord record = experiments::record_of(result);
+  CHECK(record.task == "suture");
+  REQUIRE(record.stitches);
+  CHECK(record.stitches->at(1).entry[0] == Approx(2.0));
+  CHECK(record.stitches->at(1).exit[1] == Approx(-3.0));
+  CHECK_FALSE(record.target_mm);
+  CHECK_FALSE(record.path_mm);
+  CHECK(record.reference_mm->size() == record.time_s.size());
+  CHECK(record.reference_heading_rad->size() == record.time_s.size());
+  CHECK(record.approach->front() == 1);
+  CHECK(record.approach->back() == 0);
+}
+
 TEST_CASE("starts and drawn targets keep clear of zones, and without zones are what they were") {
   experiments::DeploymentConfig config;
   const auto anywhere = [](const geometry::Pose2&) { return true; };

@@ -31,4 +31,6 @@ TEST_CASE("what goes by a heading is refused for a sphere, and for nothing else"
   CHECK_NOTHROW(experiments::refuse_heading(needle, "pose"));
   CHECK_NOTHROW(experiments::refuse_heading(sphere, "point"));
   CHECK_THROWS_WITH(experiments::refuse_heading(sphere, "pose"), Catch::StartsWith("task = \"pose\""));
+  CHECK_NOTHROW(experiments::refuse_heading(needle, "suture"));
+  CHECK_THROWS_WITH(experiments::refuse_heading(sphere, "suture"), Catch::StartsWith("task = \"suture\""));
 }

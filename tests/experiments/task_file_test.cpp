@@ -63,7 +63,12 @@ TEST_CASE("what is wrong in a task's file is said in a line that names it") {
       {R"({"task": "path"})", "path is missing"},
       {R"({"task": "path", "path": "way.txt"})", "path = \"way.txt\" must be the name of a .csv file"},
       {R"({"task": "path", "path": 7})", "path = 7 must be the name of a .csv file"},
-      {R"({"task": "point", "path": "way.csv"})", "path = \"way.csv\" belongs to the task \"path\""}};
+      {R"({"task": "point", "path": "way.csv"})", "path = \"way.csv\" belongs to the task \"path\""},
+      {R"({"task": "point", "stitches": 5})",
+       "stitches = 5 belongs to the task \"suture\", not to \"point\""},
+      {R"({"task": "suture", "heading": 90})", "heading = 90 is not for the task \"suture\""},
+      {R"({"task": "suture", "stitches": "five"})", "stitches = \"five\" must be how many"},
+      {R"({"task": "suture", "stitches": []})", "stitches = [] must be how many"}};
   for (const auto& [content, message] : bad) {
     CAPTURE(content);
     common::write_file_atomically(file, content);
@@ -73,4 +78,30 @@ TEST_CASE("what is wrong in a task's file is said in a line that names it") {
   CHECK_THROWS_AS(settings_of_task(folder / "missing.json"), common::ConfigError);
   CHECK_THROWS_AS(described(file, R"({"task": "square", "heading": "sideways"})"), common::ConfigError);
   CHECK_THROWS_AS(described(file, R"({"task": "square", "side_m": "long"})"), common::ConfigError);
+}
+
+TEST_CASE("a suture is described by its stitches, one by one or in a row") {
+  const tests::TemporaryFolder folder;
+  const std::string file = folder / "task.json";
+  auto config = described(file, R"({"task": "suture", "speed_m_s": 0.001, "stitches": [
+      {"entry_mm": [-8, -3], "entry_deg": 90, "exit_mm": [-7, 3], "exit_deg": 80},
+      {"entry_mm": [-4, 3], "entry_deg": -90, "exit_mm": [-4, -3], "exit_deg": -90}]})");
+  CHECK(config.task == "suture");
+  CHECK(config.deployment.suture.speed_m_s == 0.001);
+  CHECK(config.deployment.reference.speed_m_s == control::PathReferenceConfig().speed_m_s);
+  REQUIRE(config.deployment.trials.suture.stitches.size() == 2);
+  CHECK(config.deployment.trials.suture.stitches[0].exit_mm == std::vector<double>{-7.0, 3.0});
+  CHECK(config.deployment.trials.suture.stitches[1].entry_deg == -90.0);
+  config = described(file, R"({"task": "suture", "stitches": 3, "length_m": 0.008, "pitch_m": 0.005})");
+  CHECK(config.deployment.trials.suture.stitches.empty());
+  CHECK(config.deployment.trials.suture.count == 3);
+  CHECK(config.deployment.trials.suture.length_m == 0.008);
+  CHECK(config.deployment.trials.suture.pitch_m == 0.005);
+  CHECK(described(file, R"({"task": "suture"})").deployment.trials.suture.count == 5);
+  CHECK_THROWS_WITH(described(file, R"({"task": "suture", "stitches": [{"entry_mm": [1, 2]}]})"),
+                    Catch::Contains("trials.suture.stitches[0].exit_mm = [] must hold two numbers"));
+  CHECK_THROWS_WITH(described(file, R"({"task": "suture", "stitches": [3]})"),
+                    Catch::Contains("trials.suture.stitches[0] = 3 must be a JSON object"));
+  CHECK_THROWS_WITH(described(file, R"({"task": "suture", "stitches": 2.5})"),
+                    Catch::Contains("trials.suture.count = 2.5 must be a whole number"));
 }

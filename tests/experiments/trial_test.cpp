@@ -1,5 +1,6 @@
 #include "lodestone/experiments/trial.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -156,4 +157,68 @@ TEST_CASE("a heading that is off fails a trial of a pose") {
   REQUIRE(result.truth->heading_error_deg);
   CHECK(*result.truth->heading_error_deg == Approx(114.6).margin(0.1));
   CHECK_FALSE(result.truth->success);
+}
+
+namespace {
+
+/// A needle that lies before a stitch of 6 mm leftwards, which takes 1.2 s, with another one to follow.
+Bench before_stitches() {
+  Bench bench;
+  bench.plan.task = "suture";
+  bench.plan.start = {0.015, 0.0, geometry::kPi};
+  bench.plan.stitches = {{{0.012, 0.0, geometry::kPi}, {0.006, 0.0, geometry::kPi}},
+                         {{-0.01, 0.01, 0.0}, {-0.004, 0.01, 0.0}}};
+  bench.plan.suture.speed_m_s = 0.01;
+  bench.plan.suture.arrive_m = 0.003;  // as it is sensed
+  bench.plan.suture.arrive_limit_s = 0.9;
+  return bench;
+}
+
+}  // namespace
+
+TEST_CASE("a needle is led through stitches, and each is scored by where it was pushed through") {
+  Bench bench = before_stitches();
+  int seen = 0;
+  const auto pulled = [&] {  // along the first stitch, and then no further
+    return geometry::Pose2{0.015 - 0.003 * std::min(4, seen++), 0.0, geometry::kPi};
+  };
+  const auto result = bench.run(pulled);
+  REQUIRE(result.completed);
+  // 1.2 s through the first one, 0.9 s waiting for the second, 1.2 s through that.
+  REQUIRE(result.samples.size() == 12);
+  CHECK_FALSE(result.samples[0].approach);  // it lay there
+  CHECK(result.samples[3].stitch == 0);
+  CHECK(result.samples[4].stitch == 1);
+  CHECK(result.samples[4].approach);
+  CHECK(result.samples[4].step.target_m.x() == Approx(-0.013));
+  CHECK(*result.samples[4].step.target_heading_rad == Approx(0.0).margin(1e-9));
+  CHECK_FALSE(result.samples[7].approach);
+  REQUIRE(result.truth);
+  CHECK(*result.truth->stitches_made == 1);
+  CHECK(*result.truth->stitches_made_share == 0.5);
+  CHECK_FALSE(result.truth->success);
+  CHECK(result.truth->stitch_figures->at(0).made);
+  CHECK(result.truth->stitch_figures->at(1).entry_error_mm > 10.0);
+  CHECK(result.sensed.stitches_made);
+  CHECK_FALSE(result.truth->completion);
+  CHECK_FALSE(result.truth->heading_error_deg);
+}
+
+TEST_CASE("a trial that is stopped in its suture is scored to the end of the schedule, and has failed") {
+  Bench bench = before_stitches();
+  bench.plan.stitches.pop_back();
+  int seen = 0;
+  const auto stopped = bench.run([&] {
+    if (++seen == 3) bench.session->coils().request_stop("no");
+    return geometry::Pose2{0.015 - 0.003 * std::min(2, seen - 1), 0.0, geometry::kPi};
+  });
+  CHECK_FALSE(stopped.completed);
+  CHECK(*stopped.truth->stitches_made == 0);
+  CHECK(stopped.truth->stitch_figures->front().entry_error_mm == Approx(0.0).margin(1e-6));
+  CHECK(stopped.truth->stitch_figures->front().exit_error_mm == Approx(3.0));
+  Bench before = before_stitches();
+  before.session->coils().request_stop("no");
+  const auto never = before.run([&] { return before.plan.start; });
+  CHECK_FALSE(never.truth->success);
+  CHECK(never.truth->stitch_figures->front().exit_error_mm == Approx(9.0));
 }

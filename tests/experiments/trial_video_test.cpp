@@ -15,13 +15,15 @@ namespace {
 /// Files of a trial of some images, along a path where there is one; `aimed_m`: where the needle is sent.
 std::vector<std::string> film(const tests::TemporaryFolder& folder, bool gif, int images,
                               const std::optional<geometry::Path>& path = {},
-                              const geometry::Vector2& aimed_m = geometry::Vector2::Zero()) {
+                              const geometry::Vector2& aimed_m = geometry::Vector2::Zero(),
+                              const std::vector<geometry::Stitch>& stitches = {}) {
   experiments::RecordingConfig config;
   config.gif = gif;
   imaging::CameraModel camera;
   experiments::TrialPlan plan;
   plan.task = "point";
   plan.path = path;
+  plan.stitches = stitches;
   experiments::TrialVideo video(folder / "trial", config, 0.3, rig::bench_of({}), 15.0, plan);
   for (int i = 0; i < images; ++i) {
     imaging::Frame frame;
@@ -57,6 +59,13 @@ TEST_CASE("a film shows how the needle shall lie along its path") {
   film(plain, false, 1, circle);
   film(headed, false, 1, circle.with_heading(geometry::PathHeading::tangent()));
   CHECK(common::read_file(plain / "trial.jpg") != common::read_file(headed / "trial.jpg"));
+}
+
+TEST_CASE("a film shows the stitches that a needle is led through") {
+  const tests::TemporaryFolder plain, sewn;
+  film(plain, false, 1);
+  film(sewn, false, 1, {}, geometry::Vector2::Zero(), geometry::running_stitch(3, 0.006, 0.004));
+  CHECK(common::read_file(plain / "trial.jpg") != common::read_file(sewn / "trial.jpg"));
 }
 
 TEST_CASE("a film shows the target that moves along a path, but of a way to a point where that leads") {

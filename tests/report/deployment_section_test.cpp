@@ -95,6 +95,36 @@ TEST_CASE("headings along a path stand beside its other figures, where it has an
   CHECK(holds(html, "9.8"));
 }
 
+TEST_CASE("stitches have a table of their own, where there are any") {
+  RunData run = small_run();
+  CHECK_FALSE(holds(deployment_section(run), "titch"));
+  lodestone::runs::TaskSummary& suture = run.rigs.front().summary.tasks.by_task["suture"];
+  suture = run.rigs.front().summary.tasks.by_task["point"];
+  suture.truth->stitches_made = 4.5;
+  suture.truth->stitches_made_share = 0.9;
+  suture.truth->stitch_worst_mm = 1.375;
+  suture.truth->stitch_worst_deg = 6.25;
+  suture.truth->heading_rms_deg = 9.75;
+  const std::string html = deployment_section(run);
+  for (const char* part : {"stitches made", "4.50", "90 %", "1.38", "9.8", "ends of its stitches"}) {
+    CAPTURE(part);
+    CHECK(holds(html, part));
+  }
+}
+
+TEST_CASE("what trials took is told among the further figures") {
+  RunData run = small_run();
+  lodestone::runs::ErrorStatistics& errors = *run.rigs[0].summary.tasks.by_task["point"].truth;
+  errors.duration_s = 20.125;
+  errors.charge_As = 33.375;
+  errors.heat_J = 1234.0;
+  const std::string html = deployment_section(run);
+  for (const char* part : {"lasted (s)", "20.1", "33.4", "1234"}) {
+    CAPTURE(part);
+    CHECK(holds(html, part));
+  }
+}
+
 TEST_CASE("a run without a deployment says how to make one") {
   CHECK(holds(deployment_section(RunData{}), "lodestone deploy"));
 }

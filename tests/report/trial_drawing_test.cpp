@@ -51,6 +51,22 @@ TEST_CASE("how the needle should lie is ticked along a path that has headings, a
   CHECK(holds(legend_of({&trials[1]}), "green ticks"));
 }
 
+TEST_CASE(
+    "stitches are drawn from where the needle goes in to where it comes out, with its heading at both") {
+  auto trials = read_trials({path_trial("policy", "explored")});
+  trials[0].path_mm.clear();
+  trials[0].reference_heading_rad = {0.0, 0.0, 0.0};
+  CHECK_FALSE(holds(legend_of({&trials[0]}), "stitches"));
+  trials[0].stitches = {{{-4.0, -3.0, 0.0}, {4.0, -3.0, 0.0}}};
+  const std::string svg = draw_trials({&trials[0]}, 42.5, "suture");
+  CHECK(holds(svg, "points=\"-4.00,3.00 "));
+  CHECK(holds(svg, "4.00,3.00 \"/>"));
+  CHECK(holds(svg, "points=\"-4.00,3.00 -1.00,3.00 \""));  // ticks
+  CHECK(holds(svg, "points=\"4.00,3.00 7.00,3.00 \""));
+  CHECK(holds(legend_of({&trials[0]}), "stitches, from a ring"));
+  CHECK(holds(legend_of({&trials[0]}), "green ticks"));
+}
+
 TEST_CASE("moments at which the needle was not seen are marked, and said in the caption") {
   auto trials = read_trials({path_trial("policy", "explored")});
   trials[0].unseen = {false, true, false};

@@ -35,6 +35,11 @@ runs::TrialRecord record(bool known) {
   made.truth->touches = 2;
   made.obstacles_mm = {{10.0, 1.0 / 3.0, 3.0}};
   made.unreachable = false;
+  made.stitches.emplace().push_back({{-8.0, -3.0, 1.5}, {-8.0, 3.0, 1.0 / 3.0}});
+  made.truth->stitches_made = 1;
+  made.truth->stitches_made_share = 1.0;
+  made.truth->stitch_rms_mm = 0.5;
+  made.truth->stitch_figures.emplace().push_back({true, 0.25, 1.0, 1.0 / 3.0, 7.5});
   return made;
 }
 
@@ -56,6 +61,11 @@ TEST_CASE("trials read back to the last digit, and one without a true pose has n
   CHECK(trials->at(0).obstacles_mm->front()[1] == 1.0 / 3.0);
   CHECK(trials->at(0).unreachable == false);
   CHECK_FALSE(trials->at(1).unreachable);
+  CHECK(trials->at(0).stitches == record(true).stitches);
+  CHECK(trials->at(0).truth->stitch_figures->at(0).exit_error_mm == 1.0 / 3.0);
+  CHECK(trials->at(0).truth->stitches_made == 1);
+  CHECK(trials->at(0).truth->error_mm() == 0.2);  // the cross-track RMS, where there is one
+  CHECK_FALSE(trials->at(1).stitches);
   CHECK_FALSE(trials->at(1).sensed.clearance_mm);
   CHECK_FALSE(trials->at(1).truth);
   CHECK_FALSE(trials->at(1).trajectory);

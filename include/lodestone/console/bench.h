@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lodestone/console/bench_state.h"
+#include "lodestone/console/goal.h"
 #include "lodestone/control/reference.h"
 #include "lodestone/experiments/deployment.h"
 #include "lodestone/geometry/path.h"
@@ -15,14 +16,6 @@
 #include "lodestone/task/route_map.h"
 
 namespace lodestone::console {
-
-/// Where the needle shall go.
-struct Goal {
-  std::string task;                                        ///< "point", "path", ...; for people
-  geometry::Vector2 target_m = geometry::Vector2::Zero();  ///< of a point
-  std::optional<double> heading_rad;                       ///< of a point
-  std::optional<geometry::Path> path;
-};
 
 /// Something worth telling: what happened on the bench, and when on its clock.
 struct BenchEvent {

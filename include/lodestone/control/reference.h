@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lodestone/geometry/path.h"
+#include "lodestone/geometry/pose2.h"
 #include "lodestone/task/observation.h"
 
 namespace lodestone::control {
@@ -14,8 +15,8 @@ class Reference {
   virtual ~Reference() = default;
   /// Starts over.
   virtual void reset() = 0;
-  /// Target at `time_s` since the start of the run, for a needle sensed at `position_m`.
-  virtual geometry::Vector2 target(double time_s, const geometry::Vector2& position_m) = 0;
+  /// Target at `time_s` since the start of the run, for a needle that was last sensed as it lies in `needle`.
+  virtual geometry::Vector2 target(double time_s, const geometry::Pose2& needle) = 0;
   /// Heading the needle should lie at there, where the task wants one.
   virtual std::optional<double> target_heading_rad() const { return std::nullopt; }
   /// Where the target will be at each of the next `count` steps of `step_s`; empty for one that stays.
@@ -32,7 +33,7 @@ class PointReference final : public Reference {
   PointReference(const geometry::Vector2& point_m, double duration_s, std::optional<double> heading_rad = {})
       : point_m_(point_m), duration_s_(duration_s), heading_rad_(heading_rad) {}
   void reset() override {}
-  geometry::Vector2 target(double, const geometry::Vector2&) override { return point_m_; }
+  geometry::Vector2 target(double, const geometry::Pose2&) override { return point_m_; }
   std::optional<double> target_heading_rad() const override { return heading_rad_; }
   bool finished(double time_s) const override { return time_s >= duration_s_; }
 
@@ -71,7 +72,7 @@ class PathReference final : public Reference {
     started_s_ = -1.0;
     heading_rad_.reset();
   }
-  geometry::Vector2 target(double time_s, const geometry::Vector2& position_m) override;
+  geometry::Vector2 target(double time_s, const geometry::Pose2& needle) override;
   std::optional<double> target_heading_rad() const override { return heading_rad_; }
   /// Empty during the approach: when the target will set out depends on the needle. A path with headings is
   /// at its start all along then, so that nobody takes that for a pose to stay at.

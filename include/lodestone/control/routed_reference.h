@@ -25,7 +25,7 @@ class RoutedReference final : public Reference {
 
   void reset() override;
   /// Throws common::DataError where no way leads to the target.
-  geometry::Vector2 target(double time_s, const geometry::Vector2& position_m) override;
+  geometry::Vector2 target(double time_s, const geometry::Pose2& needle) override;
   /// The target's own, once the needle is sent to it.
   std::optional<double> target_heading_rad() const override;
   /// Likewise.

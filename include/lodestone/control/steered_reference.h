@@ -21,7 +21,7 @@ class SteeredReference final : public Reference {
   void end();
 
   void reset() override;
-  geometry::Vector2 target(double time_s, const geometry::Vector2& position_m) override;
+  geometry::Vector2 target(double time_s, const geometry::Pose2& needle) override;
   std::optional<double> target_heading_rad() const override { return followed_->target_heading_rad(); }
   std::vector<task::TargetAhead> ahead(double time_s, double step_s, int count) const override {
     return followed_->ahead(time_s - began_s_, step_s, count);

@@ -17,8 +17,10 @@
 #include "lodestone/control/planner.h"
 #include "lodestone/control/reference.h"
 #include "lodestone/control/rig_identifier.h"
+#include "lodestone/control/suture_reference.h"
 #include "lodestone/control/turn_in_place.h"
 #include "lodestone/experiments/score.h"
+#include "lodestone/experiments/suture.h"
 #include "lodestone/experiments/trial.h"
 #include "lodestone/experiments/trial_obstacles.h"
 #include "lodestone/experiments/trial_recording.h"
@@ -48,6 +50,7 @@ struct TrialsConfig {
   geometry::HeadingRule path_heading = geometry::HeadingRule::kNone;
   double path_heading_deg = 0.0;
   TrialObstaclesConfig obstacles;
+  SutureConfig suture;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -80,6 +83,7 @@ struct TrialsConfig {
         "which is drawn otherwise");
     v.field("path_heading_deg", path_heading_deg, "deg", "the heading, where it is fixed", {-360.0, 360.0});
     v.group("obstacles", obstacles, "obstacles that are drawn for each trial");
+    v.group("suture", suture, "the stitches of `suture`");
   }
 };
 
@@ -91,6 +95,7 @@ struct DeploymentConfig {
   TrialsConfig trials;
   ScoreConfig score;
   control::PathReferenceConfig reference;
+  control::SutureReferenceConfig suture;
   task::RouteConfig route;
   control::ControlLoopConfig loop;
   safety::SafetyConfig safety;
@@ -112,6 +117,7 @@ struct DeploymentConfig {
     v.group("trials", trials, "the trials");
     v.group("score", score, "rules of scoring");
     v.group("reference", reference, "how a path is fed to the controller");
+    v.group("suture", suture, "how stitches are fed to the controller");
     v.group("route", route, "how ways to a point are searched around zones, and fed to the controller");
     v.group("loop", loop, "timing of the control loop");
     v.group("safety", safety, "limits of the supervisor");
@@ -151,12 +157,12 @@ void check_in_dish(const physics::RigDescription& rig, const geometry::Vector2& 
 /// its file, and that has none, and where a sphere is to have any.
 geometry::Path headed_path(const geometry::Path& path, const DeploymentConfig& config);
 
-/// Start, target or path of trial `index` of a task ("centre", "point", "pose", "square", "circle", or "path"
-/// with `path`). `target_m`, when given, replaces the drawn target of `point`. `fits` says whether a start
-/// lies inside the dish. With a `region`, start and drawn target lie in it. Both keep clear of the zones of
-/// config.safety; by `routes` the needle is led around them. Obstacles are drawn from a stream of their own,
-/// so that start and target are those of a trial without; where `routes` has no way past them the plan says
-/// so. Throws ConfigError where nothing fits, and what check_obstacles() throws.
+/// Start, target or path of trial `index` of a task ("centre", "point", "pose", "square", "circle", "suture",
+/// or "path" with `path`). `target_m`, when given, replaces the drawn target of `point`. `fits` says whether
+/// a start lies inside the dish. With a `region`, start and drawn target lie in it. Both keep clear of the
+/// zones of config.safety; by `routes` the needle is led around them. Obstacles are drawn from a stream of
+/// their own, so that start and target are those of a trial without; where `routes` has no way past them the
+/// plan says so. Throws ConfigError where nothing fits, and what check_obstacles() throws.
 TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, std::int64_t index,
                      const std::optional<geometry::Vector2>& target_m,
                      const std::optional<geometry::Path>& path,

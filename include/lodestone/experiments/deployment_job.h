@@ -33,7 +33,8 @@ struct DeployConfig {
             "folder of the dynamics checkpoint that the planner plans in, and that every controller's rig is "
             "identified by but the observer's");
     v.field("task", task, "",
-            "centre, point, pose, square, circle, all, or a path file.csv (columns x_m,y_m, and heading_rad "
+            "centre, point, pose, square, circle, suture, all, or a path file.csv (columns x_m,y_m, and "
+            "heading_rad "
             "where it has headings)");
     v.field("target_mm", target_mm, "mm", "x, y of the target of `point`; drawn for each trial when empty",
             {-1000.0, 1000.0});

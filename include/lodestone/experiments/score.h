@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -16,9 +17,10 @@ struct ScoredSample {
   double time_s = 0.0;
   geometry::Vector2 position_m = geometry::Vector2::Zero();
   geometry::Vector2 target_m = geometry::Vector2::Zero();
-  bool approach = false;  ///< still on the way to the start of a path: not scored
+  bool approach = false;  ///< still on the way to the start of a path, or to a stitch: not scored
   double heading_rad = 0.0;
   std::optional<double> target_heading_rad = {};  ///< where a path wants one
+  std::size_t stitch = 0;                         ///< of a suture, that it was at
 };
 
 /// Rules of scoring.
@@ -28,6 +30,8 @@ struct ScoreConfig {
   double success_heading_deg = 15.0;
   double completion_window_s = 3.0;
   double success_completion = 0.95;
+  double stitch_radius_m = 0.001;
+  double stitch_heading_deg = 8.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -45,6 +49,11 @@ struct ScoreConfig {
             {0.0, 3600.0});
     v.field("success_completion", success_completion, "", "share of a path's points that must be reached",
             {0.0, 1.0});
+    v.field("stitch_radius_m", stitch_radius_m, "m",
+            "a stitch is made where the needle goes in and comes out this near to its two ends (task suture)",
+            {1e-5, 0.1});
+    v.field("stitch_heading_deg", stitch_heading_deg, "deg", "and this near to the heading of each",
+            {0.1, 180.0});
   }
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -8,8 +9,10 @@
 #include <vector>
 
 #include "lodestone/control/control_loop.h"
+#include "lodestone/control/suture_reference.h"
 #include "lodestone/experiments/score.h"
 #include "lodestone/geometry/keep_out.h"
+#include "lodestone/geometry/stitch.h"
 #include "lodestone/physics/obstacles.h"
 #include "lodestone/physics/per_coil.h"
 #include "lodestone/task/route_map.h"
@@ -18,7 +21,7 @@ namespace lodestone::experiments {
 
 /// What one trial shall do.
 struct TrialPlan {
-  std::string task;  ///< "centre", "point", "pose", "square", "circle" or "path"
+  std::string task;  ///< "centre", "point", "pose", "square", "circle", "path" or "suture"
   std::int64_t index = 0;
   geometry::Pose2 start;
   geometry::Vector2 target_m = geometry::Vector2::Zero();  ///< point tasks
@@ -26,19 +29,25 @@ struct TrialPlan {
   std::optional<geometry::Path> path;                      ///< path tasks
   double duration_s = 20.0;                                ///< point tasks
   control::PathReferenceConfig reference;                  ///< path tasks
+  std::vector<geometry::Stitch> stitches;                  ///< suture
+  control::SutureReferenceConfig suture;                   ///< suture
   geometry::KeepOut keep_out;                              ///< what the needle must keep out of
   std::vector<physics::ObstacleConfig> obstacles;  ///< drawn for it: in its rig, and among those zones
   std::shared_ptr<const task::RouteMap> routes;    ///< by which it is led to a point; null: straight to it
   double waypoint_radius_m = 0.004;                ///< a point of the way is passed within this
   bool unreachable = false;  ///< `routes` has no way past its obstacles: there is nothing to drive
+
+  /// Whether the target moves: along a path, or through stitches.
+  bool moves() const { return path || !stitches.empty(); }
 };
 
 /// One observation with the true pose beside it, where somebody knows it. Only scoring sees the latter.
 struct TrialSample {
   control::StepRecord step;
   std::optional<geometry::Pose2> true_pose;
-  bool approach = false;
+  bool approach = false;                          ///< still on the way to a path, or to a stitch
   std::optional<physics::PerCoil> temperature_C;  ///< of the coils, as reported last
+  std::size_t stitch = 0;                         ///< of a suture, that it was at
 };
 
 struct TrialResult {

@@ -32,9 +32,9 @@ struct RecordingConfig {
   }
 };
 
-/// Films one trial: every image the controller acted on, with dish, estimated pose, target, reference path,
-/// the headings that they want, path so far and currents drawn in. Beside the video lies its last image as a
-/// JPEG, and the GIF.
+/// Films one trial: every image the controller acted on, with dish, estimated pose, target, reference path or
+/// the way through stitches, the headings that they want, path so far and currents drawn in. Beside the video
+/// lies its last image as a JPEG, and the GIF.
 class TrialVideo {
  public:
   /// `file` without ending. Throws IoError.

@@ -11,20 +11,23 @@ namespace lodestone::report {
 
 /// One line of the error table: a task driven by something on some rig.
 struct ErrorRow {
-  std::string task;        ///< "centre", "point", "square", "circle" or "path"
+  std::string task;        ///< one of runs::kTasks
   std::string controller;  ///< "policy", "planner", "baseline", or what the paper calls it
   std::string rig;         ///< "explored", "unseen", "real", or "paper"
   std::optional<double> mean_mm = {}, std_mm = {}, median_mm = {}, rms_mm = {};
   std::optional<double> sensed_mean_mm = {}, sensed_std_mm = {};
   std::optional<double> target_deviation_mm = {}, target_deviation_std_mm = {};
   std::optional<double> completion = {}, corners_reached = {}, time_rms_mm = {}, frechet_mm = {};
-  std::optional<double> heading_rms_deg = {};  ///< of paths that have headings
+  std::optional<double> heading_rms_deg = {};  ///< of sutures, and of paths that have headings
+  std::optional<double> stitches_made = {}, stitches_made_share = {}, stitch_worst_mm = {},
+                        stitch_worst_deg = {};  ///< of sutures
   /// Of trials with zones to keep out of: mean and least clearance, and the share that touched one, with its
   /// 95 % interval.
   std::optional<double> clearance_mm = {}, least_clearance_mm = {}, touching_rate = {};
   std::optional<common::Interval> touching_interval = {};
   std::optional<double> unreachable = {};  ///< trials whose own obstacles left no way to the target
   std::optional<double> hold_mm = {}, seconds_to_reach = {}, success_rate = {}, trials = {}, stopped = {};
+  std::optional<double> duration_s = {}, charge_As = {}, heat_J = {};
   /// 95 %: bootstrap over the trials, each with its RMS error; Wilson's of the fraction of successes.
   std::optional<common::Interval> rms_interval_mm = {}, success_interval = {};
   /// 95 %: bootstrap of the mean over the trials.

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "lodestone/runs/stitch_results.h"
 #include "lodestone/runs/training_results.h"
 
 namespace lodestone::runs {
@@ -15,7 +16,8 @@ namespace lodestone::runs {
 constexpr const char* kTrialsFile = "trials.json";
 
 /// Tasks in the order of every table.
-constexpr std::array<const char*, 6> kTasks = {"centre", "point", "pose", "square", "circle", "path"};
+constexpr std::array<const char*, 7> kTasks = {"centre", "point", "pose",  "square",
+                                               "circle", "path",  "suture"};
 
 /// How well one trial went, by one source of positions.
 struct TrialFigures {
@@ -23,7 +25,7 @@ struct TrialFigures {
   bool success = false;
   std::optional<double> hold_error_mm;
   std::optional<double> heading_error_deg;
-  /// Of paths that have headings: RMS error of the heading against that of the moving reference.
+  /// Of sutures, and of paths that have headings: RMS error of the heading against that of the moving target.
   std::optional<double> heading_rms_deg;
   std::optional<double> cross_track_rms_mm;
   std::optional<double> time_rms_error_mm;    ///< paths: RMS distance to the moving reference
@@ -32,12 +34,21 @@ struct TrialFigures {
   std::optional<double> corners_reached;  ///< share of the path's corners
   std::optional<std::vector<double>> corner_errors_mm;  ///< closest approach to each of them
   std::optional<double> frechet_mm;  ///< discrete Frechet distance between needle and reference
+  /// Sutures: stitches that were made, and their share of all; the distance of the needle from the ends of
+  /// the stitches where it was nearest, as RMS of all of them, and the largest; its largest heading error
+  /// there.
+  std::optional<std::int64_t> stitches_made;
+  std::optional<double> stitches_made_share, stitch_rms_mm, stitch_worst_mm, stitch_worst_deg;
+  std::optional<std::vector<StitchFigures>> stitch_figures;  ///< one by one
   std::optional<std::int64_t> steps_to_reach;
   std::optional<double> seconds_to_reach;
   /// Least distance of the needle from a zone that it must keep out of, at the moments that were observed: 0
   /// or less where it touched one; absent where there was none.
   std::optional<double> clearance_mm;
   std::optional<std::int64_t> touches;  ///< times that it came to touch one; with any the trial has failed
+  /// How long the trial lasted, and what its pulses asked of all coils together: charge, and heat at their
+  /// resistances at 20 C; absent in older runs.
+  std::optional<double> duration_s, charge_As, heat_J;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -53,13 +64,23 @@ struct TrialFigures {
     v.field("corners_reached", corners_reached);
     v.field("corner_errors_mm", corner_errors_mm);
     v.field("frechet_mm", frechet_mm);
+    v.field("stitches_made", stitches_made);
+    v.field("stitches_made_share", stitches_made_share);
+    v.field("stitch_rms_mm", stitch_rms_mm);
+    v.field("stitch_worst_mm", stitch_worst_mm);
+    v.field("stitch_worst_deg", stitch_worst_deg);
+    v.field("stitch_figures", stitch_figures);
     v.field("steps_to_reach", steps_to_reach);
     v.field("seconds_to_reach", seconds_to_reach);
     v.field("clearance_mm", clearance_mm);
     v.field("touches", touches);
+    v.field("duration_s", duration_s);
+    v.field("charge_As", charge_As);
+    v.field("heat_J", heat_J);
   }
-  /// The one error of a trial: of a path the cross-track RMS, of a point the distance at the end.
-  double error_mm() const { return cross_track_rms_mm.value_or(final_error_mm); }
+  /// The one error of a trial: of a path the cross-track RMS, of a suture the RMS at the ends of its
+  /// stitches, of a point the distance at the end.
+  double error_mm() const { return cross_track_rms_mm.value_or(stitch_rms_mm.value_or(final_error_mm)); }
 };
 
 using PointMm = std::array<double, 2>;  ///< x, y in mm
@@ -75,20 +96,21 @@ struct TrialRecord {
   std::int64_t trial = 0;
   PoseMm start = {};
   std::optional<std::vector<PointMm>> path_mm;
+  std::optional<std::vector<StitchRecord>> stitches;
   std::optional<PointMm> target_mm;
   std::optional<double> target_heading_rad;
   std::vector<double> time_s;                            ///< of every observation
   std::optional<std::vector<PoseMm>> trajectory;         ///< true poses; absent where nobody knows them
   std::vector<std::optional<PoseMm>> sensed_trajectory;  ///< null: no pose was found
-  std::optional<std::vector<PointMm>> reference_mm;      ///< paths only
-  std::optional<std::vector<int>> approach;              ///< paths only: 1 on the way to the start
+  std::optional<std::vector<PointMm>> reference_mm;      ///< paths and sutures
+  std::optional<std::vector<int>> approach;      ///< likewise: 1 on the way to the start, or to a stitch
   std::optional<std::vector<PointMm>> route_mm;  ///< points that the needle was sent to, one after another
   std::optional<std::vector<DiscMm>>
       obstacles_mm;  ///< that were drawn for this trial; absent where none were
   std::optional<bool>
       unreachable;  ///< no way led past them: it was not driven; absent where none was searched
   std::optional<std::vector<PerCoil>> current_A;  ///< asked of the coils; absent in older runs
-  /// Of paths that have headings: how the needle should have lain.
+  /// Of sutures, and of paths that have headings: how the needle should have lain.
   std::optional<std::vector<double>> reference_heading_rad;
   /// As they reported last, null before; likewise.
   std::optional<std::vector<std::optional<PerCoil>>> temperature_C;
@@ -113,6 +135,7 @@ struct TrialRecord {
     v.field("trial", trial);
     v.field("start", start);
     v.field("path_mm", path_mm);
+    v.field("stitches", stitches);
     v.field("target_mm", target_mm);
     v.field("target_heading_rad", target_heading_rad);
     v.field("time_s", time_s);
@@ -147,10 +170,12 @@ struct ErrorStatistics {
   double success_rate = 0.0;
   std::optional<double> steps_to_reach, seconds_to_reach, hold_error_mm, heading_error_deg, heading_rms_deg,
       cross_track_rms_mm, time_rms_error_mm, target_deviation_mm, completion, corners_reached, frechet_mm;
+  std::optional<double> stitches_made, stitches_made_share, stitch_rms_mm, stitch_worst_mm, stitch_worst_deg;
   /// Of the trials that had zones to keep out of: means, the least clearance of all, and the share of them in
   /// which the needle touched one with its 95 % interval (Wilson's).
   std::optional<double> clearance_mm, least_clearance_mm, touches, touching_rate;
   std::optional<std::array<double, 2>> touching_interval;
+  std::optional<double> duration_s, charge_As, heat_J;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -170,11 +195,19 @@ struct ErrorStatistics {
     v.field("completion", completion);
     v.field("corners_reached", corners_reached);
     v.field("frechet_mm", frechet_mm);
+    v.field("stitches_made", stitches_made);
+    v.field("stitches_made_share", stitches_made_share);
+    v.field("stitch_rms_mm", stitch_rms_mm);
+    v.field("stitch_worst_mm", stitch_worst_mm);
+    v.field("stitch_worst_deg", stitch_worst_deg);
     v.field("clearance_mm", clearance_mm);
     v.field("least_clearance_mm", least_clearance_mm);
     v.field("touches", touches);
     v.field("touching_rate", touching_rate);
     v.field("touching_interval", touching_interval);
+    v.field("duration_s", duration_s);
+    v.field("charge_As", charge_As);
+    v.field("heat_J", heat_J);
   }
 };
 
