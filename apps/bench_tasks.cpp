@@ -103,7 +103,7 @@ void add_bench_tasks(Verb& bench) {
   add_shorthand(verb, options, "--controllers", "controllers", Shorthand::kText,
                 "with commas between: planner, policy, baseline");
   add_shorthand(verb, options, "--models", "models", Shorthand::kText,
-                "folder that holds the policy `any_rig` and the simulator `dynamics_best`");
+                "folder that holds the policies `any_rig` and `any_pose` and the simulator `dynamics_best`");
   add_shorthand(verb, options, "--sensor", "sensor", Shorthand::kText, "camera or simulated");
   verb.add_option("--only", &options.only, "run this cell").named("ID");
   verb.add_option("--report", &options.report, "run nothing; write the report of what is done so far");

@@ -93,14 +93,13 @@ bool wants_heading(const TaskVariant& variant) {
   return variant.task == "pose" || variant.task == "suture" || variant.name.rfind("tangent_path/", 0) == 0;
 }
 
-/// A pose can be left to what turns the needle in place once the policy has brought it there.
-bool policy_fits(const TaskVariant& variant, bool decorated) {
-  return !wants_heading(variant) || (variant.task == "pose" && decorated);
-}
-
-TaskSettings controller_settings(const std::string& controller, const std::string& models) {
+/// Where headings are wanted, the planner goes by what the policy for poses has learned of their cost.
+TaskSettings controller_settings(const std::string& controller, const TaskVariant& variant,
+                                 const std::string& models) {
   TaskSettings settings = {"controller=" + controller, "dynamics=" + models + "/dynamics_best"};
-  if (controller == "policy") settings.push_back("policy=" + models + "/any_rig");
+  const bool headed = wants_heading(variant);
+  if (controller == "policy" || (controller == "planner" && headed))
+    settings.push_back("policy=" + models + (headed ? "/any_pose" : "/any_rig"));
   return settings;
 }
 
@@ -118,7 +117,8 @@ geometry::Path figure_of_eight() {
 
 void write_figure_of_eight(const std::string& folder) {
   std::string text = "x_m,y_m\n";
-  for (const geometry::Vector2& point_m : figure_of_eight().points_m())
+  const geometry::Path eight = figure_of_eight();
+  for (const geometry::Vector2& point_m : eight.points_m())
     text += fmt::format("{:.9f},{:.9f}\n", point_m.x(), point_m.y());
   common::write_file_atomically(folder + kEightFile, text);
 }
@@ -194,15 +194,16 @@ runs::Plan tasks_plan(const TasksScale& scale, const physics::RigDescription& ri
   for (const TaskVariant& variant : task_variants(scale, rig, folder)) {
     for (const std::string& controller : controllers) {
       for (const bool decorated : {false, true}) {
-        if (controller == "policy" && !policy_fits(variant, decorated)) continue;
         runs::Cell cell;
         cell.id = variant.name + "/" + controller + (decorated ? "/decorated" : "/bare");
         cell.verb = "deploy";
-        cell.settings = with_more({"on_rig=unseen", "task=" + variant.task, "sensor.kind=" + scale.sensor,
-                                   "record.enabled=false", "trials.count=" + std::to_string(scale.trials)},
-                                  with_more(controller_settings(controller, scale.models), variant.settings));
+        cell.settings =
+            with_more({"on_rig=unseen", "task=" + variant.task, "sensor.kind=" + scale.sensor,
+                       "record.enabled=false", "trials.count=" + std::to_string(scale.trials)},
+                      with_more(controller_settings(controller, variant, scale.models), variant.settings));
         if (decorated) {
-          const bool turned = variant.task == "pose" && controller != "planner";
+          // Classical controllers bring a needle somewhere, and leave how it lies to what turns it there.
+          const bool turned = variant.task == "pose" && controller != "planner" && controller != "policy";
           cell.config = turned ? kTurnedPreset : kDecoratedPreset;
           if (wants_heading(variant))
             cell.settings.push_back(task_setting("decorators.hold_heading_deg", kHeldHeading_deg));

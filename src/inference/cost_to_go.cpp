@@ -36,7 +36,8 @@ double PoseCost::at(const geometry::Pose2& pose, const geometry::Pose2& goal) co
   const double off = (pose.position_m() - goal.position_m()).norm() / tolerance_m;
   const double turned =
       geometry::kDegPerRad * geometry::wrap_angle(pose.heading_rad - goal.heading_rad) / tolerance_deg;
-  return -std::expm1(-off * off - turned * turned);
+  const double square = off * off + turned * turned;
+  return -std::expm1(-square * square);
 }
 
 CostToGo::CostToGo(Arrays weights, std::vector<std::int64_t> hidden, const PoseCost& cost,

@@ -39,9 +39,9 @@ said = bench().stdout
 summary = json.loads((out / "summary.json").read_text())
 assert summary["cells"] == summary["cells_planned"] > 30, summary["cells"]
 assert summary["flow_speed_m_s"] > 0.0
-drivers = [summary["pose"], summary["pose_wide"], summary["obstacles"], *summary["tangent_path"].values(), *summary["flow"].values(),
+drivers = [summary["pose"], summary["pose_wide"], summary["suture"], summary["obstacles"], *summary["tangent_path"].values(), *summary["flow"].values(),
            *summary["still"].values(), *summary["square_at_mm_s"].values()]
-assert len(drivers) == 3 + 3 + 2 + 2 + 3, len(drivers)
+assert len(drivers) == 4 + 3 + 2 + 2 + 3, len(drivers)
 for task in drivers:
     for around in ("bare", "decorated"):
         assert task["baseline"][around]["n_trials"] == 2, task
@@ -50,8 +50,8 @@ assert sorted(summary["tangent_path"]) == ["circle", "eight", "square"]
 assert sorted(summary["square_at_mm_s"]) == ["2", "4", "6"]
 assert "heading_rms_deg" in summary["tangent_path"]["eight"]["baseline"]["bare"]
 assert "heading_error_deg" in summary["pose"]["baseline"]["bare"]
-assert list(summary["pose"]["policy"]) == ["decorated"], summary["pose"]["policy"]
-assert "policy" not in summary["tangent_path"]["circle"]
+assert sorted(summary["pose"]["policy"]) == ["bare", "decorated"], summary["pose"]["policy"]
+assert "stitches_made_share" in summary["suture"]["baseline"]["bare"], summary["suture"]
 assert summary["flow"]["point"]["policy"]["bare"]["ratio_to_still"] > 0.0
 assert "ratio_to_baseline" in summary["square_at_mm_s"]["6"]["policy"]["decorated"]
 assert "flow point" in said and "square_at_mm_s 6" in said, said

@@ -45,14 +45,15 @@ TEST_CASE("every task has a cell for each controller that can do it, bare and de
       for (const char* controller : {"planner", "baseline"})
         CHECK(plan.find(std::string(task) + "/" + controller + "/" + around) != nullptr);
     }
-  // A policy for points knows of no heading, and of a pose only what turns it in place makes of it.
-  CHECK(plan.find("obstacles/policy/bare") != nullptr);
-  CHECK(plan.find("pose/policy/bare") == nullptr);
-  CHECK(plan.find("tangent_path/circle/policy/decorated") == nullptr);
-  const runs::Cell* turned = plan.find("pose/policy/decorated");
+  // Where headings are wanted, the policy for poses drives, and the planner goes by what it learned.
+  CHECK(sets(*plan.find("obstacles/policy/bare"), "policy=/models/any_rig"));
+  CHECK(sets(*plan.find("pose/policy/bare"), "policy=/models/any_pose"));
+  CHECK(sets(*plan.find("pose/planner/bare"), "policy=/models/any_pose"));
+  CHECK_FALSE(sets(*plan.find("obstacles/planner/bare"), "policy=/models/any_rig"));
+  CHECK(plan.find("suture/policy/bare") != nullptr);
+  const runs::Cell* turned = plan.find("pose/baseline/decorated");
   REQUIRE(turned != nullptr);
   CHECK(turned->config == "best/deploy_pose.json");
-  CHECK(sets(*turned, "policy=/models/any_rig"));
   CHECK(plan.find("pose/planner/decorated")->config == "best/deploy.json");
   CHECK(plan.find("pose/planner/bare")->config.empty());
 }
@@ -104,7 +105,6 @@ TEST_CASE("tasks and controllers are chosen by name, with what they are compared
   CHECK_THROWS_WITH(planned(small("triangle")), Catch::Contains("\"triangle\" is none of pose"));
   CHECK_THROWS_WITH(planned(small("pose,pose")), Catch::Contains("comes twice"));
   CHECK_THROWS_WITH(planned(small("", "magic")), Catch::Contains("\"magic\" is none of planner"));
-  CHECK_THROWS_WITH(planned(small("tangent_path", "policy")), Catch::Contains("nothing to drive"));
 }
 
 TEST_CASE("the flow's drag peaks at half of what friction holds") {

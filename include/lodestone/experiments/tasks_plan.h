@@ -15,7 +15,7 @@ struct TasksScale {
   std::int64_t seed = 1;
   std::int64_t threads = 0;
   std::int64_t trials = 200;
-  std::string controllers = "planner,policy,baseline";
+  std::string controllers = "planner,policy,baseline,observer";
   std::string tasks;
   std::string models;
   std::string sensor = "camera";
@@ -28,14 +28,14 @@ struct TasksScale {
     v.field("trials", trials, "",
             "trials of each task by each controller, each on a rig of its own that nobody has seen",
             {1, 100000});
-    v.field("controllers", controllers, "", "what drives, with commas between: planner, policy, baseline");
+    v.field("controllers", controllers, "", "what drives, with commas between: planner, policy, baseline, observer");
     v.field("tasks", tasks, "",
             "only these, with commas between: pose, pose_wide, suture, obstacles, tangent_path, flow, still, "
             "square_at_mm_s; empty: all that this program can drive");
-    v.field(
-        "models", models, "",
-        "folder that holds the policy as `any_rig` and the simulator as `dynamics_best`; empty: the models "
-        "that are shipped");
+    v.field("models", models, "",
+            "folder that holds the policies `any_rig` and `any_pose` and the simulator `dynamics_best`; "
+            "empty: the models "
+            "that are shipped");
     v.field("sensor", sensor, "", "what poses are sensed by", {"camera", "simulated"});
   }
 };

@@ -32,7 +32,8 @@ struct PoseCost {
   /// Beyond it everything costs most(). No key: it is the reach of the data that were learned from.
   double dish_radius_m = 0.0;
 
-  /// Within 0 .. 1: 1 - exp(-(d / tolerance_m)^2 - (turn / tolerance)^2).
+  /// Within 0 .. 1: 1 - exp(-r^4), r^2 = (d / tolerance_m)^2 + (turn / tolerance)^2. So well within both
+  /// there is little to gain, and a needle is left alone.
   double at(const geometry::Pose2& pose, const geometry::Pose2& goal) const;
   /// Of all pulses to come, where none ever comes near.
   double most() const { return 1.0 / (1.0 - discount); }
