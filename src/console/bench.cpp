@@ -266,7 +266,7 @@ std::string Bench::hold(const geometry::Vector2& drive) {
   if (const std::string why_not = why_not_in(state.shown.mode); !why_not.empty()) return why_not;
   state.attendance.held(state.wall.now_s());
   if (state.shown.mode == Mode::kArmed && !state.goal) {
-    state.goal = Goal{kHand, {}, std::nullopt, std::nullopt};
+    state.goal = Goal{kHand, {}, std::nullopt, std::nullopt, {}};
     state.wake.raise();
   }
   return "";

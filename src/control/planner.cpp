@@ -63,7 +63,8 @@ std::vector<std::size_t> Planner::best(std::size_t count) const {
 }
 
 bool Planner::knows_cost_of(const task::Observation& observation) const {
-  return cost_to_go_ && observation.target_heading_rad && model_->state_size == 3;
+  return cost_to_go_ && observation.target_heading_rad && observation.ahead.empty() &&
+         model_->state_size == 3;
 }
 
 void Planner::look_around(const Sequence& mean, const Sequence& spread) {
@@ -150,8 +151,8 @@ void Planner::add_distances(const task::Observation& observation, std::size_t t,
 
 void Planner::add_pose_costs(const task::Observation& observation, std::size_t t, double fraction) {
   const std::size_t rows = state_.size() / 3;
-  const geometry::Vector2& target_m = observation.target_after_m(t + 1);
-  const geometry::Pose2 goal{target_m.x(), target_m.y(), *observation.target_heading_after_rad(t + 1)};
+  const geometry::Vector2& target_m = observation.target_m;
+  const geometry::Pose2 goal{target_m.x(), target_m.y(), *observation.target_heading_rad};
   row_cost_.resize(rows);
   if (t + 1 == static_cast<std::size_t>(config_.horizon)) {
     const auto n = static_cast<std::int64_t>(rows);

@@ -127,6 +127,8 @@ TEST_CASE("where a cost-to-go was learned, the planner goes by it and not by the
   observation.target_heading_rad = 0.3;
   CHECK(distance_after_m(nullptr) < 0.006);
   CHECK(distance_after_m(away) > 0.012);
+  observation.ahead.push_back({{0.0, 0.0}, 0.3, 0.3});  // one that moves is no pose to stay at
+  CHECK(distance_after_m(away) < 0.006);
 }
 
 TEST_CASE("plans repeat after a reset, and bad settings are refused") {

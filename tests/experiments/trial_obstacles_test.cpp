@@ -146,7 +146,7 @@ TEST_CASE("a trial whose obstacles leave no way is not driven, failed, and count
   config.trials.start_radius = config.trials.goal_radius = 0.6;
   const auto routes = corridor();
   std::vector<experiments::TrialPlan> plans;
-  for (int index = 0; index < 200; ++index) {
+  for (int index = 0; index < 3000 && plans.size() < 2; ++index) {
     const experiments::TrialPlan drawn = plan(config, "point", index, Vector2(0.03, 0.002), routes);
     const bool beside_the_row = std::abs(drawn.start.y_m - 0.002) < 0.004;
     if (beside_the_row && drawn.unreachable == plans.empty() && plans.size() < 2) plans.push_back(drawn);

@@ -51,10 +51,10 @@ struct PlannerConfig {
 /// member of the ensemble, luck that is the same for every sequence, and where the rig is identified a gain
 /// of the drive.
 ///
-/// Where the target has a heading and a cost-to-go was learned (inference::CostToGo), sequences are judged by
-/// that instead: what lying there costs, pulse by pulse, and at the end all that comes after. The first round
-/// then tries pulses of every strength, as a needle turns at a tenth of what moves it, and later ones look
-/// around each of the best: the mean of two ways to a pose lies on neither.
+/// Where the target is a pose to stay at and a cost-to-go was learned (inference::CostToGo), sequences are
+/// judged by that instead: what lying there costs, pulse by pulse, and at the end all that comes after. The
+/// first round then tries pulses of every strength, as a needle turns at a tenth of what moves it, and later
+/// ones look around each of the best: the mean of two ways to a pose lies on neither.
 class Planner final : public Controller {
  public:
   /// `cost_to_go`: null where none was learned.
