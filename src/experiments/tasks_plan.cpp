@@ -100,6 +100,9 @@ TaskSettings controller_settings(const std::string& controller, const TaskVarian
   const bool headed = wants_heading(variant);
   if (controller == "policy" || (controller == "planner" && headed))
     settings.push_back("policy=" + models + (headed ? "/any_pose" : "/any_rig"));
+  if (controller == "planner" && headed)  // as best/deploy_any_pose.json has it
+    settings = with_more(settings, {"planner.horizon=2", "planner.candidates=96", "planner.particles=16",
+                                    "planner.heading_cost_mm=3"});
   return settings;
 }
 
