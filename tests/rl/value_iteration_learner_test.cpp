@@ -19,16 +19,16 @@ namespace env_tests = lodestone::env::tests;
 
 namespace {
 
-constexpr double kGain_m = 1e-3;  // per unit of drive, of which an action of 1 has ten
+constexpr double kStepGain_m = 1e-3;  // per unit of drive, of which an action of 1 has ten
 
-LearningConfig learning_for(std::int64_t env_steps) {
+LearningConfig iterating_for(std::int64_t env_steps) {
   LearningConfig learning;
   learning.env_steps = env_steps;
   learning.final_learning_rate = 0.1;
   return learning;
 }
 
-ValueIterationConfig small_config() {
+ValueIterationConfig small_iteration() {
   ValueIterationConfig config;
   config.value_hidden = {48, 48};
   config.hidden = {48, 48};
@@ -45,7 +45,7 @@ ValueIterationConfig small_config() {
   return config;
 }
 
-ImaginedTask task_for(std::int64_t environments) {
+ImaginedTask pose_task_for(std::int64_t environments) {
   ImaginedTask task;
   task.task.goal = lodestone::task::GoalKind::kPose;
   task.task.goal_radius = 0.8;
@@ -62,12 +62,13 @@ ImaginedTask task_for(std::int64_t environments) {
   return task;
 }
 
-std::unique_ptr<ValueIterationLearner> make(std::int64_t env_steps, std::int64_t threads = 1) {
-  return std::make_unique<ValueIterationLearner>(learning_for(env_steps), small_config(), task_for(128),
-                                                 env_tests::noisy_linear_model(kGain_m), 1, threads);
+std::unique_ptr<ValueIterationLearner> learner_for(std::int64_t env_steps, std::int64_t threads = 1) {
+  return std::make_unique<ValueIterationLearner>(iterating_for(env_steps), small_iteration(),
+                                                 pose_task_for(128),
+                                                 env_tests::noisy_linear_model(kStepGain_m), 1, threads);
 }
 
-double cost_of(const CostToGo& learned, const Pose2& pose, const Pose2& goal) {
+double learned_cost_of(const CostToGo& learned, const Pose2& pose, const Pose2& goal) {
   CostToGo::Workspace workspace;
   const double state[] = {pose.x_m, pose.y_m, pose.heading_rad};
   double cost = 0.0;
@@ -75,7 +76,7 @@ double cost_of(const CostToGo& learned, const Pose2& pose, const Pose2& goal) {
   return cost;
 }
 
-bool same(const lodestone::inference::Arrays& one, const lodestone::inference::Arrays& two) {
+bool same_weights(const lodestone::inference::Arrays& one, const lodestone::inference::Arrays& two) {
   if (one.size() != two.size()) return false;
   for (const auto& [name, array] : one)
     if (array.to_vector<float>() != two.at(name).to_vector<float>()) return false;
@@ -86,20 +87,20 @@ bool same(const lodestone::inference::Arrays& one, const lodestone::inference::A
 
 TEST_CASE("A cost-to-go learns how many pulses away a pose is, and that some are out of reach", "[rl]") {
   // Where pulses move the needle by up to 10 mm along each axis, and never turn it.
-  const auto learner = make(40000);
+  const auto learner = learner_for(40000);
   while (!learner->finished()) learner->step();
   const CostToGo learned = *learner->cost_to_go();
   const double most = learned.cost().most();
   const Pose2 goal{0.005, -0.004, 0.7};
-  CHECK(cost_of(learned, goal, goal) < 0.15 * most);
-  const double near = cost_of(learned, {0.008, -0.004, 0.7}, goal);
-  const double far = cost_of(learned, {-0.028, 0.012, 0.7}, goal);
-  CHECK(near < 0.4 * most);                                            // one pulse away
-  CHECK(far > near);                                                   // four
-  CHECK(cost_of(learned, {0.008, -0.004, -2.0}, goal) > 0.75 * most);  // turned away, for good
+  CHECK(learned_cost_of(learned, goal, goal) < 0.15 * most);
+  const double near = learned_cost_of(learned, {0.008, -0.004, 0.7}, goal);
+  const double far = learned_cost_of(learned, {-0.028, 0.012, 0.7}, goal);
+  CHECK(near < 0.4 * most);                                                    // one pulse away
+  CHECK(far > near);                                                           // four
+  CHECK(learned_cost_of(learned, {0.008, -0.004, -2.0}, goal) > 0.75 * most);  // turned away, for good
 
   // And the policy gives the pulse.
-  const ImaginedTask task = task_for(128);
+  const ImaginedTask task = pose_task_for(128);
   const lodestone::task::ObservationEncoder encoder(task.encoder);
   lodestone::task::Observation seen;
   seen.pose = {0.009, -0.004, 0.7};
@@ -116,36 +117,36 @@ TEST_CASE("A cost-to-go learns how many pulses away a pose is, and that some are
 }
 
 TEST_CASE("Value iteration does not depend on threads, and goes on bitwise", "[rl]") {
-  const auto through = make(100000, 2);
-  const auto first = make(100000, 1);
+  const auto through = learner_for(100000, 2);
+  const auto first = learner_for(100000, 1);
   for (int i = 0; i < 6; ++i) {
     through->step();
     first->step();
   }
   Checkpoint checkpoint;
   first->save(checkpoint);
-  const auto second = make(100000, 2);
+  const auto second = learner_for(100000, 2);
   second->load(checkpoint);
   for (int i = 0; i < 6; ++i) {
     through->step();
     second->step();
   }
   CHECK(second->env_steps() == through->env_steps());
-  CHECK(same(through->actor_weights(), second->actor_weights()));
-  CHECK(same(through->cost_to_go()->weights(), second->cost_to_go()->weights()));
+  CHECK(same_weights(through->actor_weights(), second->actor_weights()));
+  CHECK(same_weights(through->cost_to_go()->weights(), second->cost_to_go()->weights()));
   Checkpoint broken = checkpoint;
   broken.parts["running"].erase("decisions");
-  CHECK_THROWS_WITH(make(1000)->load(broken), Catch::Contains("\"decisions\" is missing"));
+  CHECK_THROWS_WITH(learner_for(1000)->load(broken), Catch::Contains("\"decisions\" is missing"));
 }
 
 TEST_CASE("Value iteration refuses what has no heading or no distribution", "[rl]") {
   const auto start = [](const ImaginedTask& task, const lodestone::inference::DynamicsModel& model) {
-    ValueIterationLearner(learning_for(1000), small_config(), task, model, 1, 1);
+    ValueIterationLearner(iterating_for(1000), small_iteration(), task, model, 1, 1);
   };
-  CHECK_THROWS_WITH(
-      start(task_for(8), env_tests::linear_model(lodestone::data::StateLayout::kPose, {kGain_m}, {0.0})),
-      Catch::Contains("model.components"));
-  ImaginedTask point = task_for(8);
+  CHECK_THROWS_WITH(start(pose_task_for(8),
+                          env_tests::linear_model(lodestone::data::StateLayout::kPose, {kStepGain_m}, {0.0})),
+                    Catch::Contains("model.components"));
+  ImaginedTask point = pose_task_for(8);
   point.task.goal = lodestone::task::GoalKind::kPoint;
-  CHECK_THROWS_WITH(start(point, env_tests::noisy_linear_model(kGain_m)), Catch::Contains("task.goal"));
+  CHECK_THROWS_WITH(start(point, env_tests::noisy_linear_model(kStepGain_m)), Catch::Contains("task.goal"));
 }
