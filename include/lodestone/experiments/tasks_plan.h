@@ -28,7 +28,8 @@ struct TasksScale {
     v.field("trials", trials, "",
             "trials of each task by each controller, each on a rig of its own that nobody has seen",
             {1, 100000});
-    v.field("controllers", controllers, "", "what drives, with commas between: planner, policy, baseline, observer");
+    v.field("controllers", controllers, "",
+            "what drives, with commas between: planner, policy, baseline, observer");
     v.field("tasks", tasks, "",
             "only these, with commas between: pose, pose_wide, suture, obstacles, tangent_path, flow, still, "
             "square_at_mm_s; empty: all that this program can drive");
