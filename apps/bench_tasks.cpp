@@ -86,10 +86,10 @@ void bench_tasks(const TasksOptions& given) {
 }  // namespace
 
 void add_bench_tasks(Verb& bench) {
-  Verb& verb =
-      bench.add_verb("tasks",
-                     "poses, headings along paths, obstacles, flow and speed: every controller on the "
-                     "same rigs that nobody has seen; resumes when run again");
+  Verb& verb = bench.add_verb(
+      "tasks",
+      "poses, headings along paths, sutures, obstacles, flow and speed: every controller on the "
+      "same rigs that nobody has seen; resumes when run again");
   auto& options = configure<experiments::TasksScale>(verb, bench_tasks);
   add_common_options(verb, options, /*with_resume=*/true);
   verb.add_option("--scale", &options.scale,
@@ -101,7 +101,7 @@ void add_bench_tasks(Verb& bench) {
       "only these, with commas between: pose, pose_wide, suture, obstacles, tangent_path, flow, still, "
       "square_at_mm_s");
   add_shorthand(verb, options, "--controllers", "controllers", Shorthand::kText,
-                "with commas between: planner, policy, baseline");
+                "with commas between: planner, policy, baseline, observer");
   add_shorthand(verb, options, "--models", "models", Shorthand::kText,
                 "folder that holds the policies `any_rig` and `any_pose` and the simulator `dynamics_best`");
   add_shorthand(verb, options, "--sensor", "sensor", Shorthand::kText, "camera or simulated");

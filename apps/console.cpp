@@ -49,6 +49,11 @@ struct ConsoleConfig : experiments::DeployConfig {
     if (deployment.sensor.kind != "camera")
       throw common::ConfigError("sensor.kind = \"" + deployment.sensor.kind +
                                 "\": the console shows what a camera sees; use \"camera\"");
+    if (deployment.trials.obstacles.count > 0)
+      throw common::ConfigError(
+          "trials.obstacles.count = " + std::to_string(deployment.trials.obstacles.count) +
+          ": there are no trials here to draw obstacles for; stand some in the dish by "
+          "rig.simulation.obstacles, or use deploy");
     if (mcap.enabled)
       throw common::ConfigError("mcap.enabled = true: the console records by itself; deploy --mcap logs");
   }
@@ -66,11 +71,12 @@ std::vector<experiments::ControllerSource> sources(const ConsoleConfig& config,
   std::vector<experiments::ControllerSource> found;
   std::optional<experiments::SimulatorSource> simulator;
   if (!config.dynamics.empty()) simulator = experiments::load_simulator(deployment, config.dynamics);
+  std::optional<inference::Policy> policy;
+  if (!config.policy.empty()) policy = inference::load_policy(config.policy);
+  if (simulator && policy) experiments::go_by_cost_to_go(deployment, *policy, config.policy, *simulator);
   const experiments::SimulatorSource* identified_by = simulator ? &*simulator : nullptr;
   if (simulator) found.push_back(experiments::planner_source(deployment, *simulator));
-  std::optional<inference::Policy> policy;
-  if (!config.policy.empty()) {
-    policy = inference::load_policy(config.policy);
+  if (policy) {
     parts.region = policy->region;
     found.push_back(experiments::policy_source(deployment, *policy, config.policy, identified_by));
   }

@@ -258,6 +258,13 @@ SimulatorSource load_simulator(const DeploymentConfig& config, const std::string
   return source;
 }
 
+void go_by_cost_to_go(const DeploymentConfig& config, const inference::Policy& policy,
+                      const std::string& what, SimulatorSource& simulator) {
+  if (!policy.cost_to_go) return;
+  warn_of_another_rig(config, policy.rig, what);
+  simulator.cost_to_go = std::make_shared<const inference::CostToGo>(*policy.cost_to_go);
+}
+
 ControllerSource policy_source(const DeploymentConfig& config, const inference::Policy& policy,
                                const std::string& what, const SimulatorSource* simulator) {
   refuse_heading(config.rig, policy, what);

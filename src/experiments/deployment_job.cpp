@@ -153,8 +153,9 @@ DeploymentJob plan_job(const DeployConfig& config, const std::vector<std::string
   if (!config.policy.empty()) policy = inference::load_policy(config.policy);
   std::optional<SimulatorSource> simulator;
   if (!config.dynamics.empty()) simulator = load_simulator(config.deployment, config.dynamics);
-  if (simulator && policy && policy->cost_to_go)
-    simulator->cost_to_go = std::make_shared<const inference::CostToGo>(*policy->cost_to_go);
+  if (simulator && policy &&
+      std::find(controllers.begin(), controllers.end(), "planner") != controllers.end())
+    go_by_cost_to_go(config.deployment, *policy, config.policy, *simulator);
   const SimulatorSource* identified_by = simulator ? &*simulator : nullptr;
   for (const std::string& controller : controllers) {
     if (controller == "planner") {

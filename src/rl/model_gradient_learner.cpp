@@ -12,6 +12,8 @@
 #include "lodestone/geometry/saturation.h"
 #include "lodestone/nets/optimiser.h"
 #include "lodestone/rl/policy_evaluation.h"
+#include "lodestone/rl/proposals.h"
+#include "lodestone/rl/training_checkpoint.h"
 #include "lodestone/runs/curves.h"
 
 namespace lodestone::rl {
@@ -21,28 +23,12 @@ namespace {
 constexpr std::int64_t kShardRows = 128;
 constexpr std::size_t kNeedleNumbers = 19;
 constexpr double kNewPose = 0.2;         // of the new goals, the share that comes with a new pose
-constexpr double kNearest_m = 2e-4;      // of the goals that lie near
-constexpr double kMostGain = 1.1;        // of the logarithm: beyond a factor of three it is another rig
 constexpr float kFirstStrength = -1.0F;  // log odds
 constexpr double kChoice = 0.1;          // of the logarithm of a cost: differences that matter
 constexpr double kExplored = 0.1;        // share of the gradients and pulses of whatever proposal
 constexpr double kStall_m = 2e-4;        // a shorter way is none
 constexpr double kAlike = 0.25;   // of its strength: an action so near to one that stalled does so, too
 constexpr double kNear_mm = 0.5;  // costs are weighed by their ratio, beyond this
-
-std::vector<std::int64_t> widths_of(const task::ObservationEncoder& encoder,
-                                    const std::vector<std::int64_t>& hidden, std::int64_t proposals) {
-  std::vector<std::int64_t> widths{encoder.size()};
-  widths.insert(widths.end(), hidden.begin(), hidden.end());
-  widths.push_back(inference::Actor::outputs(2, proposals));
-  return widths;
-}
-
-/// On the drive.
-template <class Needle>
-double factor_of(const Needle& needle) {
-  return std::exp(needle.log_gain + needle.log_place);
-}
 
 /// Whether this action stalls as the one before did.
 template <class Needle>
@@ -77,7 +63,7 @@ ModelGradientLearner::ModelGradientLearner(const LearningConfig& learning, const
       encoder_(task.encoder),
       model_(std::move(model)),
       starts_(env::starts_within(model_, task.task.start_radius_m(), task.region.get())),
-      actor_(widths_of(encoder_, config.hidden, config.proposals)),
+      actor_(layer_widths(encoder_.size(), config_.hidden, inference::Actor::outputs(2, config_.proposals))),
       pool_(static_cast<std::size_t>(threads)) {
   if (model_.config.components == 0)
     throw common::ConfigError(
@@ -89,15 +75,7 @@ ModelGradientLearner::ModelGradientLearner(const LearningConfig& learning, const
         "false and task.goal to centre or point");
   common::RandomStream random(seed, "actor", 0);
   actor_.initialise(random);
-  nets::NamedTensors tensors = actor_.named(actor_.parameters(), "");
-  float* bias = tensors.at("l" + std::to_string(config.hidden.size() + 1) + ".bias").data_ptr<float>();
-  for (std::int64_t k = 0; k < config.proposals; ++k) {  // apart from the start
-    const double angle_rad =
-        2.0 * geometry::kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(config.proposals);
-    bias[3 * k] = static_cast<float>(std::cos(angle_rad));
-    bias[3 * k + 1] = static_cast<float>(std::sin(angle_rad));
-    bias[3 * k + 2] = kFirstStrength;
-  }
+  set_proposals_apart(actor_, config.hidden.size(), config.proposals, kFirstStrength);
   first_moment_ = at::zeros_like(actor_.parameters());
   second_moment_ = at::zeros_like(actor_.parameters());
   gradient_ = at::zeros_like(actor_.parameters());
@@ -130,12 +108,8 @@ double ModelGradientLearner::progress() const {
 }
 
 void ModelGradientLearner::draw_pose(Needle& needle, common::RandomStream& random) const {
-  needle.pose = starts_[random.below(starts_.size())];
-  needle.place_m = needle.pose.position_m();
-  needle.log_place = config_.place_sigma * random.normal();
+  needle.put(starts_[random.below(starts_.size())], config_, random);
   needle.stalled.setZero();
-  needle.last_action.setZero();
-  needle.last_displacement_m.setZero();
 }
 
 void ModelGradientLearner::draw_goal(Needle& needle, common::RandomStream& random) const {
@@ -143,24 +117,14 @@ void ModelGradientLearner::draw_goal(Needle& needle, common::RandomStream& rando
   needle.target_m = task::draw_goal(task, random, task_.region.get()).position_m;
   needle.target_step_m.setZero();
   if (task.goal == task::GoalKind::kPoint && random.uniform() < config_.near_goals) {
-    const double distance_m = kNearest_m * std::pow(task.dish_radius_m / kNearest_m, random.uniform());
-    const double angle_rad = random.uniform(-geometry::kPi, geometry::kPi);
-    const geometry::Vector2 near_m =
-        needle.pose.position_m() + distance_m * geometry::Vector2(std::cos(angle_rad), std::sin(angle_rad));
-    const bool fits =
-        near_m.norm() <= task.goal_radius_m() && (!task_.region || task_.region->contains(near_m));
-    if (fits) needle.target_m = near_m;
+    if (const auto near_m = draw_near_m(needle.pose.position_m(), task_, random)) needle.target_m = *near_m;
   }
   if (task.goal == task::GoalKind::kPoint && random.uniform() < 0.5) {
     const double step_m = config_.most_target_step_m * random.uniform();
     const double angle_rad = random.uniform(-geometry::kPi, geometry::kPi);
     needle.target_step_m = step_m * geometry::Vector2(std::cos(angle_rad), std::sin(angle_rad));
   }
-  // An estimate, and the truth as far from it as the estimate says: what a filter's posterior means.
-  needle.told = task::draw_gain_estimate(config_.gain_sigma, config_.least_gain_sigma, random);
-  needle.told.log_mean = std::clamp(needle.told.log_mean, -kMostGain, kMostGain);
-  needle.log_gain =
-      std::clamp(needle.told.log_mean + needle.told.log_sigma * random.normal(), -kMostGain, kMostGain);
+  needle.draw_rig(config_, random);
 }
 
 void ModelGradientLearner::step() {
@@ -218,7 +182,7 @@ void ModelGradientLearner::evaluate(Shard& shard, const ExpectedDistance& simula
                                     bool gradient) const {
   const std::size_t count = shard.needles.size();
   for (std::size_t i = 0; i < count; ++i) {
-    const double factor = factor_of(shard.needles[i]);
+    const double factor = shard.needles[i].factor();
     const geometry::Vector2 drive =
         geometry::saturated(factor * task::drive_of(action[i], task_.action), task_.action.scale);
     shard.drive[2 * i] = drive.x();
@@ -289,7 +253,7 @@ void ModelGradientLearner::work_on(Shard& shard, const ExpectedDistance& simulat
   }
   evaluate(shard, simulator, shard.tried, turn_rad, true);
   for (std::size_t i = 0; i < count; ++i) {
-    const double gain = factor_of(shard.needles[i]) * task_.action.scale;
+    const double gain = shard.needles[i].factor() * task_.action.scale;
     const std::size_t first = i * outputs + 3 * static_cast<std::size_t>(shard.chosen[i]);
     const geometry::Vector2 towards(output[first], output[first + 1]);
     const double length = std::max(1e-6, towards.norm());
@@ -342,7 +306,6 @@ void ModelGradientLearner::give_pulses(Shard& shard, const ExpectedDistance& sim
   for (std::size_t i = 0; i < count; ++i) {
     Needle& needle = shard.needles[i];
     const geometry::Vector2 before_m = needle.pose.position_m();
-    needle.last_action = shard.tried[i];
     const bool rests = shard.chosen[i] == config_.proposals;
     if (!rests && !stalls_again(needle, shard.tried[i])) {
       double next[3];
@@ -352,11 +315,7 @@ void ModelGradientLearner::give_pulses(Shard& shard, const ExpectedDistance& sim
       const bool stalled = (needle.pose.position_m() - before_m).norm() < kStall_m;
       needle.stalled = stalled ? shard.tried[i] : geometry::Vector2(geometry::Vector2::Zero());
     }
-    needle.last_displacement_m = needle.pose.position_m() - before_m;
-    if ((needle.pose.position_m() - needle.place_m).norm() > config_.place_size_m) {
-      needle.place_m = needle.pose.position_m();
-      needle.log_place = config_.place_sigma * shard.random.normal();
-    }
+    needle.note_pulse(shard.tried[i], before_m, config_, shard.random);
     needle.target_m += needle.target_step_m;
     const bool left = needle.pose.position_m().norm() > task_.task.dish_radius_m;
     const bool gone = needle.target_m.norm() > std::max(task_.task.goal_radius_m(), 1e-9);
@@ -366,12 +325,7 @@ void ModelGradientLearner::give_pulses(Shard& shard, const ExpectedDistance& sim
   }
 }
 
-inference::Arrays ModelGradientLearner::actor_weights() const {
-  inference::Arrays weights;
-  for (const auto& [name, tensor] : actor_.named(actor_.parameters(), ""))
-    weights[name] = nets::to_array(tensor.clone());
-  return weights;
-}
+inference::Arrays ModelGradientLearner::actor_weights() const { return arrays_of(actor_); }
 
 inference::Actor ModelGradientLearner::actor() const {
   return inference::Actor(actor_weights(), encoder_.size(), config_.hidden, 2, "actor", config_.proposals);
@@ -406,31 +360,13 @@ void ModelGradientLearner::save(nets::Checkpoint& checkpoint) {
 }
 
 void ModelGradientLearner::load(const nets::Checkpoint& checkpoint) {
-  const auto tensor = [&](const char* part, const std::string& name, at::IntArrayRef shape,
-                          at::ScalarType type) {
-    const auto tensors = checkpoint.parts.find(part);
-    if (tensors == checkpoint.parts.end() || tensors->second.count(name) == 0 ||
-        tensors->second.at(name).sizes() != shape || tensors->second.at(name).scalar_type() != type)
-      throw common::CheckpointError("training checkpoint: tensor \"" + name +
-                                    "\" is missing or of another shape: resume with the configuration it was "
-                                    "made with");
-    inference::check_finite(nets::to_array(tensors->second.at(name)),
-                            "training checkpoint: tensor \"" + name + "\"");
-    return tensors->second.at(name);
-  };
-  const auto take = [&](const char* part, const at::Tensor& flat, const std::string& prefix) {
-    for (auto& [name, view] : actor_.named(flat, prefix)) {
-      at::Tensor numbers = view;
-      numbers.copy_(tensor(part, name, view.sizes(), at::kFloat));
-    }
-  };
   const at::NoGradGuard no_grad;
-  take("networks", actor_.parameters(), "actor.");
-  take("optimiser", first_moment_, "actor.first_moment.");
-  take("optimiser", second_moment_, "actor.second_moment.");
+  restore_numbers(checkpoint, "networks", "actor.", actor_, actor_.parameters());
+  restore_numbers(checkpoint, "optimiser", "actor.first_moment.", actor_, first_moment_);
+  restore_numbers(checkpoint, "optimiser", "actor.second_moment.", actor_, second_moment_);
   const auto columns = static_cast<std::int64_t>(kNeedleNumbers);
   const at::Tensor needles =
-      tensor("running", "needles", {task_.environments, columns}, at::kDouble).contiguous();
+      tensor_of(checkpoint, "running", "needles", {task_.environments, columns}, at::kDouble).contiguous();
   const double* number = needles.data_ptr<double>();
   const common::Json& random = checkpoint.facts.at("random");
   if (random.size() != shards_.size())

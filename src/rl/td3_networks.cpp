@@ -13,10 +13,7 @@ namespace {
 template <class Real>
 FlatNetwork<Real> drawn_network(std::int64_t inputs, const std::vector<std::int64_t>& hidden,
                                 std::int64_t outputs, common::RandomStream random) {
-  std::vector<std::int64_t> widths{inputs};
-  widths.insert(widths.end(), hidden.begin(), hidden.end());
-  widths.push_back(outputs);
-  FlatNetwork<Real> network(std::move(widths));
+  FlatNetwork<Real> network(layer_widths(inputs, hidden, outputs));
   network.initialise(random);
   return network;
 }

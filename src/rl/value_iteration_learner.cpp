@@ -15,7 +15,8 @@
 #include "lodestone/geometry/saturation.h"
 #include "lodestone/nets/optimiser.h"
 #include "lodestone/rl/policy_evaluation.h"
-#include "lodestone/rl/proposal_imitation.h"
+#include "lodestone/rl/proposals.h"
+#include "lodestone/rl/training_checkpoint.h"
 #include "lodestone/runs/curves.h"
 
 namespace lodestone::rl {
@@ -24,31 +25,11 @@ namespace {
 /// Fixed, so that results do not depend on the number of threads.
 constexpr std::int64_t kRowsOfShard = 64;
 constexpr double kPoseToo = 0.2;             // of the new goals, the share that comes with a new pose
-constexpr double kNearestGoal_m = 2e-4;      // of the goals that lie near,
 constexpr double kNearestGoal_deg = 1.0;     // and so little turned
 constexpr double kMostTurnOnPath_rad = 0.1;  // a pulse
-constexpr double kMostLogGain = 1.1;         // beyond a factor of three it is another rig
 constexpr double kAnyPulse = 0.05;           // share of the pulses that are any, whatever was decided
+constexpr float kFirstOdds = -2.0F;          // logarithm of the proposals' strength
 constexpr double kRefined = 0.3;             // how far the refinements lie from the best pulse
-
-std::vector<std::int64_t> network_widths(std::int64_t inputs, const std::vector<std::int64_t>& hidden,
-                                         std::int64_t outputs) {
-  std::vector<std::int64_t> widths{inputs};
-  widths.insert(widths.end(), hidden.begin(), hidden.end());
-  widths.push_back(outputs);
-  return widths;
-}
-
-inference::Arrays arrays_of(const FlatNetwork<float>& network) {
-  inference::Arrays weights;
-  for (const auto& [name, tensor] : network.named(network.parameters(), ""))
-    weights[name] = nets::to_array(tensor.clone());
-  return weights;
-}
-
-double log_uniform(double least, double most, common::RandomStream& random) {
-  return least * std::pow(most / least, random.uniform());
-}
 
 geometry::Pose2 noisy(const geometry::Pose2& pose, double noise_m, double noise_rad,
                       common::RandomStream& random) {
@@ -119,9 +100,9 @@ ValueIterationLearner::ValueIterationLearner(const LearningConfig& learning,
       encoder_(task.encoder),
       model_(std::move(model)),
       starts_(env::starts_within(model_, task.task.start_radius_m(), task.region.get())),
-      actor_(network_widths(encoder_.size(), config.hidden, inference::Actor::outputs(2, config.proposals))),
-      value_(network_widths(inference::CostToGo::kFeatures, config.value_hidden, 1)),
-      target_(network_widths(inference::CostToGo::kFeatures, config.value_hidden, 1)),
+      actor_(layer_widths(encoder_.size(), config.hidden, inference::Actor::outputs(2, config.proposals))),
+      value_(layer_widths(inference::CostToGo::kFeatures, config.value_hidden, 1)),
+      target_(layer_widths(inference::CostToGo::kFeatures, config.value_hidden, 1)),
       pool_(static_cast<std::size_t>(threads)) {
   if (model_.config.components == 0)
     throw common::ConfigError(
@@ -135,15 +116,7 @@ ValueIterationLearner::ValueIterationLearner(const LearningConfig& learning,
   config_.cost.dish_radius_m = task.task.dish_radius_m;
   common::RandomStream random(seed, "actor", 0);
   actor_.initialise(random);
-  nets::NamedTensors tensors = actor_.named(actor_.parameters(), "");
-  float* bias = tensors.at("l" + std::to_string(config.hidden.size() + 1) + ".bias").data_ptr<float>();
-  for (std::int64_t k = 0; k < config.proposals; ++k) {  // apart from the start
-    const double angle_rad =
-        2.0 * geometry::kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(config.proposals);
-    bias[3 * k] = static_cast<float>(std::cos(angle_rad));
-    bias[3 * k + 1] = static_cast<float>(std::sin(angle_rad));
-    bias[3 * k + 2] = -2.0F;
-  }
+  set_proposals_apart(actor_, config.hidden.size(), config.proposals, kFirstOdds);
   common::RandomStream value_random(seed, "value", 0);
   value_.initialise(value_random);
   target_ = value_.clone();
@@ -180,11 +153,7 @@ double ValueIterationLearner::progress() const {
 }
 
 void ValueIterationLearner::draw_pose(Needle& needle, common::RandomStream& random) const {
-  needle.pose = starts_[random.below(starts_.size())];
-  needle.place_m = needle.pose.position_m();
-  needle.log_place = config_.place_sigma * random.normal();
-  needle.last_action.setZero();
-  needle.last_displacement_m.setZero();
+  needle.put(starts_[random.below(starts_.size())], config_, random);
 }
 
 void ValueIterationLearner::draw_goal(Needle& needle, common::RandomStream& random) const {
@@ -193,13 +162,8 @@ void ValueIterationLearner::draw_goal(Needle& needle, common::RandomStream& rand
   geometry::Vector2 at_m = goal.position_m;
   double heading_rad = *goal.heading_rad;
   if (random.uniform() < config_.near_goals) {
-    const double distance_m = log_uniform(kNearestGoal_m, task.dish_radius_m, random);
-    const double angle_rad = random.uniform(-geometry::kPi, geometry::kPi);
-    const geometry::Vector2 near_m =
-        needle.pose.position_m() + distance_m * geometry::Vector2(std::cos(angle_rad), std::sin(angle_rad));
-    if (near_m.norm() <= task.goal_radius_m() && (!task_.region || task_.region->contains(near_m)))
-      at_m = near_m;
-    const double turn_deg = log_uniform(kNearestGoal_deg, 180.0, random);
+    if (const auto near_m = draw_near_m(needle.pose.position_m(), task_, random)) at_m = *near_m;
+    const double turn_deg = draw_log_uniform(kNearestGoal_deg, 180.0, random);
     heading_rad =
         needle.pose.heading_rad + (random.uniform() < 0.5 ? 1.0 : -1.0) * geometry::kRadPerDeg * turn_deg;
   }
@@ -211,11 +175,7 @@ void ValueIterationLearner::draw_goal(Needle& needle, common::RandomStream& rand
     needle.goal_turn_rad = kMostTurnOnPath_rad * random.uniform(-1.0, 1.0);
   }
   needle.goal = {at_m.x(), at_m.y(), geometry::wrap_angle(heading_rad)};
-  // An estimate, and the truth as far from it as the estimate says: what a filter's posterior means.
-  needle.told = task::draw_gain_estimate(config_.gain_sigma, config_.least_gain_sigma, random);
-  needle.told.log_mean = std::clamp(needle.told.log_mean, -kMostLogGain, kMostLogGain);
-  needle.log_gain =
-      std::clamp(needle.told.log_mean + needle.told.log_sigma * random.normal(), -kMostLogGain, kMostLogGain);
+  needle.draw_rig(config_, random);
 }
 
 geometry::Pose2 ValueIterationLearner::goal_after(const Needle& needle) const {
@@ -371,19 +331,14 @@ void ValueIterationLearner::give_pulses(Shard& shard, std::size_t slot, std::siz
     if (random.uniform() < kAnyPulse) action = task::draw_action(2, config_.weakest, random);
     const geometry::Vector2 before_m = needle.pose.position_m();
     if (!action.isZero(0.0)) {
-      const geometry::Drive drive = geometry::saturated(
-          std::exp(needle.log_gain + needle.log_place) * task::drive_of(action, task_.action), scale);
+      const geometry::Drive drive =
+          geometry::saturated(needle.factor() * task::drive_of(action, task_.action), scale);
       double state[3] = {needle.pose.x_m, needle.pose.y_m, needle.pose.heading_rad};
       const inference::Luck luck = inference::Luck::draw(3, random);
       member.sample(state, drive.data(), 1, luck, state, shard.dynamics);
       needle.pose = {state[0], state[1], state[2]};
     }
-    needle.last_action = {action[0], action[1]};
-    needle.last_displacement_m = needle.pose.position_m() - before_m;
-    if ((needle.pose.position_m() - needle.place_m).norm() > config_.place_size_m) {
-      needle.place_m = needle.pose.position_m();
-      needle.log_place = config_.place_sigma * random.normal();
-    }
+    needle.note_pulse({action[0], action[1]}, before_m, config_, random);
     needle.goal = shard.goal_after[i];
     const geometry::Vector2 step_m = needle.goal_step_m;
     const double c = std::cos(needle.goal_turn_rad), s = std::sin(needle.goal_turn_rad);
@@ -477,32 +432,13 @@ void ValueIterationLearner::save(nets::Checkpoint& checkpoint) {
 }
 
 void ValueIterationLearner::load(const nets::Checkpoint& checkpoint) {
-  const auto tensor = [&](const char* part, const std::string& name, at::IntArrayRef shape,
-                          at::ScalarType type) {
-    const auto tensors = checkpoint.parts.find(part);
-    if (tensors == checkpoint.parts.end() || tensors->second.count(name) == 0 ||
-        tensors->second.at(name).sizes() != shape || tensors->second.at(name).scalar_type() != type)
-      throw common::CheckpointError("training checkpoint: tensor \"" + name +
-                                    "\" is missing or of another shape: resume with the configuration it was "
-                                    "made with");
-    inference::check_finite(nets::to_array(tensors->second.at(name)),
-                            "training checkpoint: tensor \"" + name + "\"");
-    return tensors->second.at(name);
-  };
-  const auto take = [&](const char* part, const FlatNetwork<float>& network, const at::Tensor& flat,
-                        const std::string& prefix) {
-    for (auto& [name, view] : network.named(flat, prefix)) {
-      at::Tensor numbers = view;
-      numbers.copy_(tensor(part, name, view.sizes(), at::kFloat));
-    }
-  };
   const at::NoGradGuard no_grad;
-  take("networks", actor_, actor_.parameters(), "actor.");
-  take("networks", value_, value_.parameters(), "value.");
-  take("networks", target_, target_.parameters(), "target.");
+  restore_numbers(checkpoint, "networks", "actor.", actor_, actor_.parameters());
+  restore_numbers(checkpoint, "networks", "value.", value_, value_.parameters());
+  restore_numbers(checkpoint, "networks", "target.", target_, target_.parameters());
   for (int k = 0; k < 2; ++k) {
-    take("optimiser", actor_, actor_moments_[k], "actor." + std::to_string(k) + ".");
-    take("optimiser", value_, value_moments_[k], "value." + std::to_string(k) + ".");
+    restore_numbers(checkpoint, "optimiser", "actor." + std::to_string(k) + ".", actor_, actor_moments_[k]);
+    restore_numbers(checkpoint, "optimiser", "value." + std::to_string(k) + ".", value_, value_moments_[k]);
   }
   env_steps_ = checkpoint.facts.at("env_steps").get<std::int64_t>();
   decisions_ = checkpoint.facts.at("decisions").get<std::int64_t>();
@@ -518,9 +454,10 @@ void ValueIterationLearner::load(const nets::Checkpoint& checkpoint) {
   }
   const std::int64_t rows = task_.environments;
   const at::Tensor needles =
-      tensor("running", "needles", {rows, needle_numbers / rows}, at::kDouble).contiguous();
+      tensor_of(checkpoint, "running", "needles", {rows, needle_numbers / rows}, at::kDouble).contiguous();
   const at::Tensor decisions =
-      tensor("running", "decisions", {rows, decision_numbers / rows}, at::kDouble).contiguous();
+      tensor_of(checkpoint, "running", "decisions", {rows, decision_numbers / rows}, at::kDouble)
+          .contiguous();
   const double* number = needles.data_ptr<double>();
   const double* learned = decisions.data_ptr<double>();
   const common::Json& random = checkpoint.facts.at("random");

@@ -38,7 +38,8 @@ ValueIterationConfig small_iteration() {
   config.candidates = 24;
   config.refinements = 12;
   config.particles = 2;
-  config.updates = 2;
+  config.updates = 12;
+  config.replayed = 8;
   config.cost.discount = 0.8;
   config.place_sigma = 0.0;
   config.gain_sigma = 0.1;

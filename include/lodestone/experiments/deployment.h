@@ -189,6 +189,11 @@ control::MotionModel motion_model(const SimulatorSource& source, const control::
 /// current, and CheckpointError.
 SimulatorSource load_simulator(const DeploymentConfig& config, const std::string& folder);
 
+/// From now on planners in the simulator go by what the policy's checkpoint says that poses cost, where it
+/// says so. Says so where that was learned for another rig; `what` names the policy.
+void go_by_cost_to_go(const DeploymentConfig& config, const inference::Policy& policy,
+                      const std::string& what, SimulatorSource& simulator);
+
 /// A controller and the scale of its actions. What it makes is made once per trial, and must be safe to make
 /// from several threads.
 struct ControllerSource {

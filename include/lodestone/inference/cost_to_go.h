@@ -15,7 +15,7 @@ namespace lodestone::inference {
 struct PoseCost {
   double tolerance_m = 0.001;
   double tolerance_deg = 5.0;
-  double discount = 0.95;
+  double discount = 0.97;
   double current_cost = 0.02;
 
   template <class Visitor>

@@ -13,6 +13,15 @@
 
 namespace lodestone::rl {
 
+/// The widths of a network: inputs, hidden layers, outputs.
+inline std::vector<std::int64_t> layer_widths(std::int64_t inputs, const std::vector<std::int64_t>& hidden,
+                                              std::int64_t outputs) {
+  std::vector<std::int64_t> widths{inputs};
+  widths.insert(widths.end(), hidden.begin(), hidden.end());
+  widths.push_back(outputs);
+  return widths;
+}
+
 /// Linear layers with ReLU in between, every number in one contiguous tensor so that an optimiser or Polyak
 /// step is one pass. Forward and backward are written out (no autograd graph) into preallocated workspaces;
 /// bias, ReLU and the ReLU's gradient happen inside the matrix products. Real is float or double.

@@ -12,6 +12,7 @@
 #include "lodestone/inference/dynamics.h"
 #include "lodestone/rl/expected_distance.h"
 #include "lodestone/rl/flat_network.h"
+#include "lodestone/rl/imagined_needle.h"
 #include "lodestone/rl/imagined_task.h"
 #include "lodestone/rl/learning_config.h"
 #include "lodestone/rl/model_gradient_config.h"
@@ -60,17 +61,10 @@ class ModelGradientLearner final : public PolicyLearner {
   void load(const nets::Checkpoint& checkpoint) override;
 
  private:
-  struct Needle {
-    geometry::Pose2 pose;
+  struct Needle : ImaginedNeedle {
     geometry::Vector2 target_m = geometry::Vector2::Zero();
     geometry::Vector2 target_step_m = geometry::Vector2::Zero();  // by which it moves during a pulse
-    task::DriveGain told;
-    double log_gain = 0.0;   // of the rig
-    double log_place = 0.0;  // and of the place: friction that stays with it
-    geometry::Vector2 place_m = geometry::Vector2::Zero();
     geometry::Vector2 stalled = geometry::Vector2::Zero();  // the action that moved nothing here; zero: none
-    geometry::Vector2 last_action = geometry::Vector2::Zero();
-    geometry::Vector2 last_displacement_m = geometry::Vector2::Zero();
   };
   /// Needles that are worked on together, with buffers.
   struct Shard {

@@ -4,31 +4,30 @@
 #include <vector>
 
 #include "lodestone/inference/cost_to_go.h"
+#include "lodestone/rl/imagined_needle.h"
 
 namespace lodestone::rl {
 
 /// How a cost-to-go, and a policy beside it, are learned in the learned simulator.
-struct ValueIterationConfig {
+struct ValueIterationConfig : ImaginationConfig {
   inference::PoseCost cost;
   std::vector<std::int64_t> value_hidden = {128, 128};
   std::vector<std::int64_t> hidden = {256, 256};
   std::int64_t proposals = 4;
   double learning_rate = 1e-3;
-  double polyak = 0.05;
+  double polyak = 0.5;
   std::int64_t candidates = 32;
   std::int64_t refinements = 16;
   std::int64_t particles = 4;
   double weakest = 0.02;
-  std::int64_t replayed = 16;
-  std::int64_t updates = 4;
-  double gain_sigma = 0.45;
-  double least_gain_sigma = 0.03;
-  double place_sigma = 0.1;
-  double place_size_m = 0.002;
-  double new_goal = 0.05;
-  double near_goals = 0.6;
+  std::int64_t replayed = 8;
+  std::int64_t updates = 8;
   double moving_goals = 0.3;
-  double most_target_step_m = 0.001;
+
+  ValueIterationConfig() {
+    new_goal = 0.05;
+    near_goals = 0.6;
+  }
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -49,28 +48,11 @@ struct ValueIterationConfig {
     v.field("replayed", replayed, "decisions", "of every needle are learned from again and again",
             {1, 100000});
     v.field("updates", updates, "", "steps of Adam for every decision of the needles", {1, 1000});
-    v.field("gain_sigma", gain_sigma, "",
-            "standard deviation of the logarithm of the drive's gain over the rigs that are imagined",
-            {0.0, 2.0});
-    v.field(
-        "least_gain_sigma", least_gain_sigma, "",
-        "what is left of it once a rig is known: estimates lie between the two, spread by their logarithm",
-        {0.0, 2.0});
-    v.field("place_sigma", place_sigma, "",
-            "the same of a place's own part: friction that stays the same until the needle is elsewhere",
-            {0.0, 2.0});
-    v.field("place_size_m", place_size_m, "m", "how far elsewhere is", {0.0, 1.0});
-    v.field("new_goal", new_goal, "", "chance of a new goal at every pulse", {0.0, 1.0});
-    v.field(
-        "near_goals", near_goals, "",
-        "share of the goals that lie near, at distances spread by their logarithm; the others all over the "
-        "disc",
-        {0.0, 1.0});
+    ImaginationConfig::visit(v);
     v.field(
         "moving_goals", moving_goals, "",
         "share of the goals that move along their heading, as on a path; only the policy learns from them",
         {0.0, 1.0});
-    v.field("most_target_step_m", most_target_step_m, "m/pulse", "by up to this", {0.0, 0.1});
   }
 };
 

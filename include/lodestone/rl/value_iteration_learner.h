@@ -15,6 +15,7 @@
 #include "lodestone/inference/cost_to_go.h"
 #include "lodestone/inference/dynamics.h"
 #include "lodestone/rl/flat_network.h"
+#include "lodestone/rl/imagined_needle.h"
 #include "lodestone/rl/imagined_task.h"
 #include "lodestone/rl/learning_config.h"
 #include "lodestone/rl/policy_learner.h"
@@ -27,10 +28,10 @@ namespace lodestone::rl {
 /// Learns what it costs to bring a needle to a pose (inference::CostToGo), from trials in the learned
 /// simulator, by fitted value iteration (Bertsekas and Tsitsiklis, Neuro-dynamic programming, 1996; Ernst et
 /// al., 2005): at every decision pulses of many strengths and directions are tried on several outcomes, the
-/// best is chosen, and what it is expected to cost on outcomes that it was not chosen by is what the network
-/// learns for the pose before. The needles follow those decisions, so that the poses learned from are those
-/// that a planner which decides so comes to. And a policy learns the decisions themselves (imitate()): what
-/// the planner searches for, in one forward pass.
+/// best is chosen, and what it is expected to cost on outcomes that it was not chosen by (but for whether to
+/// rest instead) is what the network learns for the pose before. The needles follow those decisions, so that
+/// the poses learned from are those that a planner which decides so comes to. And a policy learns the
+/// decisions themselves (imitate()): what the planner searches for, in one forward pass.
 ///
 /// Rigs, their gain, and places that hold the needle are imagined as by ModelGradientLearner. Work is cut
 /// into shards of fixed size with random streams of their own, so the result does not depend on the number
@@ -57,16 +58,10 @@ class ValueIterationLearner final : public PolicyLearner {
   void load(const nets::Checkpoint& checkpoint) override;
 
  private:
-  struct Needle {
-    geometry::Pose2 pose, goal;
+  struct Needle : ImaginedNeedle {
+    geometry::Pose2 goal;
     geometry::Vector2 goal_step_m = geometry::Vector2::Zero();  // by which it moves during a pulse,
     double goal_turn_rad = 0.0;                                 // and turns
-    task::DriveGain told;
-    double log_gain = 0.0;   // of the rig
-    double log_place = 0.0;  // and of the place: friction that stays with it
-    geometry::Vector2 place_m = geometry::Vector2::Zero();
-    geometry::Vector2 last_action = geometry::Vector2::Zero();
-    geometry::Vector2 last_displacement_m = geometry::Vector2::Zero();
   };
   /// What one needle was decided for at one moment, to be learned from.
   struct Decision {

@@ -1,10 +1,17 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "lodestone/geometry/pose2.h"
+#include "lodestone/rl/flat_network.h"
 
 namespace lodestone::rl {
+
+/// Sets the proposals of a fresh actor (inference::Actor) apart, evenly around and of one strength, by the
+/// biases of the layer behind its `hidden` ones. `strength`: logarithm of its odds.
+void set_proposals_apart(FlatNetwork<float>& actor, std::size_t hidden, std::int64_t proposals,
+                         float strength);
 
 /// How well an actor with proposals (inference::Actor) gives an action that somebody else has chosen: the
 /// proposal nearest to it comes nearer still, and the scores learn to name that one (or resting, where the

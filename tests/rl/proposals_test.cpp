@@ -1,4 +1,4 @@
-#include "lodestone/rl/proposal_imitation.h"
+#include "lodestone/rl/proposals.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,9 +1,12 @@
-#include "lodestone/rl/proposal_imitation.h"
+#include "lodestone/rl/proposals.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <string>
+
+#include "lodestone/geometry/angle.h"
 
 namespace lodestone::rl {
 namespace {
@@ -36,6 +39,19 @@ struct Proposal {
 };
 
 }  // namespace
+
+void set_proposals_apart(FlatNetwork<float>& actor, std::size_t hidden, std::int64_t proposals,
+                         float strength) {
+  nets::NamedTensors tensors = actor.named(actor.parameters(), "");
+  float* bias = tensors.at("l" + std::to_string(hidden + 1) + ".bias").data_ptr<float>();
+  for (std::int64_t k = 0; k < proposals; ++k) {
+    const double angle_rad =
+        2.0 * geometry::kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(proposals);
+    bias[3 * k] = static_cast<float>(std::cos(angle_rad));
+    bias[3 * k + 1] = static_cast<float>(std::sin(angle_rad));
+    bias[3 * k + 2] = strength;
+  }
+}
 
 double imitate(const float* output, std::int64_t proposals, const geometry::Vector2& action, double weight,
                float* gradient) {
