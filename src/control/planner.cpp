@@ -24,6 +24,15 @@ constexpr double kLeastSpread = 0.02;
 constexpr double kWeakest = 0.02;
 constexpr double kFirstVariation = 0.4;
 
+geometry::Pose2 goal_pose(const task::Observation& observation) {
+  return {observation.target_m.x(), observation.target_m.y(), *observation.target_heading_rad};
+}
+
+bool is_nothing(const std::vector<geometry::Drive>& sequence) {
+  return std::all_of(sequence.begin(), sequence.end(),
+                     [](const geometry::Drive& action) { return action.isZero(0.0); });
+}
+
 }  // namespace
 
 void PlannerConfig::validate() const {
@@ -151,8 +160,7 @@ void Planner::add_distances(const task::Observation& observation, std::size_t t,
 
 void Planner::add_pose_costs(const task::Observation& observation, std::size_t t, double fraction) {
   const std::size_t rows = state_.size() / 3;
-  const geometry::Vector2& target_m = observation.target_m;
-  const geometry::Pose2 goal{target_m.x(), target_m.y(), *observation.target_heading_rad};
+  const geometry::Pose2 goal = goal_pose(observation);
   row_cost_.resize(rows);
   if (t + 1 == static_cast<std::size_t>(config_.horizon)) {
     const auto n = static_cast<std::int64_t>(rows);
@@ -221,6 +229,10 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
     else
       add_distances(observation, t, fraction);
   }
+  if (!learned) return;
+  for (std::size_t c = 0; c < count; ++c)
+    if (is_nothing(candidates_[c]))
+      cost_[c] = cost_to_go_->cost().of_staying(observation.pose, goal_pose(observation));
 }
 
 }  // namespace lodestone::control

@@ -40,6 +40,10 @@ double PoseCost::at(const geometry::Pose2& pose, const geometry::Pose2& goal) co
   return -std::expm1(-square * square);
 }
 
+double PoseCost::of_staying(const geometry::Pose2& pose, const geometry::Pose2& goal) const {
+  return most() * (pose.position_m().norm() > dish_radius_m ? 1.0 : at(pose, goal));
+}
+
 CostToGo::CostToGo(Arrays weights, std::vector<std::int64_t> hidden, const PoseCost& cost,
                    const std::string& what)
     : weights_(std::move(weights)),
@@ -79,9 +83,11 @@ void CostToGo::evaluate(const double* state, const geometry::Pose2* goal, std::i
   const float* share = network_.forward(rows, workspace);
   for (std::int64_t row = 0; row < rows; ++row) {
     const geometry::Pose2 pose{state[3 * row], state[3 * row + 1], state[3 * row + 2]};
-    const double later = cost_.most() * std::clamp(static_cast<double>(share[row]), 0.0, 1.0);
+    const double staying = cost_.of_staying(pose, goal[row / rows_per_goal]);
+    const double going = cost_.most() * std::max(0.0, static_cast<double>(share[row]));
     const bool outside = pose.position_m().norm() > cost_.dish_radius_m;
-    cost[row] = outside ? cost_.most() : cost_.at(pose, goal[row / rows_per_goal]) + cost_.discount * later;
+    cost[row] = outside ? cost_.most()
+                        : (1.0 - cost_.discount) * staying + cost_.discount * std::min(staying, going);
   }
 }
 

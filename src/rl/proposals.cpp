@@ -58,7 +58,7 @@ double imitate(const float* output, std::int64_t proposals, const geometry::Vect
   const double strength = std::min(action.norm(), kMostStrength);
   const bool rests = strength <= 0.0;
   std::fill_n(gradient, 4 * proposals + 1, 0.0F);
-  std::int64_t chosen = proposals;
+  std::int64_t chosen = 0;
   double loss = 0.0;
   if (!rests) {
     const geometry::Vector2 direction = action / action.norm();
@@ -81,14 +81,23 @@ double imitate(const float* output, std::int64_t proposals, const geometry::Vect
       gradient[3 * k + 2] = static_cast<float>(share * std::clamp(pull, -10.0, 10.0));
     }
   }
+  // Whether to rest is one question: against the best of the proposals, however many share the others' odds.
   const float* score = output + 3 * proposals;
-  const float most = *std::max_element(score, score + proposals + 1);
-  const double sum = std::accumulate(score, score + proposals + 1, 0.0, [most](double so_far, float each) {
-    return so_far + std::exp(static_cast<double>(each - most));
+  float* by_score = gradient + 3 * proposals;
+  const float* most = std::max_element(score, score + proposals);
+  const double gives_rest = 1.0 / (1.0 + std::exp(static_cast<double>(*most - score[proposals])));
+  loss -= std::log(std::max(1e-12, rests ? gives_rest : 1.0 - gives_rest));
+  const auto off = static_cast<float>(weight * (gives_rest - (rests ? 1.0 : 0.0)));
+  by_score[proposals] = off;
+  by_score[most - score] = -off;
+  if (rests) return loss;
+  // Which of them is another.
+  const double sum = std::accumulate(score, score + proposals, 0.0, [most](double so_far, float each) {
+    return so_far + std::exp(static_cast<double>(each - *most));
   });
-  for (std::int64_t k = 0; k <= proposals; ++k) {
-    const double given = std::exp(static_cast<double>(score[k] - most)) / sum;
-    gradient[3 * proposals + k] = static_cast<float>(weight * (given - (k == chosen ? 1.0 : 0.0)));
+  for (std::int64_t k = 0; k < proposals; ++k) {
+    const double given = std::exp(static_cast<double>(score[k] - *most)) / sum;
+    by_score[k] += static_cast<float>(weight * (given - (k == chosen ? 1.0 : 0.0)));
     if (k == chosen) loss -= std::log(std::max(1e-12, given));
   }
   return loss;

@@ -28,8 +28,9 @@ constexpr double kPoseToo = 0.2;             // of the new goals, the share that
 constexpr double kNearestGoal_deg = 1.0;     // and so little turned
 constexpr double kMostTurnOnPath_rad = 0.1;  // a pulse
 constexpr double kAnyPulse = 0.05;           // share of the pulses that are any, whatever was decided
+constexpr std::size_t kByPolicy = 2;         // every so many needles, one does what the policy says
 constexpr float kFirstOdds = -2.0F;          // logarithm of the proposals' strength
-constexpr double kRefined = 0.3;             // how far the refinements lie from the best pulse
+constexpr double kRefined[] = {0.3, 0.1};    // how far refinements lie from the best pulse, round by round
 
 geometry::Pose2 noisy(const geometry::Pose2& pose, double noise_m, double noise_rad,
                       common::RandomStream& random) {
@@ -284,26 +285,45 @@ void ValueIterationLearner::decide(Shard& shard, std::size_t turn) const {
                std::min_element(first, first + static_cast<std::ptrdiff_t>(tries.count)) - first);
   };
   turn += static_cast<std::size_t>(decisions_);
-  Tries broad, near, last;
-  broad.count = static_cast<std::size_t>(config_.candidates);
-  for (std::size_t row = 0; row < needles * broad.count; ++row)
-    broad.action.push_back(task::draw_action(2, config_.weakest, shard.random));
-  judge(shard, broad, config_.particles, turn);
-  near.count = static_cast<std::size_t>(config_.refinements) + 1;
+  // Any pulses, and what the policy would do: so each gets better by the other.
+  Tries tries;
+  actor_.forward(shard.observation.data(), shard.actor);
+  const float* output = shard.actor.output.data_ptr<float>();
+  const std::size_t outputs = shard.actor_gradient.size() / needles;
+  tries.count = static_cast<std::size_t>(config_.candidates + config_.proposals);
   for (std::size_t i = 0; i < needles; ++i) {
-    const geometry::Drive& best = broad.action[best_of(broad, i)];
-    near.action.push_back(best);
-    while (near.action.size() < (i + 1) * near.count)
-      near.action.push_back(task::vary_action(best, kRefined, shard.random));
+    for (std::int64_t k = 0; k < config_.proposals; ++k) {
+      float action[2];
+      inference::Actor::propose(output + i * outputs, k, action);
+      tries.action.push_back(geometry::as_drive(action, 2));
+    }
+    while (tries.action.size() < (i + 1) * tries.count)
+      tries.action.push_back(task::draw_action(2, config_.weakest, shard.random));
   }
-  judge(shard, near, config_.particles, turn + 1);
+  judge(shard, tries, config_.particles, turn);
+  for (const double share : kRefined) {
+    Tries near;
+    near.count = static_cast<std::size_t>(config_.refinements) + 1;
+    for (std::size_t i = 0; i < needles; ++i) {
+      const geometry::Drive& best = tries.action[best_of(tries, i)];
+      near.action.push_back(best);
+      while (near.action.size() < (i + 1) * near.count)
+        near.action.push_back(task::vary_action(best, share, shard.random));
+    }
+    judge(shard, near, config_.particles, ++turn);
+    tries = std::move(near);
+  }
+  Tries last;
   // By outcomes that it was not chosen by, beside resting.
   last.count = 2;
   for (std::size_t i = 0; i < needles; ++i) {
-    last.action.push_back(near.action[best_of(near, i)]);
+    last.action.push_back(tries.action[best_of(tries, i)]);
     last.action.push_back(geometry::Drive::Zero(2));
   }
-  judge(shard, last, 2 * config_.particles, turn + 2);
+  judge(shard, last, 2 * config_.particles, ++turn);
+  for (std::size_t i = 0; i < needles; ++i)
+    if (shard.needles[i].still())
+      last.cost[2 * i + 1] = config_.cost.of_staying(shard.seen[i], shard.needles[i].goal);
   const auto columns = static_cast<std::size_t>(encoder_.size());
   const std::size_t slot = static_cast<std::size_t>(decisions_ % config_.replayed) * needles;
   if (shard.decisions.size() < slot + needles) shard.decisions.resize(slot + needles);
@@ -315,10 +335,19 @@ void ValueIterationLearner::decide(Shard& shard, std::size_t turn) const {
     inference::CostToGo::write_features(shard.seen[i], shard.goal_after[i], config_.cost.dish_radius_m,
                                         decision.features);
     decision.cost = std::clamp(last.cost[best] / config_.cost.most(), 0.0, 1.0);
-    decision.still = shard.needles[i].goal_step_m.isZero(0.0);
+    decision.still = shard.needles[i].still();
     decision.action = {last.action[best][0], last.action[best][1]};
   }
   give_pulses(shard, slot, turn);
+}
+
+geometry::Drive ValueIterationLearner::policy_action(const Shard& shard, std::size_t needle) const {
+  const std::int64_t outputs = inference::Actor::outputs(2, config_.proposals);
+  const float* output = shard.actor.output.data_ptr<float>() + static_cast<std::int64_t>(needle) * outputs;
+  const std::int64_t chosen = inference::Actor::choose(output, config_.proposals);
+  float action[2] = {0.0F, 0.0F};
+  if (chosen < config_.proposals) inference::Actor::propose(output, chosen, action);
+  return geometry::as_drive(action, 2);
 }
 
 void ValueIterationLearner::give_pulses(Shard& shard, std::size_t slot, std::size_t turn) const {
@@ -328,6 +357,7 @@ void ValueIterationLearner::give_pulses(Shard& shard, std::size_t slot, std::siz
   for (std::size_t i = 0; i < shard.needles.size(); ++i) {
     Needle& needle = shard.needles[i];
     geometry::Drive action = {shard.decisions[slot + i].action.x(), shard.decisions[slot + i].action.y()};
+    if (i % kByPolicy == 1) action = policy_action(shard, i);
     if (random.uniform() < kAnyPulse) action = task::draw_action(2, config_.weakest, random);
     const geometry::Vector2 before_m = needle.pose.position_m();
     if (!action.isZero(0.0)) {

@@ -37,6 +37,9 @@ struct PoseCost {
   double at(const geometry::Pose2& pose, const geometry::Pose2& goal) const;
   /// Of all pulses to come, where none ever comes near.
   double most() const { return 1.0 / (1.0 - discount); }
+  /// Of all pulses to come, where the needle is left lying for good. A pulse is worth while if it comes to
+  /// less: where it does, waiting with it never pays.
+  double of_staying(const geometry::Pose2& pose, const geometry::Pose2& goal) const;
 };
 
 /// What bringing a needle to a pose costs from here on, in pulses: the expected sum of PoseCost over all
@@ -56,8 +59,8 @@ class CostToGo {
                              float* out);
 
   /// Of needles that lie in `state` [rows, 3] (x_m, y_m, heading_rad) after a pulse: what lying there costs,
-  /// and all that comes after it; `cost` [rows], within 0 .. most(). Each goal belongs to `rows_per_goal`
-  /// rows after one another.
+  /// and all that comes after it, which is never more than staying there costs; `cost` [rows], within
+  /// 0 .. most(). Each goal belongs to `rows_per_goal` rows after one another.
   void evaluate(const double* state, const geometry::Pose2* goal, std::int64_t rows_per_goal,
                 std::int64_t rows, double* cost, Workspace& workspace) const;
 

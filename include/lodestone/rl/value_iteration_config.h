@@ -40,9 +40,11 @@ struct ValueIterationConfig : ImaginationConfig {
     v.field("polyak", polyak, "",
             "the cost-to-go that pulses are judged by follows the one that learns by this share a step",
             {1e-4, 1.0});
-    v.field("candidates", candidates, "", "pulses of any strength and direction tried at every decision",
+    v.field("candidates", candidates, "",
+            "pulses of any strength and direction tried at every decision, beside what the policy proposes",
             {2, 100000});
-    v.field("refinements", refinements, "", "and so many near the best of them", {0, 100000});
+    v.field("refinements", refinements, "", "and so many near the best of them, in each of two rounds",
+            {0, 100000});
     v.field("particles", particles, "", "outcomes that every pulse is judged by", {1, 1000});
     v.field("weakest", weakest, "action units", "the weakest pulse that is tried", {1e-4, 0.9});
     v.field("replayed", replayed, "decisions", "of every needle are learned from again and again",

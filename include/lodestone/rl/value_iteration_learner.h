@@ -31,7 +31,9 @@ namespace lodestone::rl {
 /// best is chosen, and what it is expected to cost on outcomes that it was not chosen by (but for whether to
 /// rest instead) is what the network learns for the pose before. The needles follow those decisions, so that
 /// the poses learned from are those that a planner which decides so comes to. And a policy learns the
-/// decisions themselves (imitate()): what the planner searches for, in one forward pass.
+/// decisions themselves (imitate()): what the planner searches for, in one forward pass. Its proposals are
+/// tried beside the others, so that search and policy better one another (expert iteration: Anthony, Tian
+/// and Barber, 2017).
 ///
 /// Rigs, their gain, and places that hold the needle are imagined as by ModelGradientLearner. Work is cut
 /// into shards of fixed size with random streams of their own, so the result does not depend on the number
@@ -62,6 +64,7 @@ class ValueIterationLearner final : public PolicyLearner {
     geometry::Pose2 goal;
     geometry::Vector2 goal_step_m = geometry::Vector2::Zero();  // by which it moves during a pulse,
     double goal_turn_rad = 0.0;                                 // and turns
+    bool still() const { return goal_step_m.isZero(0.0); }
   };
   /// What one needle was decided for at one moment, to be learned from.
   struct Decision {
@@ -97,6 +100,8 @@ class ValueIterationLearner final : public PolicyLearner {
   /// Chooses a pulse for every needle, notes what it is expected to cost, and lets the pulses happen.
   void decide(Shard& shard, std::size_t turn) const;
   void give_pulses(Shard& shard, std::size_t slot, std::size_t turn) const;
+  /// What the policy says of what was last observed of a needle.
+  geometry::Drive policy_action(const Shard& shard, std::size_t needle) const;
   /// Writes the shard's gradients, of decisions drawn from its ring.
   void learn(Shard& shard) const;
   /// One step of Adam along the sum of the shards' gradients.
