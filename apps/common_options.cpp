@@ -1,12 +1,32 @@
 #include "common_options.h"
 
+#include "lodestone/common/config.h"
+#include "lodestone/physics/rig_description.h"
+#include "lodestone/rig/rig_config.h"
 #include "lodestone/runs/engines.h"
 
 namespace lodestone::apps {
+namespace {
+
+/// Of a rig's file, the keys that describe the rig. Throws ConfigError where any of its values is wrong.
+common::Json description_in(const std::string& rig_file) {
+  const common::Json file = common::read_json_file(rig_file);
+  common::config_from_json<rig::RigConfig>(file, rig_file);
+  const common::Json described = common::config_to_json(physics::RigDescription());
+  common::Json kept = common::Json::object();
+  for (const auto& [key, value] : file.items())
+    if (described.contains(key)) kept[key] = value;
+  return kept;
+}
+
+}  // namespace
 
 common::ConfigLayers CommonOptions::layers() const {
   common::ConfigLayers layers;
-  if (!rig_file.empty()) layers.add_file(rig_file, "rig");
+  if (!rig_file.empty() && only_described)
+    layers.add(description_in(rig_file), rig_file, "rig");
+  else if (!rig_file.empty())
+    layers.add_file(rig_file, "rig");
   for (const std::string& file : config_files) layers.add_file(file);
   for (const Override& value : overrides) layers.set(value.assignment, value.option);
   if (seed) layers.set("seed=" + std::to_string(*seed), "--seed");

@@ -55,7 +55,9 @@ void train_policy(const CommonOptions& options) {
 
 void add_train_policy(Verb& program) {
   Verb& verb = program.add_verb("train-policy", "train a policy in the learned simulator");
-  add_common_options(verb, configure<TrainPolicyConfig>(verb, train_policy), /*with_resume=*/true);
+  CommonOptions& options = configure<TrainPolicyConfig>(verb, train_policy);
+  options.only_described = true;
+  add_common_options(verb, options, /*with_resume=*/true);
 }
 
 }  // namespace lodestone::apps

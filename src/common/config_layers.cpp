@@ -3,7 +3,10 @@
 namespace lodestone::common {
 
 void ConfigLayers::add_file(const std::string& path, const std::string& under) {
-  Json content = read_json_file(path);
+  add(read_json_file(path), path, under);
+}
+
+void ConfigLayers::add(Json content, const std::string& path, const std::string& under) {
   if (!under.empty()) content = Json{{under, std::move(content)}};
   merge(json_, content, "", path);
 }

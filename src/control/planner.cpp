@@ -23,9 +23,22 @@ constexpr double kLeastSpread = 0.02;
 /// how far the second round looks around the best of the first.
 constexpr double kWeakest = 0.02;
 constexpr double kFirstVariation = 0.4;
+/// Headings that are tried where a target has none, evenly around from the needle's own.
+constexpr int kHeadings = 24;
+/// A needle that is sensed as near as this to where it lay has not moved,
+constexpr double kStill_m = 3e-4;
+constexpr double kStill_rad = 0.05;
+/// and so far around it what lies there counts as lying where it lay.
+constexpr double kAround_m = 5e-4;
+constexpr double kAround_rad = 0.1;
+constexpr std::size_t kMostDearer = 64;
 
-geometry::Pose2 goal_pose(const task::Observation& observation) {
-  return {observation.target_m.x(), observation.target_m.y(), *observation.target_heading_rad};
+/// 0 at the same pose, 1 where the distance or the turn between them is as given.
+double square_between(const geometry::Pose2& a, const geometry::Pose2& b, double distance_m,
+                      double turn_rad) {
+  const double off = (a.position_m() - b.position_m()).norm() / distance_m;
+  const double turned = geometry::wrap_angle(a.heading_rad - b.heading_rad) / turn_rad;
+  return off * off + turned * turned;
 }
 
 bool is_nothing(const std::vector<geometry::Drive>& sequence) {
@@ -58,6 +71,8 @@ Planner::Planner(std::shared_ptr<const LearnedSimulator> model, const PlannerCon
 void Planner::reset() {
   random_ = common::RandomStream(seed_, "planner");
   plan_.assign(static_cast<std::size_t>(config_.horizon), geometry::Drive::Zero(model_->action.size));
+  pose_before_.reset();
+  dearer_.clear();
 }
 
 std::vector<std::size_t> Planner::best(std::size_t count) const {
@@ -72,8 +87,25 @@ std::vector<std::size_t> Planner::best(std::size_t count) const {
 }
 
 bool Planner::knows_cost_of(const task::Observation& observation) const {
-  return cost_to_go_ && observation.target_heading_rad && observation.ahead.empty() &&
-         model_->state_size == 3;
+  return cost_to_go_ && observation.ahead.empty() && model_->state_size == 3;
+}
+
+geometry::Pose2 Planner::cheapest_goal(const task::Observation& observation) {
+  const geometry::Pose2& pose = observation.pose;
+  geometry::Pose2 goal{observation.target_m.x(), observation.target_m.y(), 0.0};
+  if (observation.target_heading_rad) {
+    goal.heading_rad = *observation.target_heading_rad;
+    return goal;
+  }
+  std::vector<geometry::Pose2> goals(kHeadings, goal);
+  std::vector<double> state, cost(kHeadings);
+  for (int k = 0; k < kHeadings; ++k) {
+    goals[static_cast<std::size_t>(k)].heading_rad =
+        geometry::wrap_angle(pose.heading_rad + 2.0 * geometry::kPi * k / kHeadings);
+    state.insert(state.end(), {pose.x_m, pose.y_m, pose.heading_rad});
+  }
+  cost_to_go_->evaluate(state.data(), goals.data(), 1, kHeadings, cost.data(), judge_);
+  return goals[static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin())];
 }
 
 void Planner::look_around(const Sequence& mean, const Sequence& spread) {
@@ -100,10 +132,32 @@ void Planner::look_around(const std::vector<Sequence>& elites, std::int64_t roun
   }
 }
 
+void Planner::note_stillness(const task::Observation& observation) {
+  const geometry::Pose2& pose = observation.pose;
+  if ((observation.target_m - target_before_m_).norm() > kStill_m) dearer_.clear();
+  const bool still = pose_before_ && square_between(pose, *pose_before_, kStill_m, kStill_rad) < 1.0;
+  if (still && !plan_.front().isZero(0.0)) {
+    const auto near = std::find_if(dearer_.begin(), dearer_.end(), [&pose](const Dearer& each) {
+      return square_between(pose, each.pose, kStill_m, kStill_rad) < 1.0;
+    });
+    if (near != dearer_.end())
+      near->cost += 1.0;
+    else
+      dearer_.push_back({pose, 1.0});
+    if (dearer_.size() > kMostDearer) dearer_.erase(dearer_.begin());
+  }
+  pose_before_ = pose;
+  target_before_m_ = observation.target_m;
+}
+
 geometry::Drive Planner::act(const task::Observation& observation) {
   const auto horizon = static_cast<std::size_t>(config_.horizon);
   const int numbers = model_->action.size;
   const bool learned = knows_cost_of(observation);
+  if (learned) {
+    goal_ = cheapest_goal(observation);
+    note_stillness(observation);
+  }
   const Sequence nothing(horizon, geometry::Drive::Zero(numbers));
   // What was the second pulse is the first one now, and one proposal among others.
   std::rotate(plan_.begin(), plan_.begin() + 1, plan_.end());
@@ -158,17 +212,21 @@ void Planner::add_distances(const task::Observation& observation, std::size_t t,
   }
 }
 
-void Planner::add_pose_costs(const task::Observation& observation, std::size_t t, double fraction) {
+void Planner::add_pose_costs(std::size_t t, double fraction) {
   const std::size_t rows = state_.size() / 3;
-  const geometry::Pose2 goal = goal_pose(observation);
   row_cost_.resize(rows);
   if (t + 1 == static_cast<std::size_t>(config_.horizon)) {
     const auto n = static_cast<std::int64_t>(rows);
-    cost_to_go_->evaluate(state_.data(), &goal, n, n, row_cost_.data(), judge_);
+    cost_to_go_->evaluate(state_.data(), &goal_, n, n, row_cost_.data(), judge_);
+    for (std::size_t row = 0; row < rows; ++row) {
+      const geometry::Pose2 pose{state_[3 * row], state_[3 * row + 1], state_[3 * row + 2]};
+      for (const Dearer& each : dearer_)
+        row_cost_[row] += each.cost * std::exp(-square_between(pose, each.pose, kAround_m, kAround_rad));
+    }
   } else {
     for (std::size_t row = 0; row < rows; ++row)
       row_cost_[row] =
-          cost_to_go_->cost().at({state_[3 * row], state_[3 * row + 1], state_[3 * row + 2]}, goal);
+          cost_to_go_->cost().at({state_[3 * row], state_[3 * row + 1], state_[3 * row + 2]}, goal_);
   }
   for (std::size_t row = 0; row < rows; ++row) cost_[row % candidates_.size()] += fraction * row_cost_[row];
 }
@@ -225,14 +283,13 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
       if (driven) std::copy_n(&next_[row * size], size, state);
     }
     if (learned)
-      add_pose_costs(observation, t, later * fraction);
+      add_pose_costs(t, later * fraction);
     else
       add_distances(observation, t, fraction);
   }
   if (!learned) return;
   for (std::size_t c = 0; c < count; ++c)
-    if (is_nothing(candidates_[c]))
-      cost_[c] = cost_to_go_->cost().of_staying(observation.pose, goal_pose(observation));
+    if (is_nothing(candidates_[c])) cost_[c] = cost_to_go_->cost().of_staying(observation.pose, goal_);
 }
 
 }  // namespace lodestone::control

@@ -86,8 +86,8 @@ void CostToGo::evaluate(const double* state, const geometry::Pose2* goal, std::i
     const double staying = cost_.of_staying(pose, goal[row / rows_per_goal]);
     const double going = cost_.most() * std::max(0.0, static_cast<double>(share[row]));
     const bool outside = pose.position_m().norm() > cost_.dish_radius_m;
-    cost[row] = outside ? cost_.most()
-                        : (1.0 - cost_.discount) * staying + cost_.discount * std::min(staying, going);
+    cost[row] =
+        outside ? cost_.most() : (1.0 - cost_.discount) * staying + cost_.discount * std::min(staying, going);
   }
 }
 

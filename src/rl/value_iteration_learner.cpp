@@ -28,7 +28,6 @@ constexpr double kPoseToo = 0.2;             // of the new goals, the share that
 constexpr double kNearestGoal_deg = 1.0;     // and so little turned
 constexpr double kMostTurnOnPath_rad = 0.1;  // a pulse
 constexpr double kAnyPulse = 0.05;           // share of the pulses that are any, whatever was decided
-constexpr std::size_t kByPolicy = 2;         // every so many needles, one does what the policy says
 constexpr float kFirstOdds = -2.0F;          // logarithm of the proposals' strength
 constexpr double kRefined[] = {0.3, 0.1};    // how far refinements lie from the best pulse, round by round
 
@@ -341,15 +340,6 @@ void ValueIterationLearner::decide(Shard& shard, std::size_t turn) const {
   give_pulses(shard, slot, turn);
 }
 
-geometry::Drive ValueIterationLearner::policy_action(const Shard& shard, std::size_t needle) const {
-  const std::int64_t outputs = inference::Actor::outputs(2, config_.proposals);
-  const float* output = shard.actor.output.data_ptr<float>() + static_cast<std::int64_t>(needle) * outputs;
-  const std::int64_t chosen = inference::Actor::choose(output, config_.proposals);
-  float action[2] = {0.0F, 0.0F};
-  if (chosen < config_.proposals) inference::Actor::propose(output, chosen, action);
-  return geometry::as_drive(action, 2);
-}
-
 void ValueIterationLearner::give_pulses(Shard& shard, std::size_t slot, std::size_t turn) const {
   common::RandomStream& random = shard.random;
   const double scale = task_.action.scale;
@@ -357,7 +347,6 @@ void ValueIterationLearner::give_pulses(Shard& shard, std::size_t slot, std::siz
   for (std::size_t i = 0; i < shard.needles.size(); ++i) {
     Needle& needle = shard.needles[i];
     geometry::Drive action = {shard.decisions[slot + i].action.x(), shard.decisions[slot + i].action.y()};
-    if (i % kByPolicy == 1) action = policy_action(shard, i);
     if (random.uniform() < kAnyPulse) action = task::draw_action(2, config_.weakest, random);
     const geometry::Vector2 before_m = needle.pose.position_m();
     if (!action.isZero(0.0)) {

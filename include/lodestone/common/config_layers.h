@@ -13,6 +13,8 @@ class ConfigLayers {
  public:
   /// A JSON file; with `under`, its content stands below that key. Throws ConfigError.
   void add_file(const std::string& path, const std::string& under = "");
+  /// The same, of a content that was read from there already.
+  void add(Json content, const std::string& path, const std::string& under = "");
   /// Values given by an option of the command line, "a.b.c=value", read as apply_override() does.
   void set(const std::string& assignment, const std::string& option);
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "lodestone/common/random.h"
@@ -51,10 +52,11 @@ struct PlannerConfig {
 /// member of the ensemble, luck that is the same for every sequence, and where the rig is identified a gain
 /// of the drive.
 ///
-/// Where the target is a pose to stay at and a cost-to-go was learned (inference::CostToGo), sequences are
-/// judged by that instead: what lying there costs, pulse by pulse, and at the end all that comes after. The
-/// first round then tries pulses of every strength, as a needle turns at a tenth of what moves it, and later
-/// ones look around each of the best: the mean of two ways to a pose lies on neither.
+/// Where the target is to stay at and a cost-to-go was learned (inference::CostToGo), sequences are judged by
+/// that instead: what lying there costs, pulse by pulse, and at the end all that comes after. Of a target
+/// without a heading, the heading is taken with which it costs least from where the needle lies. The first
+/// round then tries pulses of every strength, as a needle turns at a tenth of what moves it, and later ones
+/// look around each of the best: the mean of two ways to a pose lies on neither.
 class Planner final : public Controller {
  public:
   /// `cost_to_go`: null where none was learned.
@@ -67,8 +69,10 @@ class Planner final : public Controller {
  private:
   using Sequence = std::vector<geometry::Drive>;  // [horizon]
 
-  /// Whether poses are planned for by what was learned.
+  /// Whether it is planned for by what was learned.
   bool knows_cost_of(const task::Observation& observation) const;
+  /// The pose that costs least of those the target allows.
+  geometry::Pose2 cheapest_goal(const task::Observation& observation);
   /// The candidates of a round, by the mean and spread of the best ones of the round before,
   void look_around(const Sequence& mean, const Sequence& spread);
   /// or around each of them; without any, everywhere.
@@ -77,7 +81,9 @@ class Planner final : public Controller {
   void evaluate_candidates(const task::Observation& observation);
   /// What rows of states cost after pulse `t` of the horizon, for each candidate.
   void add_distances(const task::Observation& observation, std::size_t t, double fraction);
-  void add_pose_costs(const task::Observation& observation, std::size_t t, double fraction);
+  void add_pose_costs(std::size_t t, double fraction);
+  /// Makes the place dearer where the needle lies as before although it was given a pulse.
+  void note_stillness(const task::Observation& observation);
   /// Indices of the `count` best candidates, best first.
   std::vector<std::size_t> best(std::size_t count) const;
 
@@ -92,6 +98,15 @@ class Planner final : public Controller {
   std::vector<double> state_, drive_, next_;  // rows by particle, then candidate
   inference::FoldedDynamics::Workspace workspace_;
   std::shared_ptr<const inference::CostToGo> cost_to_go_;
+  /// Where pulses moved nothing, and how much dearer than learned it is to lie there.
+  struct Dearer {
+    geometry::Pose2 pose;
+    double cost = 0.0;
+  };
+  geometry::Pose2 goal_;  // by the cost-to-go
+  std::optional<geometry::Pose2> pose_before_;
+  geometry::Vector2 target_before_m_ = geometry::Vector2::Zero();
+  std::vector<Dearer> dearer_;
   std::vector<double> row_cost_;
   inference::CostToGo::Workspace judge_;
 };

@@ -20,8 +20,8 @@ void set_proposals_apart(FlatNetwork<float>& actor, std::size_t hidden, std::int
 ///
 /// `output` is a row of the actor's last layer, for `proposals` proposals; writes the loss' gradient times
 /// `weight` there, 4 * proposals + 1 numbers. Returns the loss: (1 - cos of the angle between) / kDirection +
-/// (difference of the logarithms of the strengths)^2 / 2 kStrength^2, and the cross-entropies of whether to rest
-/// and of which proposal.
+/// (difference of the logarithms of the strengths)^2 / 2 kStrength^2, and the cross-entropies of whether to
+/// rest and of which proposal.
 double imitate(const float* output, std::int64_t proposals, const geometry::Vector2& action, double weight,
                float* gradient);
 

@@ -21,7 +21,7 @@ struct ValueIterationConfig : ImaginationConfig {
   std::int64_t particles = 4;
   double weakest = 0.02;
   std::int64_t replayed = 8;
-  std::int64_t updates = 8;
+  std::int64_t updates = 24;
   double moving_goals = 0.3;
 
   ValueIterationConfig() {

@@ -100,8 +100,6 @@ class ValueIterationLearner final : public PolicyLearner {
   /// Chooses a pulse for every needle, notes what it is expected to cost, and lets the pulses happen.
   void decide(Shard& shard, std::size_t turn) const;
   void give_pulses(Shard& shard, std::size_t slot, std::size_t turn) const;
-  /// What the policy says of what was last observed of a needle.
-  geometry::Drive policy_action(const Shard& shard, std::size_t needle) const;
   /// Writes the shard's gradients, of decisions drawn from its ring.
   void learn(Shard& shard) const;
   /// One step of Adam along the sum of the shards' gradients.
