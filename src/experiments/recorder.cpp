@@ -24,7 +24,7 @@ std::string heading(bool true_poses, const std::vector<std::string>& coils, int 
   return std::string("rig,controller,task,trial,t_s,") +
          (true_poses ? "true_x_m,true_y_m,true_heading_rad," : "") +
          "sensed,sensed_x_m,sensed_y_m,sensed_heading_rad,target_x_m,target_y_m,approach," + actions +
-         currents + "log_drive_gain,log_drive_gain_sigma,rig_changed\n";
+         currents + "log_drive_gain,log_drive_gain_sigma,rig_changed,camera_moved\n";
 }
 
 runs::PoseMm pose_mm(const geometry::Pose2& pose) {
@@ -80,6 +80,10 @@ Recorder::Recorder(const std::string& file, bool true_poses, std::int64_t keep_r
     : path_(file), true_poses_(true_poses) {
   const std::string first = heading(true_poses, coils, action_size);
   const Rows rows = read_rows(file, keep_rows);
+  if (keep_rows > 0 && rows.text.compare(0, first.size(), first) != 0)
+    throw common::DataError(file +
+                            " has other columns than this version writes; go on with the version that "
+                            "began it, or start again in another folder");
   if (!true_poses && rows.text.size() > rows.kept_bytes)
     set_aside(file, first, rows.text.substr(rows.kept_bytes));
   common::write_file_atomically(file, rows.kept_bytes > 0 ? rows.text.substr(0, rows.kept_bytes) : first);
@@ -114,9 +118,10 @@ void Recorder::write_row(const TrialPlan& plan, const std::string& rig, const st
   for (const double current_A : step.current_A) file_ << ',' << current_A;
   if (step.drive_gain)
     file_ << ',' << step.drive_gain->log_mean << ',' << step.drive_gain->log_sigma << ','
-          << (step.rig_changed ? 1 : 0) << '\n';
+          << (step.rig_changed ? 1 : 0);
   else
-    file_ << ",,,\n";
+    file_ << ",,,";
+  file_ << ',' << (step.estimate.camera_moved ? 1 : 0) << '\n';
 }
 
 void Recorder::flush() {

@@ -53,6 +53,15 @@ with tempfile.TemporaryDirectory() as name:
         assert json.loads(printed[key]) == value, (key, value, printed[key])
     assert {key for key in printed if key.startswith("rig.")} == set(flat)
 
+    # Every verb takes every rig that is shipped, how it is reached included; and a wrong one is a wrong one.
+    for preset in sorted((source / "configs/rigs").glob("*.json")):
+        for verb in ("collect", "deploy", "train-dynamics", "train-policy", "import", "calibrate", "train-segmenter"):
+            run("config", "--print", verb, "--rig", preset)
+    wrong = folder / "wrong.json"
+    wrong.write_text(json.dumps({**mine, "serial": {"baud": 12}}))
+    text = run("train-policy", "--rig", wrong, "--set", "simulator=physics", "--out", folder / "none", code=2)
+    assert "serial.baud = 12" in text and not (folder / "none").exists(), text
+
     run("collect", *quick, "--set", "transitions=400", "--out", folder / "collect")
     run("train-dynamics", "--set", f"data={folder}/collect/transitions.h5", "--set", "model.form=delta", "--set",
         "model.batch_norm=false", "--set", "training.epochs=3", "--out", folder / "dynamics")

@@ -123,12 +123,43 @@ TEST_CASE("where a cost-to-go was learned, the planner goes by it and not by the
     const Vector2 action = planner.act(observation);
     return (observation.pose.position_m() + 10.0 * kGain_m * action).norm();
   };
-  CHECK(distance_after_m(away) < 0.006);  // no heading is asked for: by the distance
+  CHECK(distance_after_m(nullptr) < 0.006);
+  CHECK(distance_after_m(away) > 0.012);  // no heading is asked for: by one that it takes itself
   observation.target_heading_rad = 0.3;
   CHECK(distance_after_m(nullptr) < 0.006);
   CHECK(distance_after_m(away) > 0.012);
   observation.ahead.push_back({{0.0, 0.0}, 0.3, 0.3});  // one that moves is no pose to stay at
   CHECK(distance_after_m(away) < 0.006);
+}
+
+TEST_CASE("the planner leaves a hollow of the cost-to-go that pulses too weak to move the needle lie in",
+          "[unit]") {
+  // One that says: nowhere is better than anywhere else. So the weakest pulse costs least, and in a world
+  // with friction it moves nothing, again and again.
+  inference::PoseCost cost;
+  cost.dish_radius_m = 0.0425;
+  const inference::Arrays weights = {
+      {"l1.weight",
+       {std::vector<float>(static_cast<std::size_t>(inference::CostToGo::kFeatures)),
+        {1, inference::CostToGo::kFeatures}}},
+      {"l1.bias", {std::vector<float>{0.0F}, {1}}},
+      {"l2.weight", {std::vector<float>{0.0F}, {1, 1}}},
+      {"l2.bias", {std::vector<float>{0.3F}, {1}}}};
+  const auto flat = std::make_shared<const inference::CostToGo>(weights, std::vector<std::int64_t>{1}, cost);
+  control::Planner planner(model(), {}, 1, flat);
+  planner.reset();
+  task::Observation observation;
+  observation.pose = {0.01, 0.0, 0.3};
+  observation.target_m = {-0.02, 0.0};
+  constexpr double kHolds = 0.08;
+  int pulses = 0;
+  for (; pulses < 40; ++pulses) {
+    const Vector2 action = planner.act(observation);
+    CHECK_FALSE(action.isZero(0.0));  // it is never left lying so far away
+    if (action.norm() > kHolds) break;
+  }
+  CHECK(pulses > 0);
+  CHECK(pulses < 20);
 }
 
 TEST_CASE("plans repeat after a reset, and bad settings are refused") {

@@ -53,6 +53,23 @@ TEST_CASE("every step is a row, and what was not sensed is empty") {
   CHECK(rows[2].find("baseline,point,0,0.3,0.002,0,0.5,0,,,,0.01,0,") != std::string::npos);
 }
 
+TEST_CASE("rows since the camera has slipped are marked") {
+  experiments::TrialResult result = trial(true);
+  result.samples[0].step.drive_gain = task::DriveGain{0.25, 0.5};
+  result.samples[1].step.estimate.camera_moved = true;
+  const tests::TemporaryFolder folder;
+  experiments::Recorder(folder / "t.csv", true).write(result);
+  const auto rows = lines(folder / "t.csv");
+  const auto ends_with = [](const std::string& row, const std::string& end) {
+    return row.size() >= end.size() && row.compare(row.size() - end.size(), end.size(), end) == 0;
+  };
+  CHECK(ends_with(rows[0], ",rig_changed,camera_moved"));
+  CHECK(ends_with(rows[1], ",0.25,0.5,0,0"));
+  CHECK(ends_with(rows[2], ",,,,1"));
+  CHECK(ends_with(rows[3], ",,,,0"));
+  CHECK(experiments::record_of(result).camera_moved_s == 0.3);
+}
+
 TEST_CASE("the points that a needle was led over are recorded once each, where a way was searched") {
   experiments::TrialResult result = trial(true);
   CHECK_FALSE(experiments::record_of(result).route_mm);
@@ -127,6 +144,13 @@ TEST_CASE("rows of a real rig's trial that was cut short are set aside, not lost
   CHECK(aside[0] == lines(folder / "t.csv")[0]);
   CHECK(aside[2] == lines(folder / "t.csv")[2]);
   CHECK_THROWS_WITH(record(100, 0), Catch::Matchers::Contains("fewer rows than the 100"));
+}
+
+TEST_CASE("a file of another version's columns is not gone on with") {
+  const tests::TemporaryFolder folder;
+  std::ofstream(folder / "t.csv") << "rig,controller,task\nunseen,planner,point\n";
+  CHECK_THROWS_WITH(experiments::Recorder(folder / "t.csv", true, 1),
+                    Catch::Matchers::Contains("t.csv has other columns than this version writes"));
 }
 
 TEST_CASE("a file is gone on with after the rows that count") {
