@@ -1,4 +1,6 @@
+#include <fmt/core.h>
 #include <algorithm>
+
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
@@ -164,11 +166,17 @@ void check_moved(const CalibrateConfig& config, const cv::Mat& image, const std:
                                 std::to_string(1e3 * config.fit.moved_bound_m) + " mm; calibrate again");
 }
 
+struct BoardView {
+  std::string name;
+  cv::Mat image;
+};
+
 /// An image; or of a video the views of the board that differ.
-void add_views(const std::string& file, const imaging::BoardConfig& board, std::vector<cv::Mat>& images) {
+void add_views(const std::string& file, const imaging::BoardConfig& board,
+               std::vector<BoardView>& views_of_all) {
   constexpr std::size_t kMost = 40;
   if (imaging::is_image_file(file)) {
-    images.push_back(imaging::read_image(file));
+    views_of_all.push_back({file, imaging::read_image(file)});
     return;
   }
   rig::CameraSourceConfig source;
@@ -182,7 +190,7 @@ void add_views(const std::string& file, const imaging::BoardConfig& board, std::
       const imaging::BoardCorners corners = imaging::detect_board(image, board);
       if (!imaging::is_another_view(corners, views, image.cols)) continue;
       views.push_back(corners);
-      images.push_back(image);
+      views_of_all.push_back({fmt::format("{}, image {}", file, frames + 1), image});
     }
   } catch (const common::HardwareError&) {
     // it has ended
@@ -191,12 +199,33 @@ void add_views(const std::string& file, const imaging::BoardConfig& board, std::
                    std::to_string(frames) + " images");
 }
 
+/// A print of another size changes nothing here, but is told of where it can be seen.
+void tell_of_small_prints(const std::vector<BoardView>& views, const CalibrateConfig& config,
+                          const imaging::CameraModel& camera) {
+  constexpr double kAsStated = 0.985;
+  for (const BoardView& view : views) {
+    const auto size = imaging::size_on_floor(imaging::detect_board(view.image, config.board), camera,
+                                             config.scene.bench.dish_radius_m);
+    if (!size || *size > kAsStated) continue;
+    common::log_warning(
+        fmt::format("{}: the board lies flat in the dish, where its squares are {:.2f} mm, {:.1f} % of "
+                    "board.square_m = {}: "
+                    "it is printed smaller (measure a square, and set board.square_m), or the camera stood "
+                    "nearer when it "
+                    "saw the dish. Neither changes this calibration, whose scale is the dish's",
+                    view.name, 1e3 * *size * config.board.square_m, 100.0 * *size, config.board.square_m));
+    return;
+  }
+}
+
 imaging::DishFit fit(const CalibrateConfig& config, const CalibrateOptions& options,
                      const std::vector<cv::Mat>& images) {
   imaging::CameraModel start = imaging::nominal_camera(config.scene.lens);
   if (options.board_files.empty()) return imaging::fit_dish(images, config.scene.bench, start, config.fit);
+  std::vector<BoardView> views;
+  for (const std::string& file : options.board_files) add_views(file, config.board, views);
   std::vector<cv::Mat> boards;
-  for (const std::string& file : options.board_files) add_views(file, config.board, boards);
+  for (const BoardView& view : views) boards.push_back(view.image);
   const imaging::BoardFit lens = imaging::fit_board(boards, config.board);
   common::log_info("board: " + std::to_string(lens.used.size()) + " images, residual " +
                    std::to_string(lens.rms_px) + " px, focal length " + std::to_string(lens.camera.focal_px) +
@@ -208,6 +237,7 @@ imaging::DishFit fit(const CalibrateConfig& config, const CalibrateOptions& opti
   start.translation_m = place;
   imaging::DishFit found = imaging::fit_dish(images, config.scene.bench, start, config.fit, true);
   found.calibration.method = common::name_of(config.board.kind);
+  tell_of_small_prints(views, config, found.calibration.camera);
   return found;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <cstdint>
 #include <cstring>
 #include <opencv2/aruco/charuco.hpp>
@@ -183,6 +184,35 @@ void set_pose(CameraModel& camera, const cv::Mat& rotation_vector, const cv::Mat
   }
 }
 
+/// A corner on the board and on the floor, x + iy in metres.
+struct Seen {
+  std::complex<double> on_board, on_floor;
+};
+
+/// The shift, turn and scale that take corners of the board to the floor best.
+struct Likeness {
+  std::complex<double> board_middle, floor_middle, turn;
+  double off(const Seen& corner) const {
+    return std::norm(turn * (corner.on_board - board_middle) - (corner.on_floor - floor_middle));
+  }
+};
+
+Likeness likeness(const std::vector<Seen>& corners) {
+  Likeness found;
+  for (const Seen& corner : corners) {
+    found.board_middle += corner.on_board / static_cast<double>(corners.size());
+    found.floor_middle += corner.on_floor / static_cast<double>(corners.size());
+  }
+  double square = 0.0;
+  for (const Seen& corner : corners) {
+    const std::complex<double> on_board = corner.on_board - found.board_middle;
+    found.turn += std::conj(on_board) * (corner.on_floor - found.floor_middle);
+    square += std::norm(on_board);
+  }
+  found.turn /= square;
+  return found;
+}
+
 }  // namespace
 
 void BoardConfig::validate() const {
@@ -322,6 +352,35 @@ CameraModel board_pose(const cv::Mat& image, const BoardConfig& board, const Cam
   CameraModel out = camera;
   set_pose(out, rotation, translation);
   return out;
+}
+
+std::optional<double> size_on_floor(const BoardCorners& corners, const CameraModel& camera,
+                                    double dish_radius_m) {
+  constexpr std::size_t kLeastCorners = 12;
+  constexpr std::size_t kMistaken = 8;  // one of so many
+  constexpr double kTilted = 0.005;     // RMS, of the board's: it is tilted by some 6 degrees, or no board
+  if (corners.ids.size() < kLeastCorners) return std::nullopt;
+  CameraModel dry = camera;
+  dry.fluid = {};
+  std::vector<Seen> seen;
+  for (std::size_t i = 0; i < corners.ids.size(); ++i) {
+    const geometry::Vector2 on_floor_m = dry.to_dish(corners.pixels[i]);
+    if (on_floor_m.norm() > dish_radius_m) return std::nullopt;
+    seen.push_back({{corners.board_m[i].x(), corners.board_m[i].y()}, {on_floor_m.x(), on_floor_m.y()}});
+  }
+  // A corner may be a mistaken one: those that fit worst are left out.
+  const Likeness rough = likeness(seen);
+  std::sort(seen.begin(), seen.end(),
+            [&rough](const Seen& a, const Seen& b) { return rough.off(a) < rough.off(b); });
+  seen.resize(seen.size() - seen.size() / kMistaken);
+  const Likeness likely = likeness(seen);
+  double off = 0.0, square = 0.0;
+  for (const Seen& corner : seen) {
+    off += likely.off(corner);
+    square += std::norm(corner.on_board - likely.board_middle);
+  }
+  if (off > kTilted * kTilted * square) return std::nullopt;
+  return std::abs(likely.turn);
 }
 
 }  // namespace lodestone::imaging

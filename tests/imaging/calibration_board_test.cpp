@@ -145,3 +145,24 @@ TEST_CASE("views of a board that hardly differ are one") {
   CHECK(imaging::is_another_view(imaging::detect_board(tilted, config), {first}, 640));
   CHECK_FALSE(imaging::is_another_view({}, {}, 640));
 }
+
+TEST_CASE("of a board that lies in the dish it is seen how large it was printed") {
+  const imaging::BoardConfig config = board_of(GENERATE(
+      imaging::BoardKind::kCharuco, imaging::BoardKind::kCheckerboard, imaging::BoardKind::kAprilTag));
+  constexpr double kDish_m = 0.05;
+  const imaging::CameraModel camera = true_camera();
+  const auto size_of = [&](const imaging::BoardConfig& printed, const imaging::CameraModel& seen_by) {
+    return imaging::size_on_floor(imaging::detect_board(image_of_board(printed, seen_by), config), camera,
+                                  kDish_m);
+  };
+  imaging::BoardConfig small = config;
+  small.square_m *= 0.97;
+  small.marker_m *= 0.97;
+  CHECK(size_of(config, camera).value() == Approx(1.0).epsilon(0.002));
+  CHECK(size_of(small, camera).value() == Approx(0.97).epsilon(0.002));
+  CHECK(size_of(small, imaging::moved(camera, {0.0, 0.0, 0.4}, {0.002, 0.001, 0.0})).value() ==
+        Approx(0.97).epsilon(0.002));
+  CHECK_FALSE(size_of(config, imaging::moved(camera, {0.2, 0.0, 0.0}, {})));  // tilted
+  CHECK_FALSE(imaging::size_on_floor(imaging::detect_board(image_of_board(config, camera), config), camera,
+                                     0.02));  // beyond the rim
+}

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -78,5 +79,12 @@ bool is_another_view(const BoardCorners& corners, const std::vector<BoardCorners
 /// Pose over the board in one image: the intrinsics of `camera` with the pose replaced, as if the board's
 /// frame were the dish's. Throws DataError when too few corners are seen.
 CameraModel board_pose(const cv::Mat& image, const BoardConfig& board, const CameraModel& camera);
+
+/// Of a board that lies flat in the dish: how large it is there, as a share of what `corners` take it to be.
+/// One that is held above the floor is larger; less than 1 tells of a print smaller than it is said to be, as
+/// nothing lies below the floor. Nothing where it lies tilted, beyond the dish's rim, or is hardly seen.
+/// `camera`: placed over the dish.
+std::optional<double> size_on_floor(const BoardCorners& corners, const CameraModel& camera,
+                                    double dish_radius_m);
 
 }  // namespace lodestone::imaging
