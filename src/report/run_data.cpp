@@ -34,20 +34,28 @@ std::optional<data::Coverage> read_coverage(const std::string& folder) {
   return data::measure_coverage(data::read_dataset(dataset));
 }
 
+double success_radius_mm(const Json& config) {
+  constexpr double kOfOldRuns_mm = 3.0;
+  if (!config.is_object() || !config.contains("score") || !config["score"].is_object()) return kOfOldRuns_mm;
+  const auto found = config["score"].find("success_radius_m");
+  return found != config["score"].end() && found->is_number() ? 1e3 * found->get<double>() : kOfOldRuns_mm;
+}
+
 void read_deployment(const std::string& folder, RunData& run) {
   const auto summary =
       common::find_artefact<runs::DeploymentSummary>(folder + "/" + runs::DeploymentSummary::kFile);
   if (!summary) return;
   run.provenance = summary->provenance;
   run.reach = common::find_artefact<runs::ReachMap>(folder + "/" + runs::ReachMap::kFile);
+  const double radius_mm = success_radius_mm(run.deploy.config);
   for (const auto& [rig, of_rig] : summary->by_rig)
-    run.rigs.push_back({rig, of_rig, runs::find_trials(folder + "/" + rig)});
+    run.rigs.push_back({rig, of_rig, runs::find_trials(folder + "/" + rig), radius_mm});
   if (!run.rigs.empty()) return;
   std::string rig = summary->scored_by ? "real" : "explored";
   if (!summary->scored_by && run.deploy.config.is_object() && run.deploy.config.contains("on_rig") &&
       run.deploy.config["on_rig"].is_string())
     rig = run.deploy.config["on_rig"].get<std::string>();
-  run.rigs.push_back({rig, *summary, runs::find_trials(folder)});
+  run.rigs.push_back({rig, *summary, runs::find_trials(folder), radius_mm});
 }
 
 std::vector<FilmedTrial> read_filmed(const std::string& folder) {

@@ -92,7 +92,10 @@ std::vector<Trial> read_trials(const std::vector<runs::TrialRecord>& records) {
 }
 
 std::vector<Trial> read_trials(const DeployData& deploy) {
-  return deploy.trials ? read_trials(*deploy.trials) : std::vector<Trial>();
+  if (!deploy.trials) return {};
+  std::vector<Trial> trials = read_trials(*deploy.trials);
+  for (Trial& trial : trials) trial.success_radius_mm = deploy.success_radius_mm;
+  return trials;
 }
 
 std::vector<const Trial*> select(const std::vector<Trial>& trials, const std::string& task,

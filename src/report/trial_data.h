@@ -39,6 +39,7 @@ struct Trial {
   std::vector<std::array<double, 2>> log_drive_gain;
   double error_mm = 0.0;  ///< runs::TrialFigures::error_mm()
   bool success = false;
+  double success_radius_mm = 3.0;  ///< around a target
   bool completed = true;
   std::string stop_reason;
   std::optional<double> rig_changed_s;   ///< when its rig was told to be another

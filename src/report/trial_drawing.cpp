@@ -1,5 +1,7 @@
 #include "trial_drawing.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -13,7 +15,6 @@
 namespace lodestone::report {
 namespace {
 
-constexpr double kSuccessRadius_mm = 3.0;
 constexpr double kTick_mm = 3.0;        // along a wanted heading,
 constexpr double kTicksApart_mm = 4.0;  // at least
 constexpr const char* kTargetColour = "#2f7d4f";
@@ -87,7 +88,7 @@ void draw_targets(const std::vector<const Trial*>& trials, DishSvg& dish) {
     if (!trial->target_mm || std::find(marked.begin(), marked.end(), *trial->target_mm) != marked.end())
       continue;
     marked.push_back(*trial->target_mm);
-    dish.target(trial->target_mm->first, trial->target_mm->second, kSuccessRadius_mm, kTargetColour);
+    dish.target(trial->target_mm->first, trial->target_mm->second, trial->success_radius_mm, kTargetColour);
   }
 }
 
@@ -128,8 +129,11 @@ std::string legend_of(const std::vector<const Trial*>& trials) {
     return std::any_of(trials.begin(), trials.end(), [&](const Trial* trial) { return what(*trial); });
   };
   std::string text = "Rings: starts; dots: ends";
-  if (any([](const Trial& trial) { return trial.target_mm.has_value(); }))
-    text += "; green circles: the 3 mm around a target that count as reached";
+  const auto to_a_target = std::find_if(trials.begin(), trials.end(),
+                                        [](const Trial* trial) { return trial->target_mm.has_value(); });
+  if (to_a_target != trials.end())
+    text += fmt::format("; green circles: the {:g} mm around a target that count as reached",
+                        (*to_a_target)->success_radius_mm);
   if (any([](const Trial& trial) { return !trial.path_mm.empty(); })) text += "; green, dashed: the path";
   if (any([](const Trial& trial) { return !trial.stitches.empty(); }))
     text += "; green lines: stitches, from a ring where the needle goes in to a dot where it comes out";

@@ -28,6 +28,11 @@ TEST_CASE("the folder of a deployment is a run that holds nothing else") {
   CHECK(run.deployment_only);
   REQUIRE(run.rigs.size() == 1);
   CHECK(run.rigs.front().driver() == "planner");
+  CHECK(run.rigs.front().success_radius_mm == 3.0);
+  write_file_atomically(folder / "config.json", R"({"score": {"success_radius_m": 0.0015}})");
+  CHECK(read_run(folder.path()).rigs.front().success_radius_mm == Approx(1.5));
+  write_file_atomically(folder / "config.json", R"({"score": 3})");
+  CHECK(read_run(folder.path()).rigs.front().success_radius_mm == 3.0);
 }
 
 TEST_CASE("a curve leaves out lines without it, and a last line that was cut off is dropped") {

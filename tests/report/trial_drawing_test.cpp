@@ -22,8 +22,12 @@ TEST_CASE("trials are drawn in their controller's colour, with what they were af
 }
 
 TEST_CASE("the caption names what is drawn and nothing else") {
-  const auto trials = read_trials({point_trial("policy", "explored"), path_trial("policy", "explored")});
-  CHECK(holds(legend_of({&trials[0]}), "3 mm"));
+  auto trials = read_trials({point_trial("policy", "explored"), path_trial("policy", "explored")});
+  CHECK(holds(legend_of({&trials[0]}), "the 3 mm"));
+  const std::string by_default = draw_trials({&trials[0]}, 42.5, "trial");
+  trials[0].success_radius_mm = 1.5;
+  CHECK(holds(legend_of({&trials[0]}), "the 1.5 mm"));
+  CHECK(draw_trials({&trials[0]}, 42.5, "trial") != by_default);
   CHECK_FALSE(holds(legend_of({&trials[0]}), "path"));
   CHECK(holds(legend_of({&trials[1]}), "path"));
   CHECK_FALSE(holds(legend_of({&trials[1]}), "3 mm"));

@@ -32,6 +32,7 @@ struct DeployData {
   /// Who drove besides the baseline: "policy" or "planner".
   std::string driver() const { return summary.controller.value_or("policy"); }
   std::optional<std::vector<runs::TrialRecord>> trials;
+  double success_radius_mm = 3.0;  ///< around a target, by which the trials were scored
 };
 
 /// A trial of which there is a video.
