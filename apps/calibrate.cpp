@@ -1,6 +1,6 @@
 #include <fmt/core.h>
-#include <algorithm>
 
+#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
@@ -166,6 +166,7 @@ void check_moved(const CalibrateConfig& config, const cv::Mat& image, const std:
                                 std::to_string(1e3 * config.fit.moved_bound_m) + " mm; calibrate again");
 }
 
+/// A picture of the board, and what to call it.
 struct BoardView {
   std::string name;
   cv::Mat image;
@@ -207,13 +208,12 @@ void tell_of_small_prints(const std::vector<BoardView>& views, const CalibrateCo
     const auto size = imaging::size_on_floor(imaging::detect_board(view.image, config.board), camera,
                                              config.scene.bench.dish_radius_m);
     if (!size || *size > kAsStated) continue;
-    common::log_warning(
-        fmt::format("{}: the board lies flat in the dish, where its squares are {:.2f} mm, {:.1f} % of "
-                    "board.square_m = {}: "
-                    "it is printed smaller (measure a square, and set board.square_m), or the camera stood "
-                    "nearer when it "
-                    "saw the dish. Neither changes this calibration, whose scale is the dish's",
-                    view.name, 1e3 * *size * config.board.square_m, 100.0 * *size, config.board.square_m));
+    common::log_warning(fmt::format(
+        "{}: the board lies flat in the dish, where its squares are {:.2f} mm, {:.1f} % of "
+        "board.square_m = {}: it is printed smaller (measure a square, and set board.square_m), "
+        "or the camera stood nearer when it saw the dish. Neither changes this calibration, whose "
+        "scale is the dish's",
+        view.name, 1e3 * *size * config.board.square_m, 100.0 * *size, config.board.square_m));
     return;
   }
 }

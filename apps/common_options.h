@@ -22,8 +22,8 @@ struct Override {
 /// Options every verb takes.
 struct CommonOptions {
   std::string rig_file;  ///< --rig
-  bool only_described =
-      false;  ///< of that file, the verb takes what describes the rig, not how it is reached
+  /// Of that file, the verb takes what describes the rig, not how it is reached.
+  bool only_described = false;
   std::vector<std::string> config_files;  ///< --config, later ones win
   std::vector<Override> overrides;        ///< --set and shorthands, in order
   std::string out;                        ///< --out DIR

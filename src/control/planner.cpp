@@ -134,7 +134,9 @@ void Planner::look_around(const std::vector<Sequence>& elites, std::int64_t roun
 
 void Planner::note_stillness(const task::Observation& observation) {
   const geometry::Pose2& pose = observation.pose;
-  if ((observation.target_m - target_before_m_).norm() > kStill_m) dearer_.clear();
+  if ((observation.target_m - target_before_m_).norm() > kStill_m ||
+      observation.target_heading_rad != target_heading_before_rad_)
+    dearer_.clear();  // elsewhere, other places are on the way
   const bool still = pose_before_ && square_between(pose, *pose_before_, kStill_m, kStill_rad) < 1.0;
   if (still && !plan_.front().isZero(0.0)) {
     const auto near = std::find_if(dearer_.begin(), dearer_.end(), [&pose](const Dearer& each) {
@@ -148,6 +150,7 @@ void Planner::note_stillness(const task::Observation& observation) {
   }
   pose_before_ = pose;
   target_before_m_ = observation.target_m;
+  target_heading_before_rad_ = observation.target_heading_rad;
 }
 
 geometry::Drive Planner::act(const task::Observation& observation) {

@@ -106,6 +106,7 @@ class Planner final : public Controller {
   geometry::Pose2 goal_;  // by the cost-to-go
   std::optional<geometry::Pose2> pose_before_;
   geometry::Vector2 target_before_m_ = geometry::Vector2::Zero();
+  std::optional<double> target_heading_before_rad_;
   std::vector<Dearer> dearer_;
   std::vector<double> row_cost_;
   inference::CostToGo::Workspace judge_;
