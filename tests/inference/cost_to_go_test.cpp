@@ -46,7 +46,30 @@ TEST_CASE("What a pose costs falls to nothing at the goal, whichever way around 
       cost().at({0.01, -0.005, 3.1 + 5.0 * lodestone::geometry::kRadPerDeg - 2.0 * lodestone::geometry::kPi},
                 goal) == Approx(1.0 - std::exp(-1.0)));
   CHECK(cost().at({-0.02, 0.01, 0.0}, goal) == Approx(1.0));
-  CHECK(cost().most() == Approx(1.0 / (1.0 - cost().discount)));
+  PoseCost twenty = cost();
+  twenty.discount = 0.95;
+  CHECK(twenty.most() == Approx(20.0));
+}
+
+TEST_CASE("Whoever stays pays for it at every pulse to come, and nothing need cost more", "[unit]") {
+  PoseCost twenty = cost();
+  twenty.discount = 0.95;
+  const Pose2 goal{0.01, -0.005, 0.3};
+  const Pose2 near{0.0105, -0.005, 0.3};
+  CHECK(twenty.of_staying(goal, goal) == 0.0);
+  CHECK(twenty.of_staying(near, goal) == Approx(20.0 * twenty.at(near, goal)));
+  CHECK(twenty.of_staying({-0.02, 0.01, 0.3}, goal) == Approx(20.0));
+  CHECK(twenty.of_staying({0.05, 0.0, 0.3}, {0.05, 0.0, 0.3}) == Approx(20.0));  // outside the dish
+  // By one that says everywhere: 8 pulses. So it does far away, but not where staying costs less.
+  Arrays eight = weights(8, 0.4F);
+  eight.at("l2.weight") = Array(std::vector<float>(8), {1, 8});
+  const CostToGo learned(eight, {8}, twenty);
+  const double state[] = {near.x_m, near.y_m, near.heading_rad, -0.02, 0.01, 0.3};
+  double after[2];
+  CostToGo::Workspace workspace;
+  learned.evaluate(state, &goal, 2, 2, after, workspace);
+  CHECK(after[0] == Approx(twenty.of_staying(near, goal)));
+  CHECK(after[1] == Approx(1.0 + 0.95 * 8.0));
 }
 
 TEST_CASE("A cost-to-go stays within its bounds, and a row is alone with its goal", "[unit]") {
