@@ -29,11 +29,12 @@ namespace lodestone::rl {
 /// simulator, by fitted value iteration (Bertsekas and Tsitsiklis, Neuro-dynamic programming, 1996; Ernst et
 /// al., 2005): at every decision pulses of many strengths and directions are tried on several outcomes, the
 /// best is chosen, and what it is expected to cost on outcomes that it was not chosen by (but for whether to
-/// rest instead) is what the network learns for the pose before. The needles follow those decisions, so that
-/// the poses learned from are those that a planner which decides so comes to. And a policy learns the
-/// decisions themselves (imitate()): what the planner searches for, in one forward pass. Its proposals are
-/// tried beside the others, so that search and policy better one another (expert iteration: Anthony, Tian
-/// and Barber, 2017).
+/// rest instead) is what the network learns for the pose before. Resting at a goal that stays is judged by
+/// what leaving the needle for good costs, exactly (PoseCost::of_staying). The needles follow those
+/// decisions, so that the poses learned from are those that a planner which decides so comes to. And a policy
+/// learns the decisions themselves (imitate()): what the planner searches for, in one forward pass. Its
+/// proposals are tried beside the others, so that search and policy better one another (expert iteration:
+/// Anthony, Tian and Barber, 2017).
 ///
 /// Rigs, their gain, and places that hold the needle are imagined as by ModelGradientLearner. Work is cut
 /// into shards of fixed size with random streams of their own, so the result does not depend on the number
