@@ -86,10 +86,6 @@ std::vector<std::size_t> Planner::best(std::size_t count) const {
   return order;
 }
 
-bool Planner::knows_cost_of(const task::Observation& observation) const {
-  return cost_to_go_ && observation.ahead.empty() && model_->state_size == 3;
-}
-
 geometry::Pose2 Planner::cheapest_goal(const task::Observation& observation) {
   const geometry::Pose2& pose = observation.pose;
   geometry::Pose2 goal{observation.target_m.x(), observation.target_m.y(), 0.0};
@@ -138,7 +134,7 @@ void Planner::note_stillness(const task::Observation& observation) {
       observation.target_heading_rad != target_heading_before_rad_)
     dearer_.clear();  // elsewhere, other places are on the way
   const bool still = pose_before_ && square_between(pose, *pose_before_, kStill_m, kStill_rad) < 1.0;
-  if (still && !plan_.front().isZero(0.0)) {
+  if (still && by_cost_to_go_ && !plan_.front().isZero(0.0)) {
     const auto near = std::find_if(dearer_.begin(), dearer_.end(), [&pose](const Dearer& each) {
       return square_between(pose, each.pose, kStill_m, kStill_rad) < 1.0;
     });
@@ -154,23 +150,32 @@ void Planner::note_stillness(const task::Observation& observation) {
 }
 
 geometry::Drive Planner::act(const task::Observation& observation) {
-  const auto horizon = static_cast<std::size_t>(config_.horizon);
-  const int numbers = model_->action.size;
-  const bool learned = knows_cost_of(observation);
-  if (learned) {
-    goal_ = cheapest_goal(observation);
-    note_stillness(observation);
-  }
-  const Sequence nothing(horizon, geometry::Drive::Zero(numbers));
+  const bool costs = cost_to_go_ && observation.ahead.empty() && model_->state_size == 3;
+  if (costs) note_stillness(observation);
   // What was the second pulse is the first one now, and one proposal among others.
   std::rotate(plan_.begin(), plan_.begin() + 1, plan_.end());
   plan_.back().setZero();
+  by_cost_to_go_ = costs;
+  if (costs) {
+    goal_ = cheapest_goal(observation);
+    plan_ = searched(observation);
+    // As near as costs nothing: a target without a heading may be come nearer to.
+    by_cost_to_go_ = observation.target_heading_rad || !is_nothing(plan_);
+  }
+  if (!by_cost_to_go_) plan_ = searched(observation);
+  return plan_.front();
+}
+
+Planner::Sequence Planner::searched(const task::Observation& observation) {
+  const auto horizon = static_cast<std::size_t>(config_.horizon);
+  const int numbers = model_->action.size;
+  const Sequence nothing(horizon, geometry::Drive::Zero(numbers));
   Sequence mean = nothing;
   Sequence spread(horizon, geometry::Drive::Constant(numbers, config_.spread));
   std::vector<Sequence> elites;
   for (std::int64_t iteration = 0; iteration < config_.iterations; ++iteration) {
     candidates_ = {nothing, plan_};
-    if (learned)
+    if (by_cost_to_go_)
       look_around(elites, iteration);
     else
       look_around(mean, spread);
@@ -192,11 +197,10 @@ geometry::Drive Planner::act(const task::Observation& observation) {
   }
   // The best of many was lucky, and the mean of two good ways may lie on neither: judged once more.
   candidates_ = std::move(elites);
-  if (!learned) candidates_.push_back(mean);
+  if (!by_cost_to_go_) candidates_.push_back(mean);
   candidates_.push_back(nothing);
   evaluate_candidates(observation);
-  plan_ = candidates_[best(1).front()];
-  return plan_.front();
+  return candidates_[best(1).front()];
 }
 
 void Planner::add_distances(const task::Observation& observation, std::size_t t, double fraction) {
@@ -254,7 +258,7 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
   }
   cost_.assign(count, 0.0);
   const auto horizon = static_cast<std::size_t>(config_.horizon);
-  const bool learned = knows_cost_of(observation);
+  const bool learned = by_cost_to_go_;
   const double fraction = 1.0 / static_cast<double>(learned ? particles : particles * horizon);
   for (std::size_t t = 0; t < horizon; ++t) {
     const double later = learned ? std::pow(cost_to_go_->cost().discount, static_cast<double>(t)) : 1.0;

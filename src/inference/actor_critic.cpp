@@ -10,8 +10,6 @@
 namespace lodestone::inference {
 namespace {
 
-/// The corner of the square of actions.
-constexpr float kMostStrength = 1.4142136F;
 /// Of a vector with a direction.
 constexpr float kLeastLength = 1e-6F;
 
@@ -38,19 +36,22 @@ Actor::Actor(const Arrays& weights, std::int64_t observation_size, const std::ve
       proposals_(proposals),
       network_(layers_from(weights, observation_size, hidden, outputs(action_size, proposals), 1, what)) {
   LODESTONE_CHECK(action_size >= 1 && action_size <= geometry::kMostDrives, "an action of 1 to 16 numbers");
-  LODESTONE_CHECK(proposals == 0 || action_size == 2, "proposals of two numbers");
 }
 
-std::int64_t Actor::choose(const float* output, std::int64_t proposals) {
-  const float* score = output + 3 * proposals;
+std::int64_t Actor::choose(const float* output, std::int64_t action_size, std::int64_t proposals) {
+  const float* score = output + (action_size + 1) * proposals;
   return std::max_element(score, score + proposals + 1) - score;
 }
 
-void Actor::propose(const float* output, std::int64_t k, float* action) {
-  const float* proposal = output + 3 * k;
-  const float length = std::max(kLeastLength, std::hypot(proposal[0], proposal[1]));
-  const float strength = kMostStrength / (1.0F + std::exp(-proposal[2]));
-  for (int i = 0; i < 2; ++i) action[i] = std::clamp(strength * proposal[i] / length, -1.0F, 1.0F);
+void Actor::propose(const float* output, std::int64_t action_size, std::int64_t k, float* action) {
+  const float* towards = output + (action_size + 1) * k;
+  const double square = std::accumulate(towards, towards + action_size, 0.0, [](double sum, float number) {
+    return sum + static_cast<double>(number) * static_cast<double>(number);
+  });
+  const float length = std::max(kLeastLength, static_cast<float>(std::sqrt(square)));
+  const float strength = most_strength(action_size) / (1.0F + std::exp(-towards[action_size]));
+  for (std::int64_t i = 0; i < action_size; ++i)
+    action[i] = std::clamp(strength * towards[i] / length, -1.0F, 1.0F);
 }
 
 void Actor::act(const float* observation, std::int64_t rows, float* action, Workspace& workspace) const {
@@ -61,9 +62,9 @@ void Actor::act(const float* observation, std::int64_t rows, float* action, Work
     return;
   }
   for (std::int64_t row = 0; row < rows; ++row, output += network_.outputs(), action += action_size_) {
-    const std::int64_t chosen = choose(output, proposals_);
+    const std::int64_t chosen = choose(output, action_size_, proposals_);
     std::fill_n(action, action_size_, 0.0F);
-    if (chosen < proposals_) propose(output, chosen, action);
+    if (chosen < proposals_) propose(output, action_size_, chosen, action);
   }
 }
 
@@ -80,7 +81,7 @@ std::vector<geometry::Drive> Actor::ranked(const float* observation, Workspace& 
   const float* output = network_.forward(1, workspace);
   LODESTONE_CHECK(std::all_of(output, output + network_.outputs(), [](float x) { return std::isfinite(x); }),
                   "finite proposals and scores from the policy network");
-  const float* score = output + 3 * proposals_;
+  const float* score = output + (action_size_ + 1) * proposals_;
   std::vector<std::int64_t> order(static_cast<std::size_t>(proposals_) + 1);
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
@@ -88,7 +89,7 @@ std::vector<geometry::Drive> Actor::ranked(const float* observation, Workspace& 
   std::vector<geometry::Drive> actions;
   for (const std::int64_t k : order) {
     action = {};
-    if (k < proposals_) propose(output, k, action.data());
+    if (k < proposals_) propose(output, action_size_, k, action.data());
     actions.push_back(given());
   }
   return actions;

@@ -111,8 +111,8 @@ Policy policy_from_facts(const Json& facts, const std::string& what) {
     policy.proposals = proposals_from_json(facts.value("proposals", Json(0)), what);
     policy.encoder = task::encoder_from_json(facts.at("encoder"), what);
     policy.action = task::action_from_json(facts.at("action"), what);
-    if (policy.encoder.action_size != policy.action.size || (policy.proposals > 0 && policy.action.size != 2))
-      throw CheckpointError(what + ": encoder, action and proposals are of different sizes");
+    if (policy.encoder.action_size != policy.action.size)
+      throw CheckpointError(what + ": encoder and action are of different sizes");
     policy.goal = facts.at("goal").get<std::string>();
     policy.rig = facts.value("rig", Json());
     if (facts.contains("region")) policy.region = task::Region::from_json(facts["region"]);

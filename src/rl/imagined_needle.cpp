@@ -32,7 +32,7 @@ void ImaginedNeedle::draw_rig(const ImaginationConfig& config, common::RandomStr
   log_gain = within_most(told.log_mean + told.log_sigma * random.normal());
 }
 
-void ImaginedNeedle::note_pulse(const geometry::Vector2& action, const geometry::Vector2& before_m,
+void ImaginedNeedle::note_pulse(const geometry::Drive& action, const geometry::Vector2& before_m,
                                 const ImaginationConfig& config, common::RandomStream& random) {
   last_action = action;
   last_displacement_m = pose.position_m() - before_m;

@@ -44,7 +44,7 @@ void visit_numbers(Needle& needle, Visit&& visit) {
        {&needle.pose.x_m, &needle.pose.y_m, &needle.pose.heading_rad, &needle.target_m.x(),
         &needle.target_m.y(), &needle.target_step_m.x(), &needle.target_step_m.y(), &needle.told.log_mean,
         &needle.told.log_sigma, &needle.log_gain, &needle.log_place, &needle.place_m.x(), &needle.place_m.y(),
-        &needle.stalled.x(), &needle.stalled.y(), &needle.last_action.x(), &needle.last_action.y(),
+        &needle.stalled.x(), &needle.stalled.y(), &needle.last_action[0], &needle.last_action[1],
         &needle.last_displacement_m.x(), &needle.last_displacement_m.y()})
     visit(*value);
 }
@@ -75,7 +75,7 @@ ModelGradientLearner::ModelGradientLearner(const LearningConfig& learning, const
         "false and task.goal to centre or point");
   common::RandomStream random(seed, "actor", 0);
   actor_.initialise(random);
-  set_proposals_apart(actor_, config.hidden.size(), config.proposals, kFirstStrength);
+  set_proposals_apart(actor_, config.hidden.size(), 2, config.proposals, kFirstStrength);
   first_moment_ = at::zeros_like(actor_.parameters());
   second_moment_ = at::zeros_like(actor_.parameters());
   gradient_ = at::zeros_like(actor_.parameters());
@@ -204,7 +204,7 @@ void ModelGradientLearner::work_on(Shard& shard, const ExpectedDistance& simulat
   const DistanceCost rest{config_.goal_radius_m, task_.task.dish_radius_m};
   const auto proposal = [&](std::size_t i, std::size_t k) {
     float action[2];
-    inference::Actor::propose(output + i * outputs, static_cast<std::int64_t>(k), action);
+    inference::Actor::propose(output + i * outputs, 2, static_cast<std::int64_t>(k), action);
     return geometry::Vector2(action[0], action[1]);
   };
   std::vector<double> rest_mm(count);
@@ -293,9 +293,9 @@ void ModelGradientLearner::give_pulses(Shard& shard, const ExpectedDistance& sim
   const std::size_t size = shard.state.size() / count;
   for (std::size_t i = 0; i < count; ++i) {
     float action[2] = {};
-    shard.chosen[i] = inference::Actor::choose(output + i * outputs, config_.proposals);
+    shard.chosen[i] = inference::Actor::choose(output + i * outputs, 2, config_.proposals);
     if (shard.chosen[i] < config_.proposals)
-      inference::Actor::propose(output + i * outputs, shard.chosen[i], action);
+      inference::Actor::propose(output + i * outputs, 2, shard.chosen[i], action);
     // Sometimes the pulse that was learned from, whatever was chosen.
     if (shard.random.uniform() >= kExplored)
       shard.tried[i] = {action[0], action[1]};

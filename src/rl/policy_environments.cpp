@@ -90,9 +90,10 @@ std::unique_ptr<PolicyLearner> make_policy_learner(const TrainPolicyConfig& conf
   const auto seed = static_cast<std::uint64_t>(config.seed);
   if (config.method != Method::kTd3) {
     LODESTONE_CHECK(environments.dynamics, "dynamics to look into");
-    if (config.action.size != 2)
+    if (config.method == Method::kModelGradient && config.action.size != 2)
       throw common::InvalidConfig("method", common::name_of(config.method),
-                                  "be td3 where an action has " + std::to_string(config.action.size) +
+                                  "be td3 or value_iteration where an action has " +
+                                      std::to_string(config.action.size) +
                                       " numbers: this method proposes directions in the plane");
     const ImaginedTask task{config.task,
                             config.encoder,

@@ -167,7 +167,10 @@ class Training : public runs::ResumableWork {
     returns_.emplace_back(result_.train_seconds, score.episode_return);
     text_ = note(score);
     if (learner_.env_steps() == 0) return;
-    if (!result_.best_evaluation || score.episode_return > result_.best_evaluation->episode_return) {
+    // Of a cost-to-go the policy's score does not tell: the latest is kept, and the policy with it.
+    const bool latest = learner_.cost_to_go().has_value();
+    if (latest || !result_.best_evaluation ||
+        score.episode_return > result_.best_evaluation->episode_return) {
       result_.best_evaluation = score;
       result_.best_env_steps = learner_.env_steps();
       keep(present_policy());

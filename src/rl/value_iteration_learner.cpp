@@ -44,9 +44,10 @@ void visit_needle(Needle& needle, Visit&& visit) {
        {&needle.pose.x_m, &needle.pose.y_m, &needle.pose.heading_rad, &needle.goal.x_m, &needle.goal.y_m,
         &needle.goal.heading_rad, &needle.goal_step_m.x(), &needle.goal_step_m.y(), &needle.goal_turn_rad,
         &needle.told.log_mean, &needle.told.log_sigma, &needle.log_gain, &needle.log_place,
-        &needle.place_m.x(), &needle.place_m.y(), &needle.last_action.x(), &needle.last_action.y(),
-        &needle.last_displacement_m.x(), &needle.last_displacement_m.y()})
+        &needle.place_m.x(), &needle.place_m.y()})
     visit(*value);
+  for (double& number : needle.last_action) visit(number);
+  for (double& number : needle.last_displacement_m) visit(number);
 }
 
 /// And of a decision.
@@ -60,7 +61,8 @@ void visit_decision(Decision& decision, Visit&& visit) {
   for (float& number : decision.observation) as_double(number);
   for (float& number : decision.features) as_double(number);
   as_double(decision.still);
-  for (double* value : {&decision.cost, &decision.action.x(), &decision.action.y()}) visit(*value);
+  visit(decision.cost);
+  for (double& number : decision.action) visit(number);
 }
 
 /// What a pulse may come to: the same for every pulse that is held against another.
@@ -100,7 +102,8 @@ ValueIterationLearner::ValueIterationLearner(const LearningConfig& learning,
       encoder_(task.encoder),
       model_(std::move(model)),
       starts_(env::starts_within(model_, task.task.start_radius_m(), task.region.get())),
-      actor_(layer_widths(encoder_.size(), config.hidden, inference::Actor::outputs(2, config.proposals))),
+      actor_(layer_widths(encoder_.size(), config.hidden,
+                          inference::Actor::outputs(task.action.size, config.proposals))),
       value_(layer_widths(inference::CostToGo::kFeatures, config.value_hidden, 1)),
       target_(layer_widths(inference::CostToGo::kFeatures, config.value_hidden, 1)),
       pool_(static_cast<std::size_t>(threads)) {
@@ -116,7 +119,7 @@ ValueIterationLearner::ValueIterationLearner(const LearningConfig& learning,
   config_.cost.dish_radius_m = task.task.dish_radius_m;
   common::RandomStream random(seed, "actor", 0);
   actor_.initialise(random);
-  set_proposals_apart(actor_, config.hidden.size(), config.proposals, kFirstOdds);
+  set_proposals_apart(actor_, config.hidden.size(), task.action.size, config.proposals, kFirstOdds);
   common::RandomStream value_random(seed, "value", 0);
   value_.initialise(value_random);
   target_ = value_.clone();
@@ -137,6 +140,7 @@ ValueIterationLearner::ValueIterationLearner(const LearningConfig& learning,
     shard.seen.resize(count);
     shard.goal_after.resize(count);
     for (Needle& needle : shard.needles) {
+      needle.last_action = geometry::Drive::Zero(task.action.size);
       draw_pose(needle, shard.random);
       draw_goal(needle, shard.random);
     }
@@ -243,13 +247,14 @@ void ValueIterationLearner::judge(Shard& shard, Tries& tries, std::int64_t parti
   const std::size_t rows = tries.action.size();
   shard.state.resize(3 * rows);
   shard.next.resize(3 * rows);
-  shard.drive.resize(2 * rows);
+  const auto numbers = static_cast<std::size_t>(task_.action.size);
+  shard.drive.resize(numbers * rows);
   shard.cost.resize(rows);
   tries.cost.assign(rows, 0.0);
   for (std::size_t row = 0; row < rows; ++row) {
     const geometry::Pose2& seen = shard.seen[row / tries.count];
-    const double numbers[] = {seen.x_m, seen.y_m, seen.heading_rad};
-    std::copy_n(numbers, 3, &shard.state[3 * row]);
+    const double state[] = {seen.x_m, seen.y_m, seen.heading_rad};
+    std::copy_n(state, 3, &shard.state[3 * row]);
   }
   std::size_t member = turn;
   for (const Outcome& outcome : draw_outcomes(particles, random)) {
@@ -258,7 +263,7 @@ void ValueIterationLearner::judge(Shard& shard, Tries& tries, std::int64_t parti
       const double factor = std::exp(told.log_mean + told.log_sigma * outcome.gain_off);
       const geometry::Drive drive =
           geometry::saturated(factor * task::drive_of(tries.action[row], task_.action), task_.action.scale);
-      std::copy_n(drive.data(), 2, &shard.drive[2 * row]);
+      std::copy_n(drive.data(), numbers, &shard.drive[numbers * row]);
     }
     const auto n = static_cast<std::int64_t>(rows);
     model_.members[member++ % model_.members.size()].sample(shard.state.data(), shard.drive.data(), n,
@@ -285,6 +290,7 @@ void ValueIterationLearner::decide(Shard& shard, std::size_t turn) const {
   };
   turn += static_cast<std::size_t>(decisions_);
   // Any pulses, and what the policy would do: so each gets better by the other.
+  const int size = task_.action.size;
   Tries tries;
   actor_.forward(shard.observation.data(), shard.actor);
   const float* output = shard.actor.output.data_ptr<float>();
@@ -292,12 +298,12 @@ void ValueIterationLearner::decide(Shard& shard, std::size_t turn) const {
   tries.count = static_cast<std::size_t>(config_.candidates + config_.proposals);
   for (std::size_t i = 0; i < needles; ++i) {
     for (std::int64_t k = 0; k < config_.proposals; ++k) {
-      float action[2];
-      inference::Actor::propose(output + i * outputs, k, action);
-      tries.action.push_back(geometry::as_drive(action, 2));
+      float action[geometry::kMostDrives];
+      inference::Actor::propose(output + i * outputs, size, k, action);
+      tries.action.push_back(geometry::as_drive(action, size));
     }
     while (tries.action.size() < (i + 1) * tries.count)
-      tries.action.push_back(task::draw_action(2, config_.weakest, shard.random));
+      tries.action.push_back(task::draw_action(size, config_.weakest, shard.random));
   }
   judge(shard, tries, config_.particles, turn);
   for (const double share : kRefined) {
@@ -317,7 +323,7 @@ void ValueIterationLearner::decide(Shard& shard, std::size_t turn) const {
   last.count = 2;
   for (std::size_t i = 0; i < needles; ++i) {
     last.action.push_back(tries.action[best_of(tries, i)]);
-    last.action.push_back(geometry::Drive::Zero(2));
+    last.action.push_back(geometry::Drive::Zero(size));
   }
   judge(shard, last, 2 * config_.particles, ++turn);
   for (std::size_t i = 0; i < needles; ++i)
@@ -335,7 +341,7 @@ void ValueIterationLearner::decide(Shard& shard, std::size_t turn) const {
                                         decision.features);
     decision.cost = std::clamp(last.cost[best] / config_.cost.most(), 0.0, 1.0);
     decision.still = shard.needles[i].still();
-    decision.action = {last.action[best][0], last.action[best][1]};
+    decision.action = last.action[best];
   }
   give_pulses(shard, slot, turn);
 }
@@ -346,8 +352,8 @@ void ValueIterationLearner::give_pulses(Shard& shard, std::size_t slot, std::siz
   const inference::FoldedDynamics& member = model_.members[turn % model_.members.size()];
   for (std::size_t i = 0; i < shard.needles.size(); ++i) {
     Needle& needle = shard.needles[i];
-    geometry::Drive action = {shard.decisions[slot + i].action.x(), shard.decisions[slot + i].action.y()};
-    if (random.uniform() < kAnyPulse) action = task::draw_action(2, config_.weakest, random);
+    geometry::Drive action = shard.decisions[slot + i].action;
+    if (random.uniform() < kAnyPulse) action = task::draw_action(task_.action.size, config_.weakest, random);
     const geometry::Vector2 before_m = needle.pose.position_m();
     if (!action.isZero(0.0)) {
       const geometry::Drive drive =
@@ -357,7 +363,7 @@ void ValueIterationLearner::give_pulses(Shard& shard, std::size_t slot, std::siz
       member.sample(state, drive.data(), 1, luck, state, shard.dynamics);
       needle.pose = {state[0], state[1], state[2]};
     }
-    needle.note_pulse({action[0], action[1]}, before_m, config_, random);
+    needle.note_pulse(action, before_m, config_, random);
     needle.goal = shard.goal_after[i];
     const geometry::Vector2 step_m = needle.goal_step_m;
     const double c = std::cos(needle.goal_turn_rad), s = std::sin(needle.goal_turn_rad);
@@ -394,8 +400,9 @@ void ValueIterationLearner::learn(Shard& shard) const {
     const double off = decision.still ? static_cast<double>(value[i]) - decision.cost : 0.0;
     shard.value_loss += each * off * off;
     shard.value_gradient[i] = static_cast<float>(2.0 * each * off);
-    for (const double number : {decision.action.x(), decision.action.y()})
-      if (std::abs(number) > static_cast<double>(kSaturatedAction)) shard.saturated += 0.5 * each;
+    for (const double number : decision.action)
+      if (std::abs(number) > static_cast<double>(kSaturatedAction))
+        shard.saturated += each / static_cast<double>(task_.action.size);
   }
   using Wanted = FlatNetwork<float>::Wanted;
   actor_.backward(shard.observation.data(), shard.actor_gradient.data(), shard.actor, Wanted::kParameters);
@@ -405,7 +412,8 @@ void ValueIterationLearner::learn(Shard& shard) const {
 inference::Arrays ValueIterationLearner::actor_weights() const { return arrays_of(actor_); }
 
 inference::Actor ValueIterationLearner::actor() const {
-  return inference::Actor(actor_weights(), encoder_.size(), config_.hidden, 2, "actor", config_.proposals);
+  return inference::Actor(actor_weights(), encoder_.size(), config_.hidden, task_.action.size, "actor",
+                          config_.proposals);
 }
 
 std::optional<inference::CostToGo> ValueIterationLearner::cost_to_go() const { return judge_; }
@@ -466,8 +474,10 @@ void ValueIterationLearner::load(const nets::Checkpoint& checkpoint) {
   std::int64_t needle_numbers = 0, decision_numbers = 0;
   for (Shard& shard : shards_) {
     shard.decisions.resize(kept * shard.needles.size());
-    for (Decision& decision : shard.decisions)
+    for (Decision& decision : shard.decisions) {
       decision.observation.resize(static_cast<std::size_t>(encoder_.size()));
+      decision.action.resize(task_.action.size);
+    }
     for (Needle& needle : shard.needles) visit_needle(needle, [&](double&) { ++needle_numbers; });
     for (Decision& decision : shard.decisions) visit_decision(decision, [&](double&) { ++decision_numbers; });
   }

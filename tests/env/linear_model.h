@@ -90,21 +90,23 @@ inline inference::DynamicsModel linear_model(data::StateLayout layout, const std
 constexpr double kLinearNoise_m = 0.2e-3;
 
 /// One member that moves the robot by `gain_m` metres per unit of drive, does not turn it, and is unsure of
-/// all three by kLinearNoise_m (or rad): a mixture of one.
-inline inference::DynamicsModel noisy_linear_model(double gain_m) {
+/// all three by kLinearNoise_m (or rad): a mixture of one. Of more numbers the last two move it, as above.
+inline inference::DynamicsModel noisy_linear_model(double gain_m, int action_size = 2) {
   constexpr data::StateLayout kLayout = data::StateLayout::kPose;
   inference::DynamicsModel model = empty_linear_model(kLayout, 1);
   model.config.components = 1;
+  model.info.action_size = action_size;
   const std::int64_t outputs = model.config.mixture(kLayout).outputs();
   constexpr double kUnit_m = 1e-3;
-  inference::Arrays weights = passing_drive_on(model.config.inputs(kLayout), 3, outputs, 1, gain_m / kUnit_m);
+  inference::Arrays weights =
+      passing_drive_on(model.config.inputs(model.info.rows()), 3, outputs, 1, gain_m / kUnit_m);
   std::vector<float> bias(static_cast<std::size_t>(outputs));
   const double part = (std::log(kLinearNoise_m / kUnit_m) - inference::kLeastLogSpread) /
                       (inference::kMostLogSpread - inference::kLeastLogSpread);
   for (std::size_t i = 4; i < 7; ++i) bias[i] = static_cast<float>(std::log(part / (1.0 - part)));
   weights["layers.2.bias"] = {std::move(bias), {outputs}};
   weights["output_std"] = {std::vector<float>(3, static_cast<float>(kUnit_m)), {3}};
-  model.members.emplace_back(weights, model.config, kLayout, "noisy linear model");
+  model.members.emplace_back(weights, model.config, model.info.rows(), "noisy linear model");
   return model;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 using lodestone::common::RandomStream;
+using lodestone::geometry::Drive;
 using lodestone::geometry::Vector2;
 using lodestone::rl::ImaginationConfig;
 using lodestone::rl::ImaginedNeedle;
@@ -39,7 +40,7 @@ TEST_CASE("Friction stays with a place, and is another elsewhere", "[unit]") {
   needle.pose.x_m += config.place_size_m;
   needle.note_pulse({0.2, 0.1}, {0.01, 0.0}, config, random);
   CHECK(needle.log_place != here);
-  CHECK(needle.last_action == Vector2(0.2, 0.1));
+  CHECK(needle.last_action == Drive{0.2, 0.1});
   needle.put({0.0, 0.0, 0.0}, config, random);
   CHECK(needle.last_action.isZero(0.0));
   CHECK(needle.last_displacement_m.isZero(0.0));

@@ -54,7 +54,8 @@ struct PlannerConfig {
 ///
 /// Where the target is to stay at and a cost-to-go was learned (inference::CostToGo), sequences are judged by
 /// that instead: what lying there costs, pulse by pulse, and at the end all that comes after. Of a target
-/// without a heading, the heading is taken with which it costs least from where the needle lies. The first
+/// without a heading, the heading is taken with which it costs least from where the needle lies, and where
+/// the needle rests by that cost it is searched for pulses that bring it nearer by the distance. The first
 /// round then tries pulses of every strength, as a needle turns at a tenth of what moves it, and later ones
 /// look around each of the best: the mean of two ways to a pose lies on neither.
 class Planner final : public Controller {
@@ -69,8 +70,8 @@ class Planner final : public Controller {
  private:
   using Sequence = std::vector<geometry::Drive>;  // [horizon]
 
-  /// Whether it is planned for by what was learned.
-  bool knows_cost_of(const task::Observation& observation) const;
+  /// The best sequence that is found, by the cost-to-go or by the distance.
+  Sequence searched(const task::Observation& observation);
   /// The pose that costs least of those the target allows.
   geometry::Pose2 cheapest_goal(const task::Observation& observation);
   /// The candidates of a round, by the mean and spread of the best ones of the round before,
@@ -82,7 +83,7 @@ class Planner final : public Controller {
   /// What rows of states cost after pulse `t` of the horizon, for each candidate.
   void add_distances(const task::Observation& observation, std::size_t t, double fraction);
   void add_pose_costs(std::size_t t, double fraction);
-  /// Makes the place dearer where the needle lies as before although it was given a pulse.
+  /// Makes the place dearer where the needle lies as before although it was given a pulse, by that cost.
   void note_stillness(const task::Observation& observation);
   /// Indices of the `count` best candidates, best first.
   std::vector<std::size_t> best(std::size_t count) const;
@@ -103,7 +104,8 @@ class Planner final : public Controller {
     geometry::Pose2 pose;
     double cost = 0.0;
   };
-  geometry::Pose2 goal_;  // by the cost-to-go
+  bool by_cost_to_go_ = false;  // is searched
+  geometry::Pose2 goal_;        // then
   std::optional<geometry::Pose2> pose_before_;
   geometry::Vector2 target_before_m_ = geometry::Vector2::Zero();
   std::optional<double> target_heading_before_rad_;

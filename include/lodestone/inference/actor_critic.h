@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -10,9 +11,9 @@
 namespace lodestone::inference {
 
 /// Actor of section IV-B2 for evaluation: D -> hidden (ReLU) -> A, tanh. Read only, so threads share it.
-/// With `proposals` P above 0 the last layer proposes P actions of two axes, each by a direction and the
-/// logarithm of its odds of strength (three numbers), and has P + 1 scores, the last of which is for resting:
-/// the proposal with the highest score is given, and exactly zero where that is resting.
+/// With `proposals` P above 0 the last layer proposes P actions, each by a direction (A numbers) and the
+/// logarithm of its odds of strength, and has P + 1 scores, the last of which is for resting: the proposal
+/// with the highest score is given, and exactly zero where that is resting.
 class Actor {
  public:
   using Workspace = DenseNetwork::Workspace;
@@ -33,12 +34,14 @@ class Actor {
 
   /// Numbers of the last layer.
   static std::int64_t outputs(std::int64_t action_size, std::int64_t proposals) {
-    return proposals == 0 ? action_size : 4 * proposals + 1;
+    return proposals == 0 ? action_size : (action_size + 2) * proposals + 1;
   }
   /// Which proposal has the highest score in a row of the last layer; `proposals` for resting.
-  static std::int64_t choose(const float* output, std::int64_t proposals);
-  /// Proposal `k` of a row: its direction times sqrt(2) / (1 + exp(-strength)), cut to the square.
-  static void propose(const float* output, std::int64_t k, float* action);
+  static std::int64_t choose(const float* output, std::int64_t action_size, std::int64_t proposals);
+  /// Proposal `k` of a row: its direction times most_strength(A) / (1 + exp(-strength)), cut to [-1, 1]^A.
+  static void propose(const float* output, std::int64_t action_size, std::int64_t k, float* action);
+  /// Of an action: the corner of [-1, 1]^A.
+  static float most_strength(std::int64_t action_size) { return std::sqrt(static_cast<float>(action_size)); }
 
  private:
   std::int64_t action_size_;

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "lodestone/common/random.h"
+#include "lodestone/geometry/drive.h"
 #include "lodestone/geometry/pose2.h"
 #include "lodestone/rl/imagined_task.h"
 #include "lodestone/task/observation.h"
@@ -52,7 +53,7 @@ struct ImaginedNeedle {
   double log_gain = 0.0;   ///< of the rig
   double log_place = 0.0;  ///< and of the place: friction that stays with it
   geometry::Vector2 place_m = geometry::Vector2::Zero();
-  geometry::Vector2 last_action = geometry::Vector2::Zero();
+  geometry::Drive last_action = geometry::Drive::Zero(2);
   geometry::Vector2 last_displacement_m = geometry::Vector2::Zero();
 
   /// On the drive.
@@ -63,7 +64,7 @@ struct ImaginedNeedle {
   /// posterior.
   void draw_rig(const ImaginationConfig& config, common::RandomStream& random);
   /// Notes the pulse that has brought it from `before_m` to where it is.
-  void note_pulse(const geometry::Vector2& action, const geometry::Vector2& before_m,
+  void note_pulse(const geometry::Drive& action, const geometry::Vector2& before_m,
                   const ImaginationConfig& config, common::RandomStream& random);
 };
 

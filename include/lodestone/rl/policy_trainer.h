@@ -142,11 +142,11 @@ struct ScoringEnvironments {
 };
 
 /// Trains until env_steps, writing into the run's folder: metrics (the first line is of the untrained
-/// policy), `checkpoint` (the policy with the best evaluation return so far) and, every checkpoint_every_s,
-/// `training`, from which a resumption goes on bitwise. At the end what was kept is scored in fresh episodes,
-/// which its checkpoint then names, too: one that was cut off knows only the score that it was chosen by.
-/// Throws Interrupted after saving when the user asked to stop, and CheckpointError. `region`, when given, is
-/// kept with the policy.
+/// policy), `checkpoint` (the policy with the best evaluation return so far; the latest, where a cost-to-go
+/// is learned beside it) and, every checkpoint_every_s, `training`, from which a resumption goes on bitwise.
+/// At the end what was kept is scored in fresh episodes, which its checkpoint then names, too: one that was
+/// cut off knows only the score that it was chosen by. Throws Interrupted after saving when the user asked to
+/// stop, and CheckpointError. `region`, when given, is kept with the policy.
 runs::PolicyResult train_policy(const TrainPolicyConfig& config, PolicyLearner& learner,
                                 const ScoringEnvironments& scoring, runs::RunFolder& run,
                                 const task::Region* region = nullptr);

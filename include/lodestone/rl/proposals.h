@@ -3,15 +3,16 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "lodestone/geometry/pose2.h"
+#include "lodestone/geometry/drive.h"
 #include "lodestone/rl/flat_network.h"
 
 namespace lodestone::rl {
 
-/// Sets the proposals of a fresh actor (inference::Actor) apart, evenly around and of one strength, by the
-/// biases of the layer behind its `hidden` ones. `strength`: logarithm of its odds.
-void set_proposals_apart(FlatNetwork<float>& actor, std::size_t hidden, std::int64_t proposals,
-                         float strength);
+/// Sets the proposals of a fresh actor (inference::Actor) apart, of one strength, by the biases of the layer
+/// behind its `hidden` ones: evenly around where an action has two numbers, else along one number after
+/// another, to and fro. `strength`: logarithm of its odds.
+void set_proposals_apart(FlatNetwork<float>& actor, std::size_t hidden, std::int64_t action_size,
+                         std::int64_t proposals, float strength);
 
 /// How well an actor with proposals (inference::Actor) gives an action that somebody else has chosen: the
 /// proposal nearest to it comes nearer still, and the scores learn to name that one (or resting, where the
@@ -19,10 +20,10 @@ void set_proposals_apart(FlatNetwork<float>& actor, std::size_t hidden, std::int
 /// them (compare Guzman-Rivera et al., Multiple choice learning, 2012).
 ///
 /// `output` is a row of the actor's last layer, for `proposals` proposals; writes the loss' gradient times
-/// `weight` there, 4 * proposals + 1 numbers. Returns the loss: (1 - cos of the angle between) / kDirection +
+/// `weight` there, Actor::outputs() numbers. Returns the loss: (1 - cos of the angle between) / kDirection +
 /// (difference of the logarithms of the strengths)^2 / 2 kStrength^2, and the cross-entropies of whether to
 /// rest and of which proposal.
-double imitate(const float* output, std::int64_t proposals, const geometry::Vector2& action, double weight,
+double imitate(const float* output, std::int64_t proposals, const geometry::Drive& action, double weight,
                float* gradient);
 
 }  // namespace lodestone::rl

@@ -73,7 +73,7 @@ class ValueIterationLearner final : public PolicyLearner {
     float features[inference::CostToGo::kFeatures] = {};
     double cost = 0.0;   ///< expected, as a share of the most
     bool still = false;  ///< the goal stays where it is
-    geometry::Vector2 action = geometry::Vector2::Zero();
+    geometry::Drive action;
   };
   struct Tries;
   /// Needles that are worked on together, with buffers.
