@@ -32,6 +32,9 @@ constexpr double kStill_rad = 0.05;
 constexpr double kAround_m = 5e-4;
 constexpr double kAround_rad = 0.1;
 constexpr std::size_t kMostDearer = 64;
+/// Of the tolerance that a cost-to-go was learned with: where it lets a needle rest as near as this to a
+/// point, it rests.
+constexpr double kNearEnough = 0.5;
 
 /// 0 at the same pose, 1 where the distance or the turn between them is as given.
 double square_between(const geometry::Pose2& a, const geometry::Pose2& b, double distance_m,
@@ -73,6 +76,7 @@ void Planner::reset() {
   plan_.assign(static_cast<std::size_t>(config_.horizon), geometry::Drive::Zero(model_->action.size));
   pose_before_.reset();
   dearer_.clear();
+  led_no_further_ = false;
 }
 
 std::vector<std::size_t> Planner::best(std::size_t count) const {
@@ -131,8 +135,10 @@ void Planner::look_around(const std::vector<Sequence>& elites, std::int64_t roun
 void Planner::note_stillness(const task::Observation& observation) {
   const geometry::Pose2& pose = observation.pose;
   if ((observation.target_m - target_before_m_).norm() > kStill_m ||
-      observation.target_heading_rad != target_heading_before_rad_)
+      observation.target_heading_rad != target_heading_before_rad_) {
     dearer_.clear();  // elsewhere, other places are on the way
+    led_no_further_ = false;
+  }
   const bool still = pose_before_ && square_between(pose, *pose_before_, kStill_m, kStill_rad) < 1.0;
   if (still && by_cost_to_go_ && !plan_.front().isZero(0.0)) {
     const auto near = std::find_if(dearer_.begin(), dearer_.end(), [&pose](const Dearer& each) {
@@ -151,18 +157,25 @@ void Planner::note_stillness(const task::Observation& observation) {
 
 geometry::Drive Planner::act(const task::Observation& observation) {
   const bool costs = cost_to_go_ && observation.ahead.empty() && model_->state_size == 3;
-  if (costs) note_stillness(observation);
+  if (costs) {
+    note_stillness(observation);
+    goal_ = cheapest_goal(observation);
+  }
   // What was the second pulse is the first one now, and one proposal among others.
   std::rotate(plan_.begin(), plan_.begin() + 1, plan_.end());
   plan_.back().setZero();
-  by_cost_to_go_ = costs;
-  if (costs) {
-    goal_ = cheapest_goal(observation);
+  const bool headed = observation.target_heading_rad.has_value();
+  by_cost_to_go_ = costs && (headed || led_no_further_);
+  plan_ = searched(observation);
+  const auto near_enough = [&] {
+    return by_cost_to_go_ && (observation.pose.position_m() - observation.target_m).norm() <
+                                 kNearEnough * cost_to_go_->cost().tolerance_m;
+  };
+  if (costs && !headed && is_nothing(plan_) && !near_enough()) {  // the other one may know better
+    led_no_further_ = true;
+    by_cost_to_go_ = !by_cost_to_go_;
     plan_ = searched(observation);
-    // As near as costs nothing: a target without a heading may be come nearer to.
-    by_cost_to_go_ = observation.target_heading_rad || !is_nothing(plan_);
   }
-  if (!by_cost_to_go_) plan_ = searched(observation);
   return plan_.front();
 }
 

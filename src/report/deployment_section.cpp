@@ -369,7 +369,8 @@ std::string recorded_section(const RunData& run, const RunData& recorded) {
       {row("virtual rig, needle", run), row("real recordings, sphere", recorded)}, 1);
   html +=
       "<h3>Simulator learned from the recordings</h3>\n" + dynamics_section(recorded, "recorded-dynamics");
-  html += "<h3>Policy trained in it</h3>\n" + policy_section(recorded, "recorded-policy");
+  html += "<h3>Policy trained in it</h3>\n" +
+          policy_section(recorded.policy, recorded.trained, "recorded-policy");
   return html;
 }
 

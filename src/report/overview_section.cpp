@@ -37,7 +37,7 @@ std::string cards(const RunData& run) {
 }
 
 void add_steps(const RunData& run, const std::string& label, std::vector<std::vector<std::string>>& rows) {
-  for (const StepData* step : {&run.collect, &run.dynamics, &run.policy, &run.deploy}) {
+  for (const StepData* step : {&run.collect, &run.dynamics, &run.policy, &run.cost_to_go, &run.deploy}) {
     if (step->manifest.is_null()) continue;
     const Json& m = step->manifest;
     std::string commit = text_at(m, "git_commit");
@@ -50,7 +50,7 @@ void add_steps(const RunData& run, const std::string& label, std::vector<std::ve
 
 std::string configurations(const RunData& run, const std::string& label) {
   std::string html;
-  for (const StepData* step : {&run.collect, &run.dynamics, &run.policy, &run.deploy})
+  for (const StepData* step : {&run.collect, &run.dynamics, &run.policy, &run.cost_to_go, &run.deploy})
     if (step->config.is_object())
       html += "<details><summary>" + escape(label + step->name) +
               ": every key of its configuration</summary><pre>" + escape(step->config.dump(2)) +
@@ -71,7 +71,11 @@ std::string overview_section(const RunData& run, const RunData* recorded) {
             "the coils does (the model-based simulator, MBS); a policy is trained ") +
         (down ? "down the gradient of what that simulator expects of a pulse; and "
               : "by TD3 in many copies of that simulator; and ") +
-        (planned ? "a planner, which tries pulses in that simulator before it gives one, drives the rig."
+        (planned ? "a planner, which tries pulses in that simulator before it gives one, drives the rig" +
+                       std::string(run.cost_to_go.present()
+                                       ? "; where a target stays, by what was learned of the pulses that it "
+                                         "takes from one pose to another."
+                                       : ".")
                  : "the policy then drives the rig.") +
         " Every image below comes from the files of this run; a click shows it as large as the window.</p>\n";
   }

@@ -104,6 +104,9 @@ RunData read_run(const std::string& folder) {
                                                                    runs::DynamicsEvaluation::kFile);
   run.policy = read_step(folder, "policy");
   run.trained = common::find_artefact<runs::PolicyResult>(folder + "/policy/" + runs::PolicyResult::kFile);
+  run.cost_to_go = read_step(folder, "cost_to_go");
+  run.cost_to_go_trained =
+      common::find_artefact<runs::PolicyResult>(folder + "/cost_to_go/" + runs::PolicyResult::kFile);
   run.deployment_only = fs::exists(folder + "/trajectories.csv");
   run.deploy = read_step(folder, run.deployment_only ? "." : "deploy");
   run.deploy.name = "deploy";
@@ -111,7 +114,7 @@ RunData read_run(const std::string& folder) {
   read_deployment(deployment, run);
   run.filmed = read_filmed(deployment + "/videos");
   if (!run.collect.present() && !run.coverage && !run.evaluation && !run.trained && !run.dynamics.present() &&
-      !run.policy.present() && !run.deploy.present() && run.rigs.empty())
+      !run.policy.present() && !run.cost_to_go.present() && !run.deploy.present() && run.rigs.empty())
     throw common::ConfigError(
         "--run " + folder +
         " holds no run: none of the folders collect, dynamics, policy and deploy is in it "

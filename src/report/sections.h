@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "lodestone/report/dish_svg.h"
@@ -13,7 +14,9 @@ namespace lodestone::report {
 std::string overview_section(const RunData& run, const RunData* recorded);
 std::string collection_section(const RunData& run);
 std::string dynamics_section(const RunData& run, const std::string& prefix);
-std::string policy_section(const RunData& run, const std::string& prefix);
+/// Of a policy, or of what poses cost with the policy that was learned beside it.
+std::string policy_section(const StepData& policy, const std::optional<runs::PolicyResult>& trained,
+                           const std::string& prefix);
 std::string deployment_section(const RunData& run);
 /// The trials one by one: errors over time and their distribution, the worst ones, currents and temperatures.
 std::string trials_section(const RunData& run);

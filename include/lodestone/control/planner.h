@@ -53,11 +53,12 @@ struct PlannerConfig {
 /// of the drive.
 ///
 /// Where the target is to stay at and a cost-to-go was learned (inference::CostToGo), sequences are judged by
-/// that instead: what lying there costs, pulse by pulse, and at the end all that comes after. Of a target
-/// without a heading, the heading is taken with which it costs least from where the needle lies, and where
-/// the needle rests by that cost it is searched for pulses that bring it nearer by the distance. The first
-/// round then tries pulses of every strength, as a needle turns at a tenth of what moves it, and later ones
-/// look around each of the best: the mean of two ways to a pose lies on neither.
+/// that instead: what lying there costs, pulse by pulse, and at the end all that comes after. The first round
+/// then tries pulses of every strength, as a needle turns at a tenth of what moves it, and later ones look
+/// around each of the best: the mean of two ways to a pose lies on neither. A target without a heading is
+/// gone to by the distance until no pulse is found that brings the needle nearer, then by the cost-to-go to
+/// the heading there that costs least, and where it would rest by that within the
+/// tolerance, but not well within, a last bit by the distance again.
 class Planner final : public Controller {
  public:
   /// `cost_to_go`: null where none was learned.
@@ -104,8 +105,9 @@ class Planner final : public Controller {
     geometry::Pose2 pose;
     double cost = 0.0;
   };
-  bool by_cost_to_go_ = false;  // is searched
-  geometry::Pose2 goal_;        // then
+  bool by_cost_to_go_ = false;   // is searched
+  geometry::Pose2 goal_;         // then
+  bool led_no_further_ = false;  // the distance, to this target
   std::optional<geometry::Pose2> pose_before_;
   geometry::Vector2 target_before_m_ = geometry::Vector2::Zero();
   std::optional<double> target_heading_before_rad_;

@@ -17,7 +17,7 @@ using Curve = std::vector<std::pair<double, double>>;
 
 /// One step of a run: what it was told, where it ran and what it logged. A file that is not there is null.
 struct StepData {
-  std::string name;                   ///< "collect", "dynamics", "policy" or "deploy"
+  std::string name;                   ///< "collect", "dynamics", "policy", "cost_to_go" or "deploy"
   common::Json config;                ///< config.json
   common::Json manifest;              ///< manifest.json
   std::vector<common::Json> metrics;  ///< metrics.jsonl, one object a line
@@ -41,7 +41,8 @@ struct FilmedTrial {
   std::string last_image;  ///< JPEG
 };
 
-/// Everything found in a run folder: DIR/collect, DIR/dynamics, DIR/policy, DIR/deploy. The folder of a
+/// Everything found in a run folder: DIR/collect, DIR/dynamics, DIR/policy, DIR/cost_to_go,
+/// DIR/deploy. The folder of a
 /// deployment counts as a run that holds nothing else.
 struct RunData {
   std::string folder;
@@ -53,6 +54,8 @@ struct RunData {
   std::optional<runs::DynamicsEvaluation> evaluation;  ///< of dynamics
   StepData policy;
   std::optional<runs::PolicyResult> trained;  ///< of policy
+  StepData cost_to_go;                        ///< what poses cost, for the planner
+  std::optional<runs::PolicyResult> cost_to_go_trained;
   StepData deploy;
   runs::Provenance provenance;  ///< of the policy that was deployed
   std::vector<DeployData> rigs;
