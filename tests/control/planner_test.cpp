@@ -117,14 +117,19 @@ TEST_CASE("where a cost-to-go was learned, the planner goes by it and not by the
   const auto away = std::make_shared<const inference::CostToGo>(weights, std::vector<std::int64_t>{1}, cost);
   task::Observation observation;
   observation.pose = {0.01, 0.0, 0.3};
+  control::PlannerConfig config;
   const auto distance_after_m = [&](const std::shared_ptr<const inference::CostToGo>& learned) {
-    control::Planner planner(model(), {}, 1, learned);
+    control::Planner planner(model(), config, 1, learned);
     planner.reset();
     const Vector2 action = planner.act(observation);
     return (observation.pose.position_m() + 10.0 * kGain_m * action).norm();
   };
   CHECK(distance_after_m(nullptr) < 0.006);
-  CHECK(distance_after_m(away) > 0.012);  // no heading is asked for: by one that it takes itself
+  CHECK(distance_after_m(away) < 0.006);  // no heading is asked for: the distance leads there
+  config.goal_radius_m = 0.05;            // and here it does not
+  CHECK(distance_after_m(nullptr) == 0.01);
+  CHECK(distance_after_m(away) > 0.012);  // by a heading that it takes itself
+  config.goal_radius_m = control::PlannerConfig{}.goal_radius_m;
   observation.target_heading_rad = 0.3;
   CHECK(distance_after_m(nullptr) < 0.006);
   CHECK(distance_after_m(away) > 0.012);
@@ -151,6 +156,7 @@ TEST_CASE("the planner leaves a hollow of the cost-to-go that pulses too weak to
   task::Observation observation;
   observation.pose = {0.01, 0.0, 0.3};
   observation.target_m = {-0.02, 0.0};
+  observation.target_heading_rad = 0.3;
   constexpr double kHolds = 0.08;
   int pulses = 0;
   for (; pulses < 40; ++pulses) {
