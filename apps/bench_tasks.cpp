@@ -37,10 +37,10 @@ rig::RigConfig rig_of_cells(const std::string& file) {
   return common::config_from_json<rig::RigConfig>(common::read_json_file(file), file);
 }
 
-void write_tasks_page(const runs::Plan& plan, const runs::PlanPlace& place) {
+void write_tasks_page(const runs::Plan& plan, const runs::PlanPlace& place, const rig::RigConfig& rig) {
   common::make_folders(place.folder);
   common::write_artefact(place.folder + "/" + runs::TasksSummary::kFile,
-                         experiments::summarise_tasks(plan, place));
+                         experiments::summarise_tasks(plan, place, rig));
   const std::string page = place.folder + "/report.html";
   std::printf("%sreport   %s\n", report::write_tasks_report(place.folder, page).c_str(), page.c_str());
 }
@@ -68,7 +68,8 @@ void bench_tasks(const TasksOptions& given) {
   if (scale.models.empty()) scale.models = shipped_folder("models");
   scale.models = whole_path(scale.models);
   const std::string out = whole_path(options.out);
-  const runs::Plan plan = experiments::tasks_plan(scale, rig_of_cells(rig_file), out);
+  const rig::RigConfig rig = rig_of_cells(rig_file);
+  const runs::Plan plan = experiments::tasks_plan(scale, rig, out);
   runs::PlanPlace place{out, own_path(), shipped_folder("configs"), rig_file,
                         common::thread_count(scale.threads)};
   if (!options.only.empty() && plan.find(options.only) == nullptr)
@@ -80,7 +81,7 @@ void bench_tasks(const TasksOptions& given) {
     runs::run_plan_in_folder(plan, place, *engine, "bench tasks", common::config_to_json(scale), options.only,
                              [&out] { experiments::write_figure_of_eight(out); });
   }
-  write_tasks_page(plan, place);
+  write_tasks_page(plan, place, rig);
 }
 
 }  // namespace

@@ -10,7 +10,9 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/statistics.h"
+#include "lodestone/experiments/deployment.h"
 #include "lodestone/experiments/score.h"
+#include "lodestone/experiments/speed_limit.h"
 #include "lodestone/runs/run_folder.h"
 
 namespace lodestone::experiments {
@@ -130,7 +132,8 @@ runs::TaskFigures task_figures(const std::vector<runs::TrialRecord>& trials) {
   return figures;
 }
 
-runs::TasksSummary summarise_tasks(const runs::Plan& plan, const runs::PlanPlace& place) {
+runs::TasksSummary summarise_tasks(const runs::Plan& plan, const runs::PlanPlace& place,
+                                   const physics::RigDescription& rig) {
   runs::TasksSummary summary;
   summary.cells_planned = static_cast<std::int64_t>(plan.cells.size());
   std::map<std::string, std::vector<double>> errors_mm;  // of finished cells
@@ -169,6 +172,9 @@ runs::TasksSummary summarise_tasks(const runs::Plan& plan, const runs::PlanPlace
     const runs::TaskDrivers slow = still->second.at("square");
     summary.groups["square_at_mm_s"]["2"] = slow;
   }
+  if (summary.groups.count("square_at_mm_s") > 0)
+    summary.square_speed_limit_m_s =
+        square_speed_limit_m_s(rig, TrialsConfig{}.square_side_m, control::ControlLoopConfig{});
   return summary;
 }
 

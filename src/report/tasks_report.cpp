@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,7 @@ using runs::TaskFigures;
 using TableRows = std::vector<std::vector<std::string>>;
 
 constexpr const char* kSquares = "square_at_mm_s";
+constexpr double kStillShown = 3.0;  // a limit, up to so many times the fastest square
 constexpr const char* kArounds[] = {"bare", "decorated"};
 
 std::vector<std::string> task_columns() {
@@ -125,10 +127,31 @@ std::string speed_figure(const runs::TasksSummary& summary) {
       }
       if (!series.points.empty()) chart.series.push_back(std::move(series));
     }
-  return chart.series.empty() ? ""
-                              : figure(chart_html(chart),
-                                       "<b>A square at several speeds.</b> Mean over the trials of the "
-                                       "cross-track RMS; dashed: decorated.");
+  if (chart.series.empty()) return "";
+  std::string limit;
+  if (summary.square_speed_limit_m_s) {
+    double most_mm = 0.0, fastest_mm_s = 0.0;
+    for (const LineSeries& series : chart.series)
+      for (const auto& [speed_mm_s, error_mm] : series.points) {
+        fastest_mm_s = std::max(fastest_mm_s, speed_mm_s);
+        most_mm = std::max(most_mm, error_mm);
+      }
+    const double limit_mm_s = 1e3 * *summary.square_speed_limit_m_s;
+    const bool drawn = limit_mm_s < kStillShown * fastest_mm_s;
+    if (drawn)
+      chart.series.push_back(
+          {"as fast as physics allows", {{limit_mm_s, 0.0}, {limit_mm_s, most_mm}}, kSecondColour});
+    limit = fmt::format(
+        " Physics allows {:.0f} mm/s ({}): as far as a full pulse brings a needle in a control period, by "
+        "the "
+        "rig's description, where on the square that is least.",
+        limit_mm_s,
+        drawn ? "drawn in" : "far to the right of what is drawn: it is not strength that is lacking");
+  }
+  return figure(chart_html(chart),
+                "<b>A square at several speeds.</b> Mean over the trials of the "
+                "cross-track RMS; dashed: decorated." +
+                    limit);
 }
 
 }  // namespace

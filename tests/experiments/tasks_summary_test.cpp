@@ -79,16 +79,17 @@ TEST_CASE("finished cells stand under the names of their tasks, beside what they
     plan.cells.push_back(cell(id));
   plan.cells[2].settings = {"rig.simulation.flow.speed_m_s=0.0125"};
   const runs::PlanPlace place{folder.path(), "", ""};
-  CHECK(experiments::summarise_tasks(plan, place).cells == 0);
+  CHECK(experiments::summarise_tasks(plan, place, physics::RigDescription()).cells == 0);
   finish(plan, place, "pose/planner/bare", {1.0, 2.0});
   finish(plan, place, "still/point/planner/bare", {1.0, 2.0, 3.0});
   finish(plan, place, "flow/point/planner/bare", {2.0, 4.0, 6.0});
   finish(plan, place, "flow/point/baseline/bare", {4.0, 8.0, 12.0});
   finish(plan, place, "still/square/planner/bare", {1.0});
-  const runs::TasksSummary summary = experiments::summarise_tasks(plan, place);
+  const runs::TasksSummary summary = experiments::summarise_tasks(plan, place, physics::RigDescription());
   CHECK(summary.cells == 5);
   CHECK(summary.cells_planned == 6);
   CHECK(*summary.flow_speed_m_s == 0.0125);
+  CHECK(*summary.square_speed_limit_m_s > 0.006);
   const runs::TaskFigures& flow = summary.groups.at("flow").at("point").at("planner").at("bare");
   CHECK(*flow.ratio_to_still == Approx(2.0));
   CHECK(flow.ratio_to_still_interval->at(0) == Approx(2.0));  // trial by trial twice as much

@@ -62,6 +62,8 @@ struct TasksSummary {
   std::map<std::string, TaskDrivers> alone;
   std::map<std::string, std::map<std::string, TaskDrivers>> groups;
   std::optional<double> flow_speed_m_s;  ///< of the flow that pulses, in the mean over a period
+  /// Of the rig's description: experiments::square_speed_limit_m_s() of the squares that were driven.
+  std::optional<double> square_speed_limit_m_s;
   std::int64_t cells = 0;                ///< that are finished,
   std::int64_t cells_planned = 0;        ///< of so many
 
@@ -70,6 +72,7 @@ struct TasksSummary {
     for (const char* task : kAlone) v.entry(task, alone);
     for (const char* group : kGroups) v.entry(group, groups);
     v.field("flow_speed_m_s", flow_speed_m_s);
+    v.field("square_speed_limit_m_s", square_speed_limit_m_s);
     v.field("cells", cells);
     v.field("cells_planned", cells_planned);
   }
