@@ -32,8 +32,8 @@ constexpr double kStill_rad = 0.05;
 constexpr double kAround_m = 5e-4;
 constexpr double kAround_rad = 0.1;
 constexpr std::size_t kMostDearer = 64;
-/// Of the tolerance that a cost-to-go was learned with: where it lets a needle rest as near as this to a
-/// point, it rests.
+/// Of the tolerance that a cost-to-go was learned with: where that lets a needle rest as near as this to a
+/// point, it rests; elsewhere the distance may know better.
 constexpr double kNearEnough = 0.5;
 
 /// 0 at the same pose, 1 where the distance or the turn between them is as given.

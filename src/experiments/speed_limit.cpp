@@ -13,8 +13,7 @@ namespace lodestone::experiments {
 double square_speed_limit_m_s(const physics::RigDescription& rig, double side_m,
                               const control::ControlLoopConfig& loop) {
   constexpr int kSides = 4;
-  // On the first half of each: on the second the coil ahead pulls more, and the wall may cut the way short.
-  constexpr int kPlaces = 11;
+  constexpr int kPlaces = 11;  // on the first half of each
   const physics::PlainSimulator simulator(rig, {});
   const physics::CoilDrive drive(rig);
   double least_m = std::numeric_limits<double>::infinity();

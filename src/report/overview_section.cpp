@@ -64,13 +64,15 @@ std::string overview_section(const RunData& run, const RunData* recorded) {
   std::string html;
   if (!run.deployment_only) {
     const bool planned = !run.rigs.empty() && run.rigs.front().driver() == "planner";
-    const bool down = run.policy.config.is_object() && run.policy.config.value("method", "td3") != "td3";
+    const bool down =
+        run.policy.config.is_object() && run.policy.config.value("method", "td3") == "model_gradient";
     html =
         std::string(
             "<p>The rig is explored and recorded; a network learns from the record what a pulse of "
-            "the coils does (the model-based simulator, MBS); a policy is trained ") +
-        (down ? "down the gradient of what that simulator expects of a pulse; and "
-              : "by TD3 in many copies of that simulator; and ") +
+            "the coils does (the model-based simulator, MBS); ") +
+        (!run.policy.present() && run.cost_to_go.present() ? ""
+         : down ? "a policy is trained down the gradient of what that simulator expects of a pulse; and "
+                : "a policy is trained by TD3 in many copies of that simulator; and ") +
         (planned ? "a planner, which tries pulses in that simulator before it gives one, drives the rig" +
                        std::string(run.cost_to_go.present()
                                        ? "; where a target stays, by what was learned of the pulses that it "

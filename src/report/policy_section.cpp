@@ -61,7 +61,7 @@ std::string score_sentence(const StepData& policy, const std::optional<runs::Pol
 std::string policy_section(const StepData& policy, const std::optional<runs::PolicyResult>& trained,
                            const std::string& prefix) {
   const std::string command =
-      "lodestone train-policy --set dynamics=RUN/dynamics/checkpoint --out RUN/policy";
+      "lodestone train-policy --set dynamics=RUN/dynamics/checkpoint --out RUN/" + policy.name;
   if (!policy.present() && !trained) return missing("The policy", command);
   const auto of = [&policy](const char* name) { return curve(policy.metrics, name); };
   const Curve evaluated = of(runs::curves::kSuccess);
@@ -96,7 +96,7 @@ std::string policy_section(const StepData& policy, const std::optional<runs::Pol
   std::string charts;
   for (const Panel& panel : panels) charts += panel_html(panel, prefix);
   std::string html = result_sentence(trained);
-  if (charts.empty()) return html + missing("The log of the policy's training (metrics.jsonl)", command);
+  if (charts.empty()) return html + missing("The log of its training (metrics.jsonl)", command);
   html += score_sentence(policy, trained, evaluated);
   return html + "<div class=\"three\">" + charts +
          "</div>\n<p class=\"subtitle\">Evaluation runs without exploration noise, in the same episodes each "

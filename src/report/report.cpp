@@ -60,7 +60,8 @@ std::string report_html(const RunData& run, const std::optional<RunData>& record
   if (!run.deployment_only) {
     page.add_section("collection", "Exploration", collection_section(run));
     page.add_section("dynamics", "Learned simulator", dynamics_section(run, "dynamics"));
-    page.add_section("policy", "Policy", policy_section(run.policy, run.trained, "policy"));
+    if (run.policy.present() || !run.cost_to_go.present())
+      page.add_section("policy", "Policy", policy_section(run.policy, run.trained, "policy"));
     if (run.cost_to_go.present())
       page.add_section("cost-to-go", "What poses cost",
                        policy_section(run.cost_to_go, run.cost_to_go_trained, "cost-to-go"));

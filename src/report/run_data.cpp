@@ -114,10 +114,11 @@ RunData read_run(const std::string& folder) {
   read_deployment(deployment, run);
   run.filmed = read_filmed(deployment + "/videos");
   if (!run.collect.present() && !run.coverage && !run.evaluation && !run.trained && !run.dynamics.present() &&
-      !run.policy.present() && !run.cost_to_go.present() && !run.deploy.present() && run.rigs.empty())
+      !run.policy.present() && !run.cost_to_go.present() && !run.cost_to_go_trained &&
+      !run.deploy.present() && run.rigs.empty())
     throw common::ConfigError(
         "--run " + folder +
-        " holds no run: none of the folders collect, dynamics, policy and deploy is in it "
+        " holds no run: none of the folders collect, dynamics, policy, cost_to_go and deploy is in it "
         "with anything to show");
   return run;
 }

@@ -9,6 +9,7 @@
 
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/files.h"
+#include "lodestone/geometry/pose2.h"
 #include "lodestone/report/charts.h"
 #include "lodestone/report/html.h"
 #include "lodestone/report/html_page.h"
@@ -136,15 +137,14 @@ std::string speed_figure(const runs::TasksSummary& summary) {
         fastest_mm_s = std::max(fastest_mm_s, speed_mm_s);
         most_mm = std::max(most_mm, error_mm);
       }
-    const double limit_mm_s = 1e3 * *summary.square_speed_limit_m_s;
+    const double limit_mm_s = geometry::kMmPerM * *summary.square_speed_limit_m_s;
     const bool drawn = limit_mm_s < kStillShown * fastest_mm_s;
     if (drawn)
       chart.series.push_back(
           {"as fast as physics allows", {{limit_mm_s, 0.0}, {limit_mm_s, most_mm}}, kSecondColour});
     limit = fmt::format(
-        " Physics allows {:.0f} mm/s ({}): as far as a full pulse brings a needle in a control period, by "
-        "the "
-        "rig's description, where on the square that is least.",
+        " Physics allows {:.0f} mm/s ({}): what a full pulse moves a needle in a control period, by the "
+        "description of the rig, where on the first half of a side that is least.",
         limit_mm_s,
         drawn ? "drawn in" : "far to the right of what is drawn: it is not strength that is lacking");
   }

@@ -60,7 +60,7 @@ class Stopwatch {
   double wall_s_, processor_s_;
 };
 
-/// One run: the learner, its best policy so far, and the files.
+/// One run: the learner, the policy that is kept so far, and the files.
 class Training : public runs::ResumableWork {
  public:
   Training(const TrainPolicyConfig& config, PolicyLearner& learner, const ScoringEnvironments& scoring,

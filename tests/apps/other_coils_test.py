@@ -32,7 +32,7 @@ with tempfile.TemporaryDirectory() as name:
         run("train-dynamics", "--config", source / "configs/quickstart/dynamics.json", "--set",
             f"data={folder}/collect/transitions.h5", "--set", "training.epochs=150", "--out", folder / "dynamics")
         common = ("deploy", "--rig", preset, "--task", "centre", "--trials", 3, "--set", "trials.start_radius=0.4")
-        run("train-policy", "--config", source / "configs/quickstart/cost_to_go.json", "--set",
+        run("train-policy", "--config", source / "configs/quickstart/policy_cost_to_go.json", "--set",
             f"dynamics={folder}/dynamics/checkpoint", "--set", "training.env_steps=2048", "--set", "training.environments=256",
             "--set", "training.evaluate_every=2048", "--set", "training.evaluation_episodes=8", "--out", folder / "cost_to_go")
         run(*common, "--config", source / "configs/quickstart/deploy_planner.json", "--set",

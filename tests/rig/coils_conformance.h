@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "lodestone/common/clock.h"
 #include "lodestone/common/error.h"
@@ -23,14 +24,21 @@ inline void check_coils_conformance(rig::Coils& coils, common::Clock& clock, dou
   const double current = 0.2 * max_current_A;
   // Status near the end of a pulse. Where time is real and the machine is busy, it may have been read after
   // the end; that says nothing, and the pulse is tried again.
-  const auto near_its_end = [&](const rig::CoilPulse& pulse) {
-    for (int attempt = 0;; ++attempt) {
+  const auto near_its_end = [&](const rig::CoilPulse& pulse,
+                                const std::optional<rig::CoilPulse>& before = {}) {
+    for (int attempt = 0; attempt < 20; ++attempt) {
+      if (before) {
+        coils.apply(*before);
+        wait(settle_s);
+      }
       const double applied_s = clock.now_s();
       coils.apply(pulse);
       wait(0.9 * pulse.duration_s);
       const rig::CoilStatus status = coils.status();
-      if (clock.now_s() - applied_s < pulse.duration_s || attempt == 20) return status;
+      if (clock.now_s() - applied_s < pulse.duration_s) return status;
     }
+    FAIL("the machine is too busy to read a coil's status within a pulse");
+    return rig::CoilStatus();
   };
 
   // Status can be read before anything happened.
@@ -52,9 +60,8 @@ inline void check_coils_conformance(rig::Coils& coils, common::Clock& clock, dou
   }
 
   // A new pulse replaces the one before.
-  coils.apply({{current, 0.0, 0.0, 0.0}, 10.0 * settle_s});
-  wait(settle_s);
-  const rig::CoilStatus replaced = near_its_end({{0.0, 0.0, current, 0.0}, settle_s});
+  const rig::CoilStatus replaced = near_its_end({{0.0, 0.0, current, 0.0}, settle_s},
+                                                rig::CoilPulse{{current, 0.0, 0.0, 0.0}, 10.0 * settle_s});
   CHECK(std::abs(replaced.current_A[0]) < 0.05 * current);
   CHECK(replaced.current_A[2] == Approx(current).epsilon(0.05));
   wait(1.1 * settle_s);

@@ -57,14 +57,49 @@ TrainPolicyConfig point_config(std::int64_t env_steps) {
 constexpr std::uint64_t kChoiceSeed = 2;
 constexpr std::uint64_t kFreshSeed = 3;
 
-PolicyResult run(const TrainPolicyConfig& config, const std::string& folder, bool resume = false) {
+/// One that learns what poses cost beside its policy.
+class WithCostToGo final : public lodestone::rl::PolicyLearner {
+ public:
+  explicit WithCostToGo(lodestone::rl::PolicyLearner& learner) : learner_(learner) {}
+  void step() override { learner_.step(); }
+  std::int64_t env_steps() const override { return learner_.env_steps(); }
+  std::int64_t updates() const override { return learner_.updates(); }
+  bool finished() const override { return learner_.finished(); }
+  lodestone::inference::Actor actor() const override { return learner_.actor(); }
+  lodestone::inference::Arrays actor_weights() const override { return learner_.actor_weights(); }
+  std::optional<lodestone::inference::CostToGo> cost_to_go() const override {
+    using lodestone::inference::CostToGo;
+    const std::vector<float> row(static_cast<std::size_t>(CostToGo::kFeatures));
+    // It says how many steps it has seen.
+    const std::vector<float> steps = {static_cast<float>(env_steps())};
+    lodestone::inference::PoseCost cost;
+    cost.dish_radius_m = 0.0425;
+    return CostToGo({{"l1.weight", {row, {1, CostToGo::kFeatures}}},
+                     {"l1.bias", {std::vector<float>{0.0F}, {1}}},
+                     {"l2.weight", {std::vector<float>{0.0F}, {1, 1}}},
+                     {"l2.bias", {steps, {1}}}},
+                    {1}, cost);
+  }
+  lodestone::common::Scalars take_statistics() override { return learner_.take_statistics(); }
+  void save(lodestone::nets::Checkpoint& checkpoint) override { learner_.save(checkpoint); }
+  void load(const lodestone::nets::Checkpoint& checkpoint) override { learner_.load(checkpoint); }
+
+ private:
+  lodestone::rl::PolicyLearner& learner_;
+};
+
+PolicyResult run(const TrainPolicyConfig& config, const std::string& folder, bool resume = false,
+                 bool with_cost_to_go = false) {
   PointEnv training(config.training.environments, 1);
   PointEnv choice(config.training.evaluation_episodes, kChoiceSeed);
   PointEnv fresh(config.training.evaluation_episodes, kFreshSeed);
   lodestone::runs::RunFolder run_folder(lodestone::rl::run_request(config, folder, resume));
   lodestone::rl::Td3Learner learner(config.training.learning, config.td3, config.noise,
                                     static_cast<std::uint64_t>(config.seed), 1, training);
-  const PolicyResult result = train_policy(config, learner, {choice, fresh}, run_folder);
+  WithCostToGo both(learner);
+  lodestone::rl::PolicyLearner& learns =
+      with_cost_to_go ? static_cast<lodestone::rl::PolicyLearner&>(both) : learner;
+  const PolicyResult result = train_policy(config, learns, {choice, fresh}, run_folder);
   run_folder.finish();
   return result;
 }
@@ -111,6 +146,19 @@ TEST_CASE("A run leaves its best policy, its curves and its figures", "[rl]") {
   lodestone::inference::Actor::Workspace workspace;
   policy.actor().act(observation.data(), 1, action, workspace);
   for (const float component : action) CHECK(std::abs(component) <= 1.0F);
+}
+
+TEST_CASE("Where a cost-to-go is learned, the latest is kept, however its policy scored", "[rl]") {
+  TrainPolicyConfig config = point_config(2000);
+  config.training.evaluate_every = 100;  // so that one before the last is likely to score as high
+  const std::string folder = fresh_folder("costs");
+  const PolicyResult alone = run(config, fresh_folder("alone"));
+  CHECK(alone.best_env_steps < alone.env_steps);  // a chosen one
+  const PolicyResult result = run(config, folder, false, true);
+  CHECK(result.best_env_steps == result.env_steps);
+  const lodestone::inference::Policy kept = lodestone::inference::load_policy(folder + "/checkpoint");
+  REQUIRE(kept.cost_to_go);
+  CHECK(kept.cost_to_go->weights().at("l2.bias").to_vector<float>().front() == 2000.0F);
 }
 
 TEST_CASE("What is reported of the policy that is kept is from episodes that nothing was chosen by", "[rl]") {

@@ -55,10 +55,10 @@ struct PlannerConfig {
 /// Where the target is to stay at and a cost-to-go was learned (inference::CostToGo), sequences are judged by
 /// that instead: what lying there costs, pulse by pulse, and at the end all that comes after. The first round
 /// then tries pulses of every strength, as a needle turns at a tenth of what moves it, and later ones look
-/// around each of the best: the mean of two ways to a pose lies on neither. A target without a heading is
-/// gone to by the distance until no pulse is found that brings the needle nearer, then by the cost-to-go to
-/// the heading there that costs least, and where it would rest by that within the
-/// tolerance, but not well within, a last bit by the distance again.
+/// around each of the best: the mean of two ways to a pose lies on neither. Where its pulses move nothing, a
+/// place becomes dearer. A target without a heading is gone to by the distance until no pulse is found that
+/// brings the needle nearer, from then on by the cost-to-go, to the heading there that costs least; and
+/// wherever it would rest by that, but not well within the tolerance, by the distance again.
 class Planner final : public Controller {
  public:
   /// `cost_to_go`: null where none was learned.

@@ -41,9 +41,8 @@ struct FilmedTrial {
   std::string last_image;  ///< JPEG
 };
 
-/// Everything found in a run folder: DIR/collect, DIR/dynamics, DIR/policy, DIR/cost_to_go,
-/// DIR/deploy. The folder of a
-/// deployment counts as a run that holds nothing else.
+/// Everything found in a run folder: DIR/collect, DIR/dynamics, DIR/policy, DIR/cost_to_go, DIR/deploy. The
+/// folder of a deployment counts as a run that holds nothing else.
 struct RunData {
   std::string folder;
   bool deployment_only = false;  ///< the folder is a deployment's own

@@ -50,11 +50,10 @@ struct PolicyTrainingConfig {
     v.field("environments", environments, "", "environments stepped together (the paper has 3)",
             {1, 1 << 20});
     v.field("evaluate_every", evaluate_every, "steps", "environment steps between evaluations", {1, 1e12});
-    v.field(
-        "evaluation_episodes", evaluation_episodes, "",
-        "fixed starts and goals of every evaluation, by which the best policy is kept; as many fresh ones "
-        "score it in the end",
-        {1, 1 << 20});
+    v.field("evaluation_episodes", evaluation_episodes, "",
+            "fixed starts and goals of every evaluation, by which the best policy is kept (with method = "
+            "value_iteration the latest); as many fresh ones score it in the end",
+            {1, 1 << 20});
     v.field("checkpoint_every_s", checkpoint_every_s, "s", "time between training checkpoints", {0.0, 1e6});
     v.field("max_seconds", max_seconds, "s",
             "stop after this training time (then results depend on the machine); 0: no limit", {0.0, 1e7});
@@ -137,7 +136,7 @@ runs::RunRequest run_request(const TrainPolicyConfig& config, const std::string&
 
 /// Where a policy is scored. Both must outlive the training and have seeds of their own.
 struct ScoringEnvironments {
-  env::VecEnv& choice;  ///< while it learns, the same episodes each time: the best policy in them is kept
+  env::VecEnv& choice;  ///< while it learns, the same episodes each time, by which a policy is kept
   env::VecEnv& fresh;   ///< once, at the end, the policy that was kept: nothing is chosen by them
 };
 

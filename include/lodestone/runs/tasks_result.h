@@ -62,10 +62,10 @@ struct TasksSummary {
   std::map<std::string, TaskDrivers> alone;
   std::map<std::string, std::map<std::string, TaskDrivers>> groups;
   std::optional<double> flow_speed_m_s;  ///< of the flow that pulses, in the mean over a period
-  /// Of the rig's description: experiments::square_speed_limit_m_s() of the squares that were driven.
+  /// experiments::square_speed_limit_m_s() of the rig's description, for squares and periods as by default.
   std::optional<double> square_speed_limit_m_s;
-  std::int64_t cells = 0;                ///< that are finished,
-  std::int64_t cells_planned = 0;        ///< of so many
+  std::int64_t cells = 0;          ///< that are finished,
+  std::int64_t cells_planned = 0;  ///< of so many
 
   template <class Visitor>
   void visit(Visitor& v) {

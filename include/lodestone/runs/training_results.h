@@ -58,7 +58,7 @@ struct PolicyResult : PolicyFacts {
   double seconds_to_95_percent = 0.0;
   double peak_memory_mb = 0.0;  ///< of the whole program so far
   /// The policy that was kept, in the episodes that it was chosen by: the best of all evaluations, so it
-  /// flatters.
+  /// flatters; the latest, where a cost-to-go is learned beside it.
   std::optional<PolicyScore> best_evaluation;
   /// The same policy in as many episodes that nothing was chosen by, after training: the figure to quote.
   std::optional<PolicyScore> fresh_evaluation;
