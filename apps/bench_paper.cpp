@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <memory>
 #include <set>
-#include <utility>
 #include <vector>
 
 #include "common_options.h"
@@ -71,13 +70,15 @@ void bench_paper(const PaperOptions& given) {
     options.scale = std::filesystem::path(options.config_files.back()).stem().string();
   if (options.config_files.empty())
     options.config_files = {shipped_folder("configs") + "/bench/paper_" + options.scale + ".json"};
-  const std::string rig_file = std::exchange(options.rig_file, "");  // the cells' own
   const auto scale = resolve_config<experiments::PaperScale>(options);
   runs::Plan plan = experiments::paper_plan(scale);
   plan.name = options.scale;
-  runs::PlanPlace place{
-      options.out,    own_path(), shipped_folder("configs"), rig_file, common::thread_count(scale.threads),
-      options.results};
+  runs::PlanPlace place{options.out,
+                        own_path(),
+                        shipped_folder("configs"),
+                        options.rig_file,
+                        common::thread_count(scale.threads),
+                        options.results};
   if (options.list) return list_cells(plan, place);
   if (!options.only.empty() && plan.find(options.only) == nullptr)
     throw common::ConfigError("bench paper: there is no cell \"" + options.only +
@@ -100,6 +101,7 @@ void add_bench_paper(Verb& bench) {
   Verb& verb = bench.add_verb(
       "paper", "the experiments of section V beside the paper's tables and figures; resumes when run again");
   auto& options = configure<experiments::PaperScale>(verb, bench_paper);
+  options.rig_is = RigFile::kOfCells;
   add_common_options(verb, options);
   verb.add_option("--scale", &options.scale,
                   "smoke (about 5 min on 2 cores), quick, or full (the paper's own sizes)");

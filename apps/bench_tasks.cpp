@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "common_options.h"
@@ -63,14 +62,13 @@ void bench_tasks(const TasksOptions& given) {
   if (options.out.empty()) options.out = "runs/tasks-" + options.scale;
   if (options.config_files.empty())
     options.config_files = {shipped_folder("configs") + "/bench/tasks_" + options.scale + ".json"};
-  const std::string rig_file = std::exchange(options.rig_file, "");  // the cells' own
   auto scale = resolve_config<experiments::TasksScale>(options);
   if (scale.models.empty()) scale.models = shipped_folder("models");
   scale.models = whole_path(scale.models);
   const std::string out = whole_path(options.out);
-  const rig::RigConfig rig = rig_of_cells(rig_file);
+  const rig::RigConfig rig = rig_of_cells(options.rig_file);
   const runs::Plan plan = experiments::tasks_plan(scale, rig, out);
-  runs::PlanPlace place{out, own_path(), shipped_folder("configs"), rig_file,
+  runs::PlanPlace place{out, own_path(), shipped_folder("configs"), options.rig_file,
                         common::thread_count(scale.threads)};
   if (!options.only.empty() && plan.find(options.only) == nullptr)
     throw common::ConfigError("bench tasks: there is no cell \"" + options.only +
@@ -92,6 +90,7 @@ void add_bench_tasks(Verb& bench) {
       "poses, headings along paths, sutures, obstacles, flow and speed: every controller on the "
       "same rigs that nobody has seen; resumes when run again");
   auto& options = configure<experiments::TasksScale>(verb, bench_tasks);
+  options.rig_is = RigFile::kOfCells;
   add_common_options(verb, options, /*with_resume=*/true);
   verb.add_option("--scale", &options.scale,
                   "full (200 trials of each task by each controller, by camera), or smoke: does it run?");

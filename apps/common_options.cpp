@@ -23,9 +23,9 @@ common::Json description_in(const std::string& rig_file) {
 
 common::ConfigLayers CommonOptions::layers() const {
   common::ConfigLayers layers;
-  if (!rig_file.empty() && only_described)
+  if (!rig_file.empty() && rig_is == RigFile::kDescription)
     layers.add(description_in(rig_file), rig_file, "rig");
-  else if (!rig_file.empty())
+  else if (!rig_file.empty() && rig_is == RigFile::kWhole)
     layers.add_file(rig_file, "rig");
   for (const std::string& file : config_files) layers.add_file(file);
   for (const Override& value : overrides) layers.set(value.assignment, value.option);

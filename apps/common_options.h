@@ -19,11 +19,14 @@ struct Override {
   std::string option;      ///< "--set a.b" or a shorthand such as "--sensor"
 };
 
+/// What a rig's file is to a verb: a part of its configuration, of which it takes everything or what
+/// describes the rig and not how it is reached; or the file of the cells that it runs.
+enum class RigFile { kWhole, kDescription, kOfCells };
+
 /// Options every verb takes.
 struct CommonOptions {
   std::string rig_file;  ///< --rig
-  /// Of that file, the verb takes what describes the rig, not how it is reached.
-  bool only_described = false;
+  RigFile rig_is = RigFile::kWhole;
   std::vector<std::string> config_files;  ///< --config, later ones win
   std::vector<Override> overrides;        ///< --set and shorthands, in order
   std::string out;                        ///< --out DIR
@@ -31,7 +34,7 @@ struct CommonOptions {
   std::optional<std::int64_t> threads;    ///< --threads
   bool resume = false;                    ///< --resume
 
-  /// The rig's file, then the configurations, then single values.
+  /// The rig's file where it belongs to them, then the configurations, then single values.
   common::ConfigLayers layers() const;
 };
 

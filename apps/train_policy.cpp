@@ -56,7 +56,7 @@ void train_policy(const CommonOptions& options) {
 void add_train_policy(Verb& program) {
   Verb& verb = program.add_verb("train-policy", "train a policy in the learned simulator");
   CommonOptions& options = configure<TrainPolicyConfig>(verb, train_policy);
-  options.only_described = true;
+  options.rig_is = RigFile::kDescription;
   add_common_options(verb, options, /*with_resume=*/true);
 }
 

@@ -49,7 +49,8 @@ void Actor::propose(const float* output, std::int64_t action_size, std::int64_t 
     return sum + static_cast<double>(number) * static_cast<double>(number);
   });
   const float length = std::max(kLeastLength, static_cast<float>(std::sqrt(square)));
-  const float strength = most_strength(action_size) / (1.0F + std::exp(-towards[action_size]));
+  const float strength =
+      static_cast<float>(most_strength(action_size)) / (1.0F + std::exp(-towards[action_size]));
   for (std::int64_t i = 0; i < action_size; ++i)
     action[i] = std::clamp(strength * towards[i] / length, -1.0F, 1.0F);
 }

@@ -143,7 +143,8 @@ std::string speed_figure(const runs::TasksSummary& summary) {
       chart.series.push_back(
           {"as fast as physics allows", {{limit_mm_s, 0.0}, {limit_mm_s, most_mm}}, kSecondColour});
     limit = fmt::format(
-        " Physics allows {:.0f} mm/s ({}): what a full pulse moves a needle in a control period, by the "
+        " Physics allows at least {:.0f} mm/s ({}): what a full pulse moves a needle in a control period, by "
+        "the "
         "description of the rig, where on the first half of a side that is least.",
         limit_mm_s,
         drawn ? "drawn in" : "far to the right of what is drawn: it is not strength that is lacking");

@@ -23,8 +23,7 @@ struct Proposal {
         length(std::max(1e-6, towards.norm())),
         direction(towards / length),
         odds(1.0 / (1.0 + std::exp(-static_cast<double>(numbers[size])))),
-        most_strength(most_strength_of(size)) {}
-  static double most_strength_of(int size) { return std::sqrt(static_cast<double>(size)); }
+        most_strength(inference::Actor::most_strength(size)) {}
   double angle_part(const geometry::Drive& wanted) const {
     return (1.0 - direction.dot(wanted)) / kDirection;
   }
@@ -63,7 +62,7 @@ void set_proposals_apart(FlatNetwork<float>& actor, std::size_t hidden, std::int
 double imitate(const float* output, std::int64_t proposals, const geometry::Drive& action, double weight,
                float* gradient) {
   const int size = static_cast<int>(action.size());
-  const double strength = std::min(action.norm(), Proposal::most_strength_of(size));
+  const double strength = std::min(action.norm(), inference::Actor::most_strength(size));
   const bool rests = strength <= 0.0;
   std::fill_n(gradient, inference::Actor::outputs(size, proposals), 0.0F);
   std::int64_t chosen = 0;

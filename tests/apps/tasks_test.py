@@ -57,6 +57,11 @@ assert "ratio_to_baseline" in summary["square_at_mm_s"]["6"]["policy"]["decorate
 assert "flow point" in said and "square_at_mm_s 6" in said, said
 assert "square-speed" in (out / "report.html").read_text()
 
+# Another rig's file is the cells', not the bench's.
+said = subprocess.run([program, "bench", "tasks", "--scale", "smoke", "--rig", str(source / "configs/rigs/six_planar.json"),
+                       "--report", "--out", str(out.parent / "six")], capture_output=True, text=True)
+assert said.returncode == 0 and "next: open" in said.stderr, said.stderr
+
 # Every controller has the same rigs, starts, targets and obstacles, and so have tasks that go to the same places.
 starts = [[trial["start"] for trial in trials(cell)] for cell in ("obstacles/baseline/bare", "obstacles/policy/decorated",
                                                                   "still/point/policy/bare", "flow/point/baseline/bare")]

@@ -102,11 +102,8 @@ TEST_CASE("the planner turns the needle to the heading that it shall have when a
   CHECK(planner.act(observation).isZero(0.0));
 }
 
-TEST_CASE(
-    "where a cost-to-go was learned, the planner goes by it to poses, and to points where the distance leads "
-    "no "
-    "further",
-    "[unit]") {
+TEST_CASE("the planner goes by a cost-to-go to poses, and to points the distance does not lead to",
+          "[unit]") {
   // One that says: the nearer to the goal's far side the better, whatever the distance. Its one unit takes
   // the third feature, the distance, and gives less where that is larger.
   std::vector<float> first(static_cast<std::size_t>(inference::CostToGo::kFeatures));

@@ -18,8 +18,10 @@ TEST_CASE("physics carries a needle as fast as its weakest place on a square all
   rarely.rest_s += loop.period_s();
   CHECK(square_speed_limit_m_s(paper, kSide_m, rarely) == Approx(0.5 * limit_m_s).epsilon(0.05));
   RigDescription weaker = paper;
-  weaker.coils.max_current_A *= 0.2;
-  CHECK(square_speed_limit_m_s(weaker, kSide_m, loop) < 0.8 * limit_m_s);
+  weaker.coils.max_current_A *= 0.35;
+  const double weaker_m_s = square_speed_limit_m_s(weaker, kSide_m, loop);
+  CHECK(weaker_m_s > 0.0);
+  CHECK(weaker_m_s < 0.8 * limit_m_s);
   weaker.coils.max_current_A = 0.01;
   CHECK(square_speed_limit_m_s(weaker, kSide_m, loop) == 0.0);
 }

@@ -41,7 +41,9 @@ class Actor {
   /// Proposal `k` of a row: its direction times most_strength(A) / (1 + exp(-strength)), cut to [-1, 1]^A.
   static void propose(const float* output, std::int64_t action_size, std::int64_t k, float* action);
   /// Of an action: the corner of [-1, 1]^A.
-  static float most_strength(std::int64_t action_size) { return std::sqrt(static_cast<float>(action_size)); }
+  static double most_strength(std::int64_t action_size) {
+    return std::sqrt(static_cast<double>(action_size));
+  }
 
  private:
   std::int64_t action_size_;
