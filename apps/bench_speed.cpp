@@ -106,6 +106,7 @@ void add_bench(Verb& program) {
   add_bench_rigs(verb);
   add_bench_speed(verb);
   add_bench_tasks(verb);
+  add_bench_oracle(verb);
   add_bench_tracking(verb);
   add_bench_console(verb);
   add_bench_emulation(verb);

@@ -36,6 +36,7 @@ void add_completion(Verb& program);
 
 void add_bench_console(Verb& bench);
 void add_bench_emulation(Verb& bench);
+void add_bench_oracle(Verb& bench);
 void add_bench_paper(Verb& bench);
 void add_bench_rigs(Verb& bench);
 void add_bench_speed(Verb& bench);

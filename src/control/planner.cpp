@@ -9,6 +9,7 @@
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/statistics.h"
+#include "lodestone/control/learned_foresight.h"
 #include "lodestone/geometry/pose2.h"
 #include "lodestone/geometry/saturation.h"
 
@@ -56,24 +57,35 @@ void PlannerConfig::validate() const {
     throw common::InvalidConfig("elites", elites, fmt::format("not exceed candidates = {}", candidates));
 }
 
-Planner::Planner(std::shared_ptr<const LearnedSimulator> model, const PlannerConfig& config,
-                 std::uint64_t seed, std::shared_ptr<const inference::CostToGo> cost_to_go)
-    : model_(std::move(model)),
+Planner::Planner(std::shared_ptr<Foresight> foresight, const PlannerConfig& config, std::uint64_t seed,
+                 std::shared_ptr<const inference::CostToGo> cost_to_go)
+    : foresight_(std::move(foresight)),
       config_(config),
       seed_(seed),
       random_(seed, "planner"),
       cost_to_go_(std::move(cost_to_go)) {
   config_.validate();
-  const auto particles = std::max(static_cast<std::size_t>(config_.particles), model_->members.size());
+  const auto particles = std::max(static_cast<std::size_t>(config_.particles), foresight_->facts().ways);
   for (std::size_t k = 0; k < particles; ++k)
     quantile_.push_back(
         common::normal_quantile((static_cast<double>(k) + 0.5) / static_cast<double>(particles)));
   reset();
 }
 
+Planner::Planner(std::shared_ptr<const LearnedSimulator> model, const PlannerConfig& config,
+                 std::uint64_t seed, std::shared_ptr<const inference::CostToGo> cost_to_go)
+    : Planner(std::make_shared<LearnedForesight>(std::move(model)), config, seed, std::move(cost_to_go)) {}
+
+std::unique_ptr<Controller> Planner::clone() const {
+  auto other = std::make_unique<Planner>(*this);
+  other->foresight_ = foresight_->clone();
+  return other;
+}
+
 void Planner::reset() {
   random_ = common::RandomStream(seed_, "planner");
-  plan_.assign(static_cast<std::size_t>(config_.horizon), geometry::Drive::Zero(model_->action.size));
+  plan_.assign(static_cast<std::size_t>(config_.horizon),
+               geometry::Drive::Zero(foresight_->facts().action.size));
   pose_before_.reset();
   dearer_.clear();
   led_no_further_ = false;
@@ -114,7 +126,7 @@ void Planner::look_around(const Sequence& mean, const Sequence& spread) {
     Sequence& candidate = candidates_.emplace_back(mean);
     for (std::size_t t = 0; t < candidate.size(); ++t) {
       const geometry::Drive noise =
-          geometry::drawn_drive(model_->action.size, [this] { return random_.normal(); });
+          geometry::drawn_drive(foresight_->facts().action.size, [this] { return random_.normal(); });
       candidate[t] = geometry::saturated(candidate[t] + spread[t].cwiseProduct(noise));
     }
   }
@@ -127,7 +139,7 @@ void Planner::look_around(const std::vector<Sequence>& elites, std::int64_t roun
     Sequence& candidate = candidates_.emplace_back(
         elites.empty() ? Sequence(static_cast<std::size_t>(config_.horizon)) : elites[next % elites.size()]);
     for (geometry::Drive& action : candidate)
-      action = elites.empty() ? task::draw_action(model_->action.size, kWeakest, random_)
+      action = elites.empty() ? task::draw_action(foresight_->facts().action.size, kWeakest, random_)
                               : task::vary_action(action, share, random_);
   }
 }
@@ -156,7 +168,7 @@ void Planner::note_stillness(const task::Observation& observation) {
 }
 
 geometry::Drive Planner::act(const task::Observation& observation) {
-  const bool costs = cost_to_go_ && observation.ahead.empty() && model_->state_size == 3;
+  const bool costs = cost_to_go_ && observation.ahead.empty() && foresight_->facts().state_size == 3;
   if (costs) {
     note_stillness(observation);
     goal_ = cheapest_goal(observation);
@@ -181,7 +193,7 @@ geometry::Drive Planner::act(const task::Observation& observation) {
 
 Planner::Sequence Planner::searched(const task::Observation& observation) {
   const auto horizon = static_cast<std::size_t>(config_.horizon);
-  const int numbers = model_->action.size;
+  const int numbers = foresight_->facts().action.size;
   const Sequence nothing(horizon, geometry::Drive::Zero(numbers));
   Sequence mean = nothing;
   Sequence spread(horizon, geometry::Drive::Constant(numbers, config_.spread));
@@ -218,16 +230,26 @@ Planner::Sequence Planner::searched(const task::Observation& observation) {
 
 void Planner::add_distances(const task::Observation& observation, std::size_t t, double fraction) {
   const std::size_t count = candidates_.size();
-  const std::size_t size = model_->state_size;
+  const std::size_t size = foresight_->facts().state_size;
   const geometry::Vector2 target_m = observation.target_after_m(t + 1);
   const std::optional<double> heading_rad = observation.target_heading_after_rad(t + 1);
+  const geometry::Vector2 moves_m = target_m - observation.target_after_m(t);
+  const bool along_path = heading_rad && size == 3 && moves_m.norm() > 0.0;
+  const geometry::Vector2 forwards =
+      along_path ? moves_m.normalized() : geometry::Vector2(geometry::Vector2::Zero());
   for (std::size_t row = 0; row < state_.size() / size; ++row) {
     const double* state = &state_[row * size];
     const geometry::Vector2 position_m(state[0], state[1]);
-    double cost_mm = geometry::kMmPerM * std::max(config_.goal_radius_m, (position_m - target_m).norm());
-    if (heading_rad && size == 3)
-      cost_mm += config_.heading_cost_mm * std::abs(geometry::wrap_angle(state[2] - *heading_rad));
-    if (position_m.norm() > model_->dish_radius_m) cost_mm += kOutside_mm;
+    geometry::Vector2 off_m = position_m - target_m;
+    const double along_m = off_m.dot(forwards);
+    off_m -= std::clamp(along_m, -config_.along_slack_m, config_.along_slack_m) * forwards;
+    double cost_mm = geometry::kMmPerM * std::max(config_.goal_radius_m, off_m.norm());
+    if (heading_rad && size == 3) {
+      const double turned_mm =
+          config_.heading_cost_mm * std::abs(geometry::wrap_angle(state[2] - *heading_rad));
+      cost_mm = along_path ? std::hypot(cost_mm, turned_mm) : cost_mm + turned_mm;
+    }
+    if (position_m.norm() > foresight_->facts().dish_radius_m) cost_mm += kOutside_mm;
     cost_[row % count] += fraction * cost_mm;
   }
 }
@@ -253,16 +275,16 @@ void Planner::add_pose_costs(std::size_t t, double fraction) {
 
 void Planner::evaluate_candidates(const task::Observation& observation) {
   const std::size_t count = candidates_.size();
-  const std::size_t members = model_->members.size();
-  const bool alike = !observation.drive_gain && !model_->sampled;
-  const std::size_t particles = alike ? members : quantile_.size();
+  const Foresight::Facts& facts = foresight_->facts();
+  const bool alike = !observation.drive_gain && !facts.by_chance;
+  const std::size_t particles = alike ? facts.ways : quantile_.size();
   const task::DriveGain gain = observation.drive_gain.value_or(task::DriveGain{});
-  const double limit = model_->action.scale;
-  const std::size_t size = model_->state_size;
+  const double limit = facts.action.scale;
+  const std::size_t size = facts.state_size;
   const std::size_t rows = count * particles;
   state_.resize(rows * size);
   next_.resize(rows * size);
-  const auto numbers = static_cast<std::size_t>(model_->action.size);
+  const auto numbers = static_cast<std::size_t>(facts.action.size);
   drive_.resize(numbers * rows);
   for (std::size_t row = 0; row < rows; ++row) {
     state_[row * size] = observation.pose.x_m;
@@ -281,20 +303,11 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
       const double factor = std::exp(gain.log_mean + gain.log_sigma * quantile_[p]);
       for (std::size_t c = 0; c < count; ++c) {
         const geometry::Drive drive =
-            geometry::saturated(factor * task::drive_of(candidates_[c][t], model_->action), limit);
+            geometry::saturated(factor * task::drive_of(candidates_[c][t], facts.action), limit);
         std::copy(drive.begin(), drive.end(), &drive_[numbers * (p * count + c)]);
       }
-      const double* state = &state_[p * count * size];
-      const double* drive = &drive_[numbers * p * count];
-      double* next = &next_[p * count * size];
-      const auto n = static_cast<std::int64_t>(count);
-      const inference::FoldedDynamics& member = model_->members[p % members];
-      if (model_->sampled) {
-        const auto luck = inference::Luck::draw(static_cast<std::int64_t>(size), random_);
-        member.sample(state, drive, n, luck, next, workspace_);
-      } else {
-        member.predict(state, drive, n, next, workspace_);
-      }
+      foresight_->foresee(p % facts.ways, t, &state_[p * count * size], &drive_[numbers * p * count],
+                          static_cast<std::int64_t>(count), random_, &next_[p * count * size]);
     }
     for (std::size_t row = 0; row < rows; ++row) {
       double* state = &state_[row * size];

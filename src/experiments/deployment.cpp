@@ -97,16 +97,6 @@ std::shared_ptr<control::RigIdentifier> identifier_of(const ControllerSource& so
   return source.identify ? source.identify() : nullptr;
 }
 
-/// What the configuration puts around every controller.
-std::unique_ptr<control::Controller> decorated(std::unique_ptr<control::Controller> controller,
-                                               const DeploymentConfig& config, double scale_A) {
-  controller = control::decorate(std::move(controller), config.decorators, physics::CoilDrive(config.rig));
-  if (config.turn.current_A > 0.0)
-    controller =
-        std::make_unique<control::TurnInPlace>(std::move(controller), config.turn, config.rig, scale_A);
-  return controller;
-}
-
 rig::RigConfig warmed(rig::RigConfig config, double temperature_C) {
   const double change = physics::water_glycerol_viscosity_Pa_s(temperature_C) /
                         physics::water_glycerol_viscosity_Pa_s(physics::kNominalFluid_C);
@@ -129,6 +119,15 @@ void add_obstacles(const DeploymentConfig& config, TrialPlan& plan) {
 }
 
 }  // namespace
+
+std::unique_ptr<control::Controller> decorated(std::unique_ptr<control::Controller> controller,
+                                               const DeploymentConfig& config, double scale_A) {
+  controller = control::decorate(std::move(controller), config.decorators, physics::CoilDrive(config.rig));
+  if (config.turn.current_A > 0.0)
+    controller =
+        std::make_unique<control::TurnInPlace>(std::move(controller), config.turn, config.rig, scale_A);
+  return controller;
+}
 
 std::string to_string(RigKind kind) {
   return kind == RigKind::kExplored ? "explored" : kind == RigKind::kUnseen ? "unseen" : "real";
@@ -343,6 +342,7 @@ std::string trial_name(RigKind kind, const ControllerSource& source, const Trial
 
 TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& config, const TrialPlan& plan,
                            const ControllerSource& source, const TruePose& truth, const TrialWatch& watch) {
+  LODESTONE_CHECK(source.make != nullptr, "a controller that any rig can be driven by, not " + source.name);
   const std::shared_ptr<control::RigIdentifier> identifier = identifier_of(source);
   control::ControlLoop loop(config.loop, source.action, bench.coils(), bench.sensor(), bench.clock(),
                             &config.rig, identifier.get());
@@ -407,7 +407,8 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   const std::shared_ptr<control::RigIdentifier> identifier = identifier_of(source);
   control::ControlLoop loop(config_.loop, source.action, coils, *sensor, clock, &config_.rig,
                             identifier.get());
-  const std::unique_ptr<control::Controller> controller = source.make(seed);
+  const std::unique_ptr<control::Controller> controller =
+      source.make_for ? source.make_for(seed, rig) : source.make(seed);
   TrialRecording recording(folders, config_.record,
                            {trial_name(kind, source, plan),
                             plan,

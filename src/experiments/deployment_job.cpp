@@ -6,7 +6,9 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/log.h"
 #include "lodestone/experiments/heading_need.h"
+#include "lodestone/experiments/oracle.h"
 #include "lodestone/experiments/routing.h"
+#include "lodestone/runs/tasks_result.h"
 
 namespace lodestone::experiments {
 namespace {
@@ -153,8 +155,9 @@ DeploymentJob plan_job(const DeployConfig& config, const std::vector<std::string
   if (!config.policy.empty()) policy = inference::load_policy(config.policy);
   std::optional<SimulatorSource> simulator;
   if (!config.dynamics.empty()) simulator = load_simulator(config.deployment, config.dynamics);
-  if (simulator && policy &&
-      std::find(controllers.begin(), controllers.end(), "planner") != controllers.end())
+  if (simulator && policy && std::any_of(controllers.begin(), controllers.end(), [](const std::string& name) {
+        return name == "planner" || name == runs::kOracle;
+      }))
     go_by_cost_to_go(config.deployment, *policy, config.policy, *simulator);
   const SimulatorSource* identified_by = simulator ? &*simulator : nullptr;
   for (const std::string& controller : controllers) {
@@ -173,6 +176,8 @@ DeploymentJob plan_job(const DeployConfig& config, const std::vector<std::string
       job.provenance = common::artefact_from_json<runs::Provenance>(policy->provenance, config.policy);
     } else if (controller == "observer") {
       job.sources.push_back(observer_source(config.deployment));
+    } else if (controller == runs::kOracle) {
+      job.sources.push_back(oracle_source(config.deployment, simulator ? &*simulator : nullptr));
     } else {
       job.sources.push_back(baseline_source(config.deployment, identified_by));
     }

@@ -14,7 +14,6 @@
 #include "lodestone/common/json.h"
 #include "lodestone/common/random.h"
 #include "lodestone/common/spelling.h"
-#include "lodestone/runs/rigs_result.h"
 #include "lodestone/runs/tasks_result.h"
 
 namespace lodestone::experiments {
@@ -30,6 +29,7 @@ struct TaskVariant {
   std::string trials_of;  ///< those of one name have the same starts, targets and rigs
 };
 
+constexpr const char* kTangentPath = "tangent_path/";
 constexpr const char* kEightFile = "/eight.csv";
 constexpr double kEightHalfWidth_m = 0.015;
 constexpr int kEightPoints = 240;
@@ -90,7 +90,7 @@ TaskSettings at_speed(double speed_m_s) { return {task_setting("reference.speed_
 
 /// Whether a task wants the needle to lie in some way, which a policy for points is not told.
 bool wants_heading(const TaskVariant& variant) {
-  return variant.task == "pose" || variant.task == "suture" || variant.name.rfind("tangent_path/", 0) == 0;
+  return variant.task == "pose" || variant.task == "suture" || variant.name.rfind(kTangentPath, 0) == 0;
 }
 
 /// Where headings are wanted, the planner goes by what the policy for poses has learned of their cost.
@@ -98,12 +98,28 @@ TaskSettings controller_settings(const std::string& controller, const TaskVarian
                                  const std::string& models) {
   TaskSettings settings = {"controller=" + controller, "dynamics=" + models + "/dynamics_best"};
   const bool headed = wants_heading(variant);
-  if (controller == "policy" || (controller == "planner" && headed))
+  const bool plans = controller == "planner" || controller == runs::kOracle;
+  if (controller == "policy" || (plans && headed))
     settings.push_back("policy=" + models + (headed ? "/any_pose" : "/any_rig"));
-  if (controller == "planner" && headed)  // as best/deploy_any_pose.json has it
-    settings = with_more(settings, {"planner.horizon=2", "planner.candidates=96", "planner.particles=16",
-                                    "planner.heading_cost_mm=3"});
+  if (!plans) return settings;
+  const bool along_path = variant.name.rfind(kTangentPath, 0) == 0;
+  if (headed) settings.emplace_back("planner.horizon=2");
+  if (along_path)  // at corners degrees are lost whatever is done
+    settings.emplace_back(variant.task == "square" ? "planner.heading_cost_mm=3.4"
+                                                   : "planner.heading_cost_mm=4.2");
+  if (controller == runs::kOracle)  // what can be computed of physics
+    return with_more(settings, {"planner.candidates=96", "planner.particles=4"});
+  if (along_path)  // as best/deploy_headed_path.json has it
+    return with_more(settings, {"planner.candidates=192", "planner.iterations=4", "planner.particles=32"});
+  if (headed)  // as best/deploy_any_pose.json has it
+    return with_more(settings,
+                     {"planner.candidates=96", "planner.particles=16", "planner.heading_cost_mm=3"});
   return settings;
+}
+
+/// Nothing is put around the oracle.
+std::vector<bool> decorations(const std::string& controller) {
+  return controller == runs::kOracle ? std::vector<bool>{false} : std::vector<bool>{false, true};
 }
 
 }  // namespace
@@ -193,17 +209,19 @@ runs::Plan tasks_plan(const TasksScale& scale, const physics::RigDescription& ri
   plan.seed = scale.seed;
   plan.subfolder = "cells";
   const std::vector<std::string> controllers =
-      chosen_names("controllers", scale.controllers, {runs::kControllers.begin(), runs::kControllers.end()});
+      chosen_names("controllers", scale.controllers, {runs::kDrivers.begin(), runs::kDrivers.end()});
   for (const TaskVariant& variant : task_variants(scale, rig, folder)) {
     for (const std::string& controller : controllers) {
-      for (const bool decorated : {false, true}) {
+      const bool oracle = controller == runs::kOracle;
+      for (const bool decorated : decorations(controller)) {
         runs::Cell cell;
         cell.id = variant.name + "/" + controller + (decorated ? "/decorated" : "/bare");
-        cell.verb = "deploy";
-        cell.settings =
-            with_more({"on_rig=unseen", "task=" + variant.task, "sensor.kind=" + scale.sensor,
-                       "record.enabled=false", "trials.count=" + std::to_string(scale.trials)},
-                      with_more(controller_settings(controller, variant, scale.models), variant.settings));
+        cell.verb = oracle ? "bench oracle" : "deploy";
+        const std::int64_t trials = oracle ? std::min(scale.trials, scale.oracle_trials) : scale.trials;
+        cell.settings = with_more(
+            {"on_rig=unseen", "task=" + variant.task, "sensor.kind=" + (oracle ? "simulated" : scale.sensor),
+             "record.enabled=false", "trials.count=" + std::to_string(trials)},
+            with_more(controller_settings(controller, variant, scale.models), variant.settings));
         if (decorated) {
           // Classical controllers bring a needle somewhere, and leave how it lies to what turns it there.
           const bool turned = variant.task == "pose" && controller != "planner" && controller != "policy";

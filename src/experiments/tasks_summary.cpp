@@ -1,5 +1,6 @@
 #include "lodestone/experiments/tasks_summary.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -84,13 +85,14 @@ runs::TaskDrivers& drivers_of(runs::TasksSummary& summary, const std::string& ta
   return summary.groups[task.substr(0, slash)][task.substr(slash + 1)];
 }
 
-/// Quotient of two mean errors over the same trials, and its interval; nothing where those were not driven.
+/// Quotient of two mean errors over the same trials, the first ones where one has more, and its interval;
+/// nothing where those were not driven.
 void compare_errors(const std::vector<double>& errors_mm, const std::vector<double>* others_mm,
                     const std::string& what, std::optional<double>& ratio, std::optional<Bounds>& interval) {
-  if (others_mm == nullptr || others_mm->size() != errors_mm.size() || common::mean(*others_mm) <= 0.0)
-    return;
+  if (others_mm == nullptr || others_mm->empty() || common::mean(*others_mm) <= 0.0) return;
   std::vector<double> trials;  // are drawn, so that pairs stay pairs
-  for (std::size_t i = 0; i < errors_mm.size(); ++i) trials.push_back(static_cast<double>(i));
+  for (std::size_t i = 0; i < std::min(errors_mm.size(), others_mm->size()); ++i)
+    trials.push_back(static_cast<double>(i));
   const auto quotient = [&](const std::vector<double>& drawn) {
     double sum_mm = 0.0, others_sum_mm = 0.0;
     for (const double trial : drawn) {
@@ -165,6 +167,9 @@ runs::TasksSummary summarise_tasks(const runs::Plan& plan, const runs::PlanPlace
     if (name.controller != "baseline")
       compare_errors(own_mm, errors_of(name.task + "/baseline/" + name.around), "baseline",
                      figures.ratio_to_baseline, figures.ratio_to_baseline_interval);
+    if (name.controller != runs::kOracle)
+      compare_errors(own_mm, errors_of(name.task + "/" + runs::kOracle + "/bare"), "oracle",
+                     figures.ratio_to_oracle, figures.ratio_to_oracle_interval);
   }
   // A square in fluid at rest is followed at 2 mm/s.
   const auto still = summary.groups.find("still");

@@ -42,6 +42,7 @@ std::vector<std::string> task_columns() {
           "touched an obstacle",
           "error / that in fluid at rest",
           "error / the baseline's",
+          "error / the oracle's",
           "stopped",
           "trials"};
 }
@@ -63,12 +64,13 @@ std::vector<std::string> task_row(const std::string& task, const std::string& co
           with_interval(errors.touching_rate, errors.touching_interval, 1, 100.0, " %"),
           with_interval(figures.ratio_to_still, figures.ratio_to_still_interval, 2),
           with_interval(figures.ratio_to_baseline, figures.ratio_to_baseline_interval, 2),
+          with_interval(figures.ratio_to_oracle, figures.ratio_to_oracle_interval, 2),
           std::to_string(figures.stopped),
           std::to_string(figures.n_trials)};
 }
 
 void add_task_rows(const std::string& task, const TaskDrivers& drivers, TableRows& rows) {
-  for (const char* controller : runs::kControllers)
+  for (const char* controller : runs::kDrivers)
     for (const char* around : kArounds) {
       const auto of_controller = drivers.find(controller);
       if (of_controller == drivers.end() || of_controller->second.count(around) == 0) continue;
@@ -116,7 +118,7 @@ std::string speed_figure(const runs::TasksSummary& summary) {
   if (squares == summary.groups.end()) return "";
   LineChart chart{"square-speed", "", "speed of the reference (mm/s)", "error (mm)"};
   chart.from_zero = true;
-  for (const char* controller : runs::kControllers)
+  for (const char* controller : runs::kDrivers)
     for (const char* around : kArounds) {
       LineSeries series{std::string(controller) + ", " + around, {}, task_colour(controller)};
       series.dashed = around == std::string("decorated");
@@ -173,6 +175,14 @@ std::string write_tasks_report(const std::string& folder, const std::string& out
                 "its drag on a needle that lies across it is half of what friction holds.",
                 1e3 * *summary.flow_speed_m_s)
           : "";
+  const auto by_oracle = [](const TableRows::value_type& row) { return row[1] == runs::kOracle; };
+  const std::string oracle = std::any_of(rows.begin(), rows.end(), by_oracle)
+                                 ? " The oracle is a planner that knows all that is hidden in the rig and "
+                                   "where the needle really is: "
+                                   "no controller, but what a search as far ahead and as wide could reach. "
+                                   "It drove the first of the "
+                                   "trials."
+                                 : "";
   page.add_section(
       "table", "In numbers",
       figure(
@@ -181,7 +191,7 @@ std::string write_tasks_report(const std::string& folder, const std::string& out
           "rigs, "
           "starts and targets. Error: of points and poses the distance at the end, of paths the cross-track "
           "RMS of a trial. Intervals of 95 %: Wilson's of shares, else by drawing trials anew." +
-              flow));
+              oracle + flow));
   if (const std::string speeds = speed_figure(summary); !speeds.empty())
     page.add_section("speed", "Error against speed", speeds);
   common::write_file_atomically(out, page.render());

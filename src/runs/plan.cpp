@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <set>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -20,8 +21,8 @@ using common::Json;
 constexpr const char* kPlanFile = "/plan.json";
 constexpr std::size_t kLargestPlan = 256 << 20;  // bytes of a file: a million cells
 constexpr std::int64_t kLeastMinutes = 3;        // a cell is told to save one minute before its time is up
-const std::set<std::string> kVerbs = {"collect", "train-segmenter", "train-dynamics", "train-policy",
-                                      "deploy"};
+const std::set<std::string> kVerbs = {"collect",      "train-segmenter", "train-dynamics",
+                                      "train-policy", "deploy",          "bench oracle"};
 
 /// Calls `use` with every {ID} of a text, and puts in its place what that returns.
 template <class Use>
@@ -90,8 +91,9 @@ void Plan::validate() const {
   for (const Cell& cell : cells) {
     const std::string what = "cell \"" + cell.id + "\"";
     if (kVerbs.count(cell.verb) == 0)
-      throw ConfigError(what + ": verb = \"" + cell.verb +
-                        "\" must be collect, train-segmenter, train-dynamics, train-policy or deploy");
+      throw ConfigError(
+          what + ": verb = \"" + cell.verb +
+          "\" must be collect, train-segmenter, train-dynamics, train-policy, deploy or bench oracle");
     for (const std::string& need : cell.needs())
       if (before.count(need) == 0)
         throw ConfigError(what + " needs {" + need + "}, which is no cell before it in the plan");
@@ -130,7 +132,9 @@ std::string cell_folder(const Plan& plan, const PlanPlace& place, const std::str
 }
 
 std::vector<std::string> cell_arguments(const Plan& plan, const PlanPlace& place, const Cell& cell) {
-  std::vector<std::string> out = {cell.verb};
+  std::vector<std::string> out;
+  std::istringstream words(cell.verb);
+  for (std::string word; words >> word;) out.push_back(word);
   const auto add = [&out](const char* flag, const std::string& value) {
     out.insert(out.end(), {flag, value});
   };

@@ -62,6 +62,17 @@ said = subprocess.run([program, "bench", "tasks", "--scale", "smoke", "--rig", s
                        "--report", "--out", str(out.parent / "six")], capture_output=True, text=True)
 assert said.returncode == 0 and "next: open" in said.stderr, said.stderr
 
+# The oracle drives a virtual rig and nothing else.
+oracle = ["bench", "oracle", "--task", "point", "--trials", "1", "--sensor", "simulated", "--on", "unseen", "--set",
+          "trials.point_seconds=2", "--set", "planner.candidates=8", "--set", "planner.particles=2", "--out", str(out.parent / "oracle")]
+for _ in range(2):  # the second goes on with what is finished
+    said = subprocess.run([program, *oracle, "--resume"], capture_output=True, text=True)
+    assert said.returncode == 0 and "oracle" in said.stdout, said.stdout + said.stderr
+assert json.loads((out.parent / "oracle/trials.json").read_text())[0]["controller"] == "oracle"
+for refused in (["deploy", "--controller", "oracle", "--out", "x"], [*oracle, "--set", "rig.backend=serial"]):
+    said = subprocess.run([program, *refused], capture_output=True, text=True)
+    assert said.returncode == 2 and said.stderr.count("\n") == 1, said.stderr
+
 # Every controller has the same rigs, starts, targets and obstacles, and so have tasks that go to the same places.
 starts = [[trial["start"] for trial in trials(cell)] for cell in ("obstacles/baseline/bare", "obstacles/policy/decorated",
                                                                   "still/point/policy/bare", "flow/point/baseline/bare")]

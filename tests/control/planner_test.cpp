@@ -1,6 +1,7 @@
 #include "lodestone/control/planner.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "control/controller_conformance.h"
 #include "env/linear_model.h"
@@ -100,6 +101,28 @@ TEST_CASE("the planner turns the needle to the heading that it shall have when a
   observation.target_heading_rad.reset();
   observation.ahead[0].heading_rad.reset();
   CHECK(planner.act(observation).isZero(0.0));
+}
+
+TEST_CASE("along a path with headings the planner lets the needle be a little late, beside it never") {
+  task::Observation observation;
+  observation.target_m = {0.002, 0.0};
+  observation.target_heading_rad = 0.0;
+  observation.ahead.push_back({{0.0026, 0.0}, 0.3, 0.0});  // 0.6 mm a pulse along +x
+  const auto pulse = [&](double slack_m, const geometry::Pose2& pose) -> geometry::Drive {
+    control::PlannerConfig config;
+    config.along_slack_m = slack_m;
+    control::Planner planner(model(), config, 1);
+    planner.reset();
+    observation.pose = pose;
+    return planner.act(observation);
+  };
+  CHECK(pulse(0.003, {0.0, 0.0, 0.0}).isZero(0.0));  // 2.6 mm late
+  CHECK(pulse(0.0, {0.0, 0.0, 0.0}).x() > 0.05);
+  const geometry::Drive beside = pulse(0.003, {0.0, 0.002, 0.0});
+  CHECK(beside.y() < -0.05);
+  CHECK(std::abs(beside.x()) < 0.5 * std::abs(beside.y()));
+  observation.ahead.clear();  // it stays: to be there is what counts
+  CHECK(pulse(0.003, {0.0, 0.0, 0.0}).x() > 0.05);
 }
 
 TEST_CASE("the planner goes by a cost-to-go to poses, and to points the distance does not lead to",

@@ -62,10 +62,11 @@ TEST_CASE("cells say what their tasks are, and drive rigs that nobody has seen")
   const runs::Plan plan = planned(small());
   for (const runs::Cell& cell : plan.cells) {
     CAPTURE(cell.id);
-    CHECK(cell.verb == "deploy");
+    const bool oracle = cell.id.find("/oracle/") != std::string::npos;
+    CHECK(cell.verb == (oracle ? "bench oracle" : "deploy"));
     CHECK(sets(cell, "on_rig=unseen"));
     CHECK(sets(cell, "trials.count=2"));
-    CHECK(sets(cell, "sensor.kind=camera"));
+    CHECK(sets(cell, oracle ? "sensor.kind=simulated" : "sensor.kind=camera"));
     CHECK(sets(cell, "dynamics=/models/dynamics_best"));
   }
   CHECK(sets(*plan.find("pose/planner/bare"), "score.success_radius_m=0.001"));
@@ -77,6 +78,29 @@ TEST_CASE("cells say what their tasks are, and drive rigs that nobody has seen")
   CHECK(sets(*plan.find("flow/point/planner/bare"), "rig.simulation.flow.waveform=sine"));
   CHECK(sets(*plan.find("square_at_mm_s/6/planner/bare"), "reference.speed_m_s=0.006"));
   CHECK(sets(*plan.find("still/square/planner/bare"), "reference.speed_m_s=0.002"));
+}
+
+TEST_CASE("the oracle drives every task bare, by the planner's settings where these tell what is wanted") {
+  experiments::TasksScale scale = small();
+  scale.trials = 200;
+  scale.oracle_trials = 7;
+  const runs::Plan plan = planned(scale);
+  CHECK_NOTHROW(plan.validate());
+  for (const runs::Cell& cell : plan.cells) {
+    if (cell.id.find("/planner/bare") == std::string::npos) continue;
+    std::string id = cell.id;
+    id.replace(id.find("planner"), 7, "oracle");
+    CAPTURE(id);
+    const runs::Cell* oracle = plan.find(id);
+    REQUIRE(oracle != nullptr);
+    CHECK(oracle->seed == cell.seed);
+    CHECK(sets(*oracle, "trials.count=7"));
+    for (const char* setting :
+         {"policy=/models/any_pose", "planner.horizon=2", "trials.path_heading=tangent",
+          "planner.heading_cost_mm=4.2", "planner.heading_cost_mm=3.4", "trials.obstacles.count=3"})
+      CHECK(sets(*oracle, setting) == sets(cell, setting));
+    CHECK(plan.find(id.substr(0, id.size() - 4) + "decorated") == nullptr);
+  }
 }
 
 TEST_CASE("controllers and variants of a task meet the same trials, tasks others") {

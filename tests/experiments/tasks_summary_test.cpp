@@ -75,7 +75,8 @@ TEST_CASE("finished cells stand under the names of their tasks, beside what they
   runs::Plan plan;
   plan.subfolder = "cells";
   for (const char* id : {"pose/planner/bare", "still/point/planner/bare", "flow/point/planner/bare",
-                         "flow/point/baseline/bare", "still/square/planner/bare", "pose/planner/decorated"})
+                         "flow/point/baseline/bare", "still/square/planner/bare", "pose/planner/decorated",
+                         "flow/point/oracle/bare"})
     plan.cells.push_back(cell(id));
   plan.cells[2].settings = {"rig.simulation.flow.speed_m_s=0.0125"};
   const runs::PlanPlace place{folder.path(), "", ""};
@@ -85,9 +86,10 @@ TEST_CASE("finished cells stand under the names of their tasks, beside what they
   finish(plan, place, "flow/point/planner/bare", {2.0, 4.0, 6.0});
   finish(plan, place, "flow/point/baseline/bare", {4.0, 8.0, 12.0});
   finish(plan, place, "still/square/planner/bare", {1.0});
+  finish(plan, place, "flow/point/oracle/bare", {1.0, 1.0});
   const runs::TasksSummary summary = experiments::summarise_tasks(plan, place, physics::RigDescription());
-  CHECK(summary.cells == 5);
-  CHECK(summary.cells_planned == 6);
+  CHECK(summary.cells == 6);
+  CHECK(summary.cells_planned == 7);
   CHECK(*summary.flow_speed_m_s == 0.0125);
   CHECK(*summary.square_speed_limit_m_s > 0.006);
   const runs::TaskFigures& flow = summary.groups.at("flow").at("point").at("planner").at("bare");
@@ -95,6 +97,8 @@ TEST_CASE("finished cells stand under the names of their tasks, beside what they
   CHECK(flow.ratio_to_still_interval->at(0) == Approx(2.0));  // trial by trial twice as much
   CHECK(flow.ratio_to_still_interval->at(1) == Approx(2.0));
   CHECK(*flow.ratio_to_baseline == Approx(0.5));
+  CHECK(*flow.ratio_to_oracle == Approx(3.0));  // on the trials that both drove
+  CHECK_FALSE(summary.groups.at("flow").at("point").at("oracle").at("bare").ratio_to_oracle);
   CHECK_FALSE(summary.groups.at("flow").at("point").at("baseline").at("bare").ratio_to_still);
   CHECK_FALSE(summary.alone.at("pose").at("planner").at("bare").ratio_to_baseline);
   CHECK(summary.alone.at("pose").at("planner").count("decorated") == 0);

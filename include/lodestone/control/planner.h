@@ -7,6 +7,7 @@
 
 #include "lodestone/common/random.h"
 #include "lodestone/control/controller.h"
+#include "lodestone/control/foresight.h"
 #include "lodestone/control/learned_simulator.h"
 #include "lodestone/inference/cost_to_go.h"
 
@@ -23,6 +24,7 @@ struct PlannerConfig {
   double current_cost = 0.02;
   double goal_radius_m = 0.0003;
   double heading_cost_mm = 5.0;
+  double along_slack_m = 0.003;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -38,17 +40,23 @@ struct PlannerConfig {
     v.field("spread", spread, "action units", "standard deviation of the first round", {1e-3, 2.0});
     v.field("current_cost", current_cost, "mm", "cost of a pulse per squared action", {0.0, 1000.0});
     v.field("goal_radius_m", goal_radius_m, "m", "closer than this is no better", {0.0, 0.1});
-    v.field("heading_cost_mm", heading_cost_mm, "mm/rad",
-            "cost of a heading error, where the target has a heading", {0.0, 1000.0});
+    v.field(
+        "heading_cost_mm", heading_cost_mm, "mm/rad",
+        "cost of a heading error, where the target has a heading; where it moves, too, root of the sum of "
+        "squares with that of the distance",
+        {0.0, 1000.0});
+    v.field("along_slack_m", along_slack_m, "m",
+            "where the target moves and has a heading: so far ahead of it or behind is no worse", {0.0, 0.1});
   }
   /// Throws ConfigError.
   void validate() const;
 };
 
 /// Plans anew at every step by the cross-entropy method (Rubinstein; Chua et al., PETS, 2018): tries
-/// sequences of pulses in the learned simulator, keeps the best, looks around them again, and gives the first
+/// sequences of pulses as a simulator has them, keeps the best, looks around them again, and gives the first
 /// pulse of the one that is best on outcomes that none was chosen by. The cost is the mean distance over the
-/// horizon to where the target will be, and to how the needle shall lie there, over particles: each has a
+/// horizon to where the target will be, and to how the needle shall lie there (along a path a needle that is
+/// a little early or late may lie better: PlannerConfig::along_slack_m), over particles: each has a
 /// member of the ensemble, luck that is the same for every sequence, and where the rig is identified a gain
 /// of the drive.
 ///
@@ -62,11 +70,14 @@ struct PlannerConfig {
 class Planner final : public Controller {
  public:
   /// `cost_to_go`: null where none was learned.
+  Planner(std::shared_ptr<Foresight> foresight, const PlannerConfig& config, std::uint64_t seed,
+          std::shared_ptr<const inference::CostToGo> cost_to_go = nullptr);
+  /// In a learned simulator.
   Planner(std::shared_ptr<const LearnedSimulator> model, const PlannerConfig& config, std::uint64_t seed,
           std::shared_ptr<const inference::CostToGo> cost_to_go = nullptr);
   void reset() override;
   geometry::Drive act(const task::Observation& observation) override;
-  std::unique_ptr<Controller> clone() const override { return std::make_unique<Planner>(*this); }
+  std::unique_ptr<Controller> clone() const override;
 
  private:
   using Sequence = std::vector<geometry::Drive>;  // [horizon]
@@ -89,7 +100,7 @@ class Planner final : public Controller {
   /// Indices of the `count` best candidates, best first.
   std::vector<std::size_t> best(std::size_t count) const;
 
-  std::shared_ptr<const LearnedSimulator> model_;
+  std::shared_ptr<Foresight> foresight_;
   PlannerConfig config_;
   std::uint64_t seed_;
   common::RandomStream random_;
@@ -98,7 +109,6 @@ class Planner final : public Controller {
   std::vector<double> cost_;                  // [candidates]
   std::vector<double> quantile_;              // [particles], of a normal number
   std::vector<double> state_, drive_, next_;  // rows by particle, then candidate
-  inference::FoldedDynamics::Workspace workspace_;
   std::shared_ptr<const inference::CostToGo> cost_to_go_;
   /// Where pulses moved nothing, and how much dearer than learned it is to lie there.
   struct Dearer {

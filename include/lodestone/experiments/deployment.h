@@ -197,12 +197,19 @@ void go_by_cost_to_go(const DeploymentConfig& config, const inference::Policy& p
 /// A controller and the scale of its actions. What it makes is made once per trial, and must be safe to make
 /// from several threads.
 struct ControllerSource {
-  std::string name;  ///< "policy", "planner", "baseline" or "observer"
+  std::string name;  ///< "policy", "planner", "baseline", "observer" or "oracle"
   task::ActionConfig action;
   std::function<std::unique_ptr<control::Controller>(std::uint64_t seed)> make;
+  /// Instead, for a virtual rig alone, which outlives what is made (oracle_source()).
+  std::function<std::unique_ptr<control::Controller>(std::uint64_t seed, const rig::VirtualRig& rig)>
+      make_for;
   /// What the rig is identified by in the next trial, as it knows it then; empty: it is not.
   std::function<std::shared_ptr<control::RigIdentifier>()> identify;
 };
+
+/// What the configuration puts around every controller; an action of 1 is `scale_A`.
+std::unique_ptr<control::Controller> decorated(std::unique_ptr<control::Controller> controller,
+                                               const DeploymentConfig& config, double scale_A);
 
 /// The baseline at the rig's largest current; with a simulator, its commands are divided by the gain that is
 /// identified.

@@ -69,8 +69,8 @@ struct DeploymentJob {
 /// Reads the checkpoints and the path that the configuration names. Throws ConfigError where they do not fit
 /// what is asked, and CheckpointError, IoError and DataError where they cannot be read.
 DeploymentJob plan_job(const DeployConfig& config);
-/// The same with these controllers ("planner", "policy", "baseline", "observer"), whatever the configuration
-/// says.
+/// The same with these controllers ("planner", "policy", "baseline", "observer", or the oracle for a virtual
+/// rig), whatever the configuration says.
 DeploymentJob plan_job(const DeployConfig& config, const std::vector<std::string>& controllers);
 
 }  // namespace lodestone::experiments

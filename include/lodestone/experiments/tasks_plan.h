@@ -15,7 +15,8 @@ struct TasksScale {
   std::int64_t seed = 1;
   std::int64_t threads = 0;
   std::int64_t trials = 200;
-  std::string controllers = "planner,policy,baseline,observer";
+  std::int64_t oracle_trials = 20;
+  std::string controllers = "planner,policy,baseline,observer,oracle";
   std::string tasks;
   std::string models;
   std::string sensor = "camera";
@@ -28,8 +29,13 @@ struct TasksScale {
     v.field("trials", trials, "",
             "trials of each task by each controller, each on a rig of its own that nobody has seen",
             {1, 100000});
-    v.field("controllers", controllers, "",
-            "what drives, with commas between: planner, policy, baseline, observer");
+    v.field("oracle_trials", oracle_trials, "",
+            "of these the oracle drives no more than so many, the first ones: it computes for minutes",
+            {1, 100000});
+    v.field(
+        "controllers", controllers, "",
+        "what drives, with commas between: planner, policy, baseline, observer, and the oracle, which knows "
+        "the rig and tells what could be reached");
     v.field("tasks", tasks, "",
             "only these, with commas between: pose, pose_wide, suture, obstacles, tangent_path, flow, still, "
             "square_at_mm_s; empty: all that this program can drive");
@@ -52,9 +58,10 @@ void write_figure_of_eight(const std::string& folder);
 physics::FlowConfig pulsing_flow(const physics::RigDescription& rig);
 
 /// A cell for each task, controller, and what is put around it, in a plan that is run in `folder` on `rig`;
-/// ids are TASK/CONTROLLER/bare and TASK/CONTROLLER/decorated. Every controller meets the same starts,
-/// targets and rigs, and so do tasks that go to the same places. A policy for points is not asked for poses
-/// unless something turns the needle for it. Throws ConfigError naming a task or controller that is none.
+/// ids are TASK/CONTROLLER/bare and TASK/CONTROLLER/decorated, of the oracle only the former. Every
+/// controller meets the same starts, targets and rigs, and so do tasks that go to the same places. A policy
+/// for points is not asked for poses unless something turns the needle for it. Throws ConfigError naming a
+/// task or controller that is none.
 runs::Plan tasks_plan(const TasksScale& scale, const physics::RigDescription& rig, const std::string& folder);
 
 }  // namespace lodestone::experiments

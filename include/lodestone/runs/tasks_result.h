@@ -10,6 +10,10 @@
 
 namespace lodestone::runs {
 
+/// What drives in bench tasks beside the controllers, to tell what can be reached (experiments/oracle.h).
+constexpr const char* kOracle = "oracle";
+constexpr std::array<const char*, 5> kDrivers = {"planner", "policy", "baseline", "observer", kOracle};
+
 /// One task by one controller, bare or decorated. Intervals cover 95 %: Wilson's of shares, else by drawing
 /// trials anew, each of which is on a rig of its own.
 struct TaskFigures : TaskSummary {
@@ -22,10 +26,11 @@ struct TaskFigures : TaskSummary {
   /// others; the latter is absent where there are none.
   std::optional<double> unreachable_rate, reachable_success_rate;
   std::optional<std::array<double, 2>> unreachable_interval, reachable_success_interval;
-  /// Its mean error over that of the same controller in fluid at rest, and over the baseline's, on the same
-  /// trials; absent where those were not driven.
-  std::optional<double> ratio_to_still, ratio_to_baseline;
-  std::optional<std::array<double, 2>> ratio_to_still_interval, ratio_to_baseline_interval;
+  /// Its mean error over that of the same controller in fluid at rest, over the baseline's, and over the
+  /// oracle's, on the same trials (the first ones, where one drove more); absent where those were not driven.
+  std::optional<double> ratio_to_still, ratio_to_baseline, ratio_to_oracle;
+  std::optional<std::array<double, 2>> ratio_to_still_interval, ratio_to_baseline_interval,
+      ratio_to_oracle_interval;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -44,6 +49,8 @@ struct TaskFigures : TaskSummary {
     v.field("ratio_to_still_interval", ratio_to_still_interval);
     v.field("ratio_to_baseline", ratio_to_baseline);
     v.field("ratio_to_baseline_interval", ratio_to_baseline_interval);
+    v.field("ratio_to_oracle", ratio_to_oracle);
+    v.field("ratio_to_oracle_interval", ratio_to_oracle_interval);
   }
   /// By true poses where they are known, else as sensed.
   const ErrorStatistics& errors() const { return truth ? *truth : sensed; }
