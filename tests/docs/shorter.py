@@ -14,6 +14,7 @@ TRAINING = ("training.env_steps=4000", "training.warm_up_steps=1000", "training.
 
 SETTINGS = {
     ("", "adapt"): ("first.epochs=2", "learning.epochs=1"),
+    ("", "bench oracle"): SIMULATED,
     ("", "bench rigs"): TRIALS,
     ("", "bench speed"): ("runs=1", "run_s=0.01", "images=10", "td3_batch=32", "mbs_environments=1000"),
     ("", "collect"): ("transitions=300", "sensor.kind=simulated"),
