@@ -102,7 +102,7 @@ TaskSettings controller_settings(const std::string& controller, const TaskVarian
   if (controller == "policy" || (plans && headed))
     settings.push_back("policy=" + models + (headed ? "/any_pose" : "/any_rig"));
   if (!plans) return settings;
-  const bool along_path = variant.name.rfind(kTangentPath, 0) == 0;
+  const bool along_path = variant.name.rfind(kTangentPath, 0) == 0 || variant.task == "suture";
   if (headed) settings.emplace_back("planner.horizon=2");
   if (along_path)  // at corners degrees are lost whatever is done
     settings.emplace_back(variant.task == "square" ? "planner.heading_cost_mm=3.4"

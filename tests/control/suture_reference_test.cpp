@@ -13,8 +13,15 @@ using geometry::Vector2;
 
 namespace {
 
+/// Aligned and left 3 mm from the ends of a stitch.
+control::SutureReferenceConfig around() {
+  control::SutureReferenceConfig config;
+  config.approach_m = config.leave_m = 0.003;
+  return config;
+}
+
 /// Two stitches of 6 mm, 4 mm apart, up and down: 3 mm before and behind each, so 6 s through one.
-SutureReference two_stitches(const control::SutureReferenceConfig& config = {}) {
+SutureReference two_stitches(const control::SutureReferenceConfig& config = around()) {
   SutureReference reference(geometry::running_stitch(2, 0.006, 0.004), config);
   reference.reset();
   return reference;
@@ -83,7 +90,7 @@ TEST_CASE("it is pushed through along its way, told what comes, and sent to the 
 }
 
 TEST_CASE("a needle that does not come is waited for no longer than the limit, before each stitch") {
-  control::SutureReferenceConfig config;
+  control::SutureReferenceConfig config = around();
   config.arrive_limit_s = 5.0;
   SutureReference reference = two_stitches(config);
   reference.target(4.9, kElsewhere);
@@ -101,7 +108,7 @@ TEST_CASE("a needle that does not come is waited for no longer than the limit, b
 
 TEST_CASE("through a stitch that turns the heading turns with the way") {
   const geometry::Stitch arch{{-0.003, 0.0, 0.5 * kPi}, {0.003, 0.0, -0.5 * kPi}};
-  control::SutureReferenceConfig config;
+  const control::SutureReferenceConfig config = around();
   SutureReference reference({arch}, config);
   reference.reset();
   reference.target(0.0, {-0.003, -0.003, 0.5 * kPi});

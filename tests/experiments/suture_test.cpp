@@ -16,6 +16,7 @@ namespace {
 DeploymentConfig one_stitch(const experiments::StitchConfig& stitch) {
   DeploymentConfig config;
   config.trials.suture.stitches = {stitch};
+  config.suture.approach_m = config.suture.leave_m = 0.003;
   return config;
 }
 

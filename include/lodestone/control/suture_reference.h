@@ -12,8 +12,8 @@ namespace lodestone::control {
 
 /// How stitches are fed to the controller.
 struct SutureReferenceConfig {
-  double approach_m = 0.003;
-  double leave_m = 0.003;
+  double approach_m = 0.0;
+  double leave_m = 0.006;
   double speed_m_s = 0.002;
   double arrive_m = 0.0008;
   double arrive_deg = 6.0;
@@ -23,9 +23,11 @@ struct SutureReferenceConfig {
   void visit(Visitor& v) {
     v.field("approach_m", approach_m, "m",
             "the needle is aligned so far before the entry of a stitch, along its heading", {0.0, 0.1});
-    v.field("leave_m", leave_m, "m",
-            "and pushed so far beyond the exit, along its heading, before it goes to the next one",
-            {0.0, 0.1});
+    v.field(
+        "leave_m", leave_m, "m",
+        "and the target moves on so far beyond the exit, along its heading, before the next one: more than a "
+        "needle may be late (planner.along_slack_m), or it would not come to the exit",
+        {0.0, 0.1});
     v.field("speed_m_s", speed_m_s, "m/s", "speed of the target through a stitch", {1e-6, 1.0});
     v.field("arrive_m", arrive_m, "m",
             "it is pushed once it is sensed this close to where it is aligned, or as close as what holds it "
@@ -39,9 +41,9 @@ struct SutureReferenceConfig {
   }
 };
 
-/// Leads a needle through stitches, one after another: waits before the entry until the needle has come there
-/// and lies along its heading, then moves at constant speed along geometry::way_through() to behind the exit.
-/// All the way it wants the heading of the way.
+/// Leads a needle through stitches, one after another: waits at the entry, or before it, until the needle has
+/// come there and lies along its heading, then moves at constant speed along geometry::way_through() to
+/// behind the exit. All the way it wants the heading of the way.
 class SutureReference final : public Reference {
  public:
   /// Throws common::LogicFault without stitches, and as geometry::way_through().
