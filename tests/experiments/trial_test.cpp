@@ -171,6 +171,7 @@ Bench before_stitches() {
   bench.plan.suture.speed_m_s = 0.01;
   bench.plan.suture.arrive_m = 0.003;  // as it is sensed
   bench.plan.suture.arrive_limit_s = 0.9;
+  bench.plan.suture.approach_m = bench.plan.suture.leave_m = 0.003;
   return bench;
 }
 
