@@ -20,18 +20,22 @@ void bench_oracle(const CommonOptions& options) {
   if (config.deployment.rig.real())
     throw common::InvalidConfig("rig.backend", common::name_of(config.deployment.rig.backend),
                                 "be virtual: of a real rig nobody knows what the oracle knows");
+  if (config.controller != "auto")
+    throw common::InvalidConfig("controller", config.controller, "be left out: the oracle drives");
   nets::use_one_blas_thread();
   choose_segmenter(config.deployment.sensor);
   const experiments::DeploymentJob job = experiments::plan_job(config, {runs::kOracle});
   runs::RunRequest request{options.out, "bench oracle", common::config_to_json(config),
                            config.deployment.seed, options.resume};
-  request.free_keys = {"threads"};
+  request.free_keys = experiments::free_mcap_keys();
+  request.free_keys.insert(request.free_keys.end(), {"threads", "realtime"});
   runs::RunFolder run(request);
   if (!run.finished()) {
     run.begin();
     experiments::DeploymentRun work(
         config.deployment, job, run.path(),
-        experiments::virtual_driver(config.deployment, config.threads, /*realtime=*/false));
+        experiments::virtual_driver(config.deployment, config.threads, config.realtime,
+                                    make_trial_folders(config, run)));
     runs::run_resumably(run, work, {"bench oracle", "trials", 0.0});
     work.write_trials();
     run.finish();

@@ -4,7 +4,6 @@
 
 #include "common_options.h"
 #include "lodestone/common/artefact.h"
-#include "lodestone/common/files.h"
 #include "lodestone/common/log.h"
 #include "lodestone/experiments/deployment_run.h"
 #include "lodestone/nets/blas.h"
@@ -27,9 +26,7 @@ void drive(const DeployConfig& config, const DeploymentJob& job, runs::RunFolder
         session::make_bench_session(config.deployment.rig, config.deployment.sensor, config.deployment.safety,
                                     terminal_operator(config.deployment.rig), run.path());
   run.begin();
-  experiments::TrialFolders folders;
-  if (config.deployment.record.enabled) common::make_folders(folders.videos = run.file("videos"));
-  if ((folders.mcap = config.mcap).enabled) common::make_folders(folders.logs = run.file("logs"));
+  const experiments::TrialFolders folders = make_trial_folders(config, run);
   experiments::DeploymentRun work(
       config.deployment, job, run.path(),
       rig ? experiments::session_driver(*rig, config.deployment, has_operator(), folders)

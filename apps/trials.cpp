@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "lodestone/common/files.h"
 #include "lodestone/experiments/task_file.h"
 
 namespace lodestone::apps {
@@ -107,6 +108,14 @@ void add_trials_options(Verb& verb, CommonOptions& options) {
         options.overrides.push_back({"target_mm=[" + value + "]", "--target-mm"});
       },
       "X,Y of the target of `point` in mm");
+}
+
+experiments::TrialFolders make_trial_folders(const experiments::DeployConfig& config,
+                                             const runs::RunFolder& run) {
+  experiments::TrialFolders folders;
+  if (config.deployment.record.enabled) common::make_folders(folders.videos = run.file("videos"));
+  if ((folders.mcap = config.mcap).enabled) common::make_folders(folders.logs = run.file("logs"));
+  return folders;
 }
 
 void print_deployment(const experiments::DeploymentJob& job, const runs::DeploymentSummary& summary) {

@@ -96,7 +96,8 @@ bool wants_heading(const TaskVariant& variant) {
 /// Where headings are wanted, the planner goes by what the policy for poses has learned of their cost.
 TaskSettings controller_settings(const std::string& controller, const TaskVariant& variant,
                                  const std::string& models) {
-  TaskSettings settings = {"controller=" + controller, "dynamics=" + models + "/dynamics_best"};
+  TaskSettings settings = {"dynamics=" + models + "/dynamics_best"};
+  if (controller != runs::kOracle) settings.push_back("controller=" + controller);
   const bool headed = wants_heading(variant);
   const bool plans = controller == "planner" || controller == runs::kOracle;
   if (controller == "policy" || (plans && headed))
@@ -104,7 +105,7 @@ TaskSettings controller_settings(const std::string& controller, const TaskVarian
   if (!plans) return settings;
   const bool along_path = variant.name.rfind(kTangentPath, 0) == 0 || variant.task == "suture";
   if (headed) settings.emplace_back("planner.horizon=2");
-  if (along_path)  // at corners degrees are lost whatever is done
+  if (along_path)  // where there are corners, degrees are lost whatever is done
     settings.emplace_back(variant.task == "square" ? "planner.heading_cost_mm=3.4"
                                                    : "planner.heading_cost_mm=4.2");
   if (controller == runs::kOracle)  // what can be computed of physics

@@ -179,7 +179,8 @@ std::string write_tasks_report(const std::string& folder, const std::string& out
   const std::string oracle = std::any_of(rows.begin(), rows.end(), by_oracle)
                                  ? " The oracle is a planner that knows all that is hidden in the rig and "
                                    "where the needle really is: "
-                                   "no controller, but what a search as far ahead and as wide could reach. "
+                                   "no controller, but shows what a wrong model and pose cost. Its search is "
+                                   "less wide than the planner's. "
                                    "It drove the first of the "
                                    "trials."
                                  : "";

@@ -14,9 +14,9 @@ scratch = tempfile.TemporaryDirectory()
 out = pathlib.Path(scratch.name) / "tasks"
 
 
-def bench(*arguments, code=0):
+def bench(*arguments, code=0, folder=out):
     done = subprocess.run([program, "bench", "tasks", "--config", str(source / "configs/bench/tasks_smoke.json"), "--models",
-                           str(source / "models"), "--out", str(out), *arguments], capture_output=True, text=True)
+                           str(source / "models"), "--out", str(folder), *arguments], capture_output=True, text=True)
     assert done.returncode == code, (arguments, done.returncode, done.stdout, done.stderr)
     return done
 
@@ -62,14 +62,23 @@ said = subprocess.run([program, "bench", "tasks", "--scale", "smoke", "--rig", s
                        "--report", "--out", str(out.parent / "six")], capture_output=True, text=True)
 assert said.returncode == 0 and "next: open" in said.stderr, said.stderr
 
-# The oracle drives a virtual rig and nothing else.
+# The oracle's row, beside what drove the same trials.
+row = out.parent / "row"
+for cell in ("still/point/baseline/bare", "still/point/oracle/bare"):
+    bench("--controllers", "baseline,oracle", "--set", "oracle_trials=1", "--only", cell, folder=row)
+summary = json.loads((row / "summary.json").read_text())["still"]["point"]
+assert summary["oracle"]["bare"]["n_trials"] == 1 and summary["baseline"]["bare"]["n_trials"] == 2, summary
+assert summary["baseline"]["bare"]["ratio_to_oracle"] > 0, summary
+
+# It drives a virtual rig and nothing else.
 oracle = ["bench", "oracle", "--task", "point", "--trials", "1", "--sensor", "simulated", "--on", "unseen", "--set",
           "trials.point_seconds=2", "--set", "planner.candidates=8", "--set", "planner.particles=2", "--out", str(out.parent / "oracle")]
 for _ in range(2):  # the second goes on with what is finished
     said = subprocess.run([program, *oracle, "--resume"], capture_output=True, text=True)
     assert said.returncode == 0 and "oracle" in said.stdout, said.stdout + said.stderr
 assert json.loads((out.parent / "oracle/trials.json").read_text())[0]["controller"] == "oracle"
-for refused in (["deploy", "--controller", "oracle", "--out", "x"], [*oracle, "--set", "rig.backend=serial"]):
+for refused in (["deploy", "--controller", "oracle", "--out", "x"], [*oracle, "--set", "rig.backend=serial"],
+                [*oracle, "--set", "controller=baseline"]):
     said = subprocess.run([program, *refused], capture_output=True, text=True)
     assert said.returncode == 2 and said.stderr.count("\n") == 1, said.stderr
 

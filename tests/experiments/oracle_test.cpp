@@ -36,7 +36,7 @@ std::vector<experiments::TrialResult> driven(const experiments::DeploymentConfig
 TEST_CASE("the oracle goes by the rig that there is, not by the one described or seen") {
   experiments::DeploymentConfig config = short_trials();
   config.rig.simulation.deviation = rig::DeviationWidth::kWide;
-  config.sensor.simulated.position_rms_m = 1e-3;
+  config.sensor.simulated.calibration_offset_m = 5e-3;
   const experiments::ControllerSource oracle = experiments::oracle_source(config);
   CHECK(oracle.name == "oracle");
   const auto results = driven(config, oracle);

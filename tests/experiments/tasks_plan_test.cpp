@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "lodestone/common/config.h"
 #include "lodestone/common/error.h"
 #include "lodestone/physics/needle.h"
 #include "sphere_rig.h"
@@ -100,6 +101,23 @@ TEST_CASE("the oracle drives every task bare, by the planner's settings where th
           "planner.heading_cost_mm=4.2", "planner.heading_cost_mm=3.4", "trials.obstacles.count=3"})
       CHECK(sets(*oracle, setting) == sets(cell, setting));
     CHECK(plan.find(id.substr(0, id.size() - 4) + "decorated") == nullptr);
+  }
+}
+
+TEST_CASE("what the planner is set to is what the presets for users say") {
+  const runs::Plan plan = planned(small());
+  for (const auto& [id, preset] : {std::pair{"pose", "deploy_any_pose"},
+                                   {"tangent_path/circle", "deploy_headed_path"},
+                                   {"tangent_path/eight", "deploy_headed_path"},
+                                   {"suture", "deploy_headed_path"}}) {
+    const common::Json planner =
+        common::read_json_file(std::string(LODESTONE_SOURCE_DIR) + "/configs/best/" + preset + ".json")
+            .at("planner");
+    CHECK(planner.size() > 2);
+    for (const auto& [key, value] : planner.items()) {
+      CAPTURE(id, key);
+      CHECK(sets(*plan.find(std::string(id) + "/planner/bare"), "planner." + key + "=" + value.dump()));
+    }
   }
 }
 
