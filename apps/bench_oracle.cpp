@@ -20,8 +20,8 @@ void bench_oracle(const CommonOptions& options) {
   if (config.deployment.rig.real())
     throw common::InvalidConfig("rig.backend", common::name_of(config.deployment.rig.backend),
                                 "be virtual: of a real rig nobody knows what the oracle knows");
-  if (config.controller != "auto")
-    throw common::InvalidConfig("controller", config.controller, "be left out: the oracle drives");
+  if (config.controller != "auto" && config.controller != "planner")  // which presets and --models name
+    throw common::InvalidConfig("controller", config.controller, "be planner or left out: the oracle is one");
   nets::use_one_blas_thread();
   choose_segmenter(config.deployment.sensor);
   const experiments::DeploymentJob job = experiments::plan_job(config, {runs::kOracle});

@@ -77,7 +77,8 @@ PerCoil CoilDrive::field_A(const geometry::Drive& drive_A, const geometry::Vecto
     const double most_A = current_A[coil] < 0.0 ? smallest_A_[coil] : largest_A_[coil];
     if (current_A[coil] != 0.0) share = std::min(share, most_A / current_A[coil]);
   }
-  for (double& one_A : current_A) one_A *= share;
+  for (std::size_t coil = 0; coil < coils_; ++coil)  // rounded, it may be a bit above
+    current_A[coil] = std::clamp(share * current_A[coil], smallest_A_[coil], largest_A_[coil]);
   return current_A;
 }
 

@@ -32,6 +32,8 @@ TEST_CASE(
       for (std::size_t coil = 0; coil < drive.coils(); ++coil) {
         CHECK(half[coil] == Approx(0.5 * full[coil]).margin(1e-12));
         CHECK(beyond[coil] * rig.coils.max_current_A >= full[coil] * full[coil]);
+        CHECK(beyond[coil] >= rig.coils.smallest_A(coil));  // drivers refuse a bit more
+        CHECK(beyond[coil] <= rig.coils.largest_A(coil));
         most = std::max(most, beyond[coil] / rig.coils.largest_A(coil));
       }
       CHECK(most == Approx(1.0));
