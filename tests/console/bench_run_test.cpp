@@ -59,8 +59,8 @@ TEST_CASE("a bench leads the needle through stitches, and shows how it shall lie
   REQUIRE(lab.arm().empty());
   const console::Goal suture = console::suture_goal({});
   REQUIRE(lab.bench->drive(suture).empty());
-  CHECK(lab.reach([](const BenchState& state) {  // before the first one
-    return state.target_m && (*state.target_m - geometry::Vector2(-0.008, -0.006)).norm() < 1e-9 &&
+  CHECK(lab.reach([&](const BenchState& state) {  // at the first one
+    return state.target_m && (*state.target_m - suture.stitches.front().entry.position_m()).norm() < 1e-9 &&
            state.target_heading_rad && std::abs(*state.target_heading_rad - 0.5 * geometry::kPi) < 1e-9;
   }));
   CHECK(lab.bench->state().run->task == "suture");

@@ -1,6 +1,7 @@
 #include "lodestone/console/goal.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "lodestone/common/error.h"
 #include "sphere_rig.h"
@@ -26,7 +27,8 @@ TEST_CASE("a suture leads through its stitches, along a path that shows how the 
   CHECK(goal.task == "suture");
   CHECK(goal.stitches.size() == 2);
   REQUIRE(goal.path);
-  CHECK(goal.path->length_m() == Approx(0.012 + 0.004 + 0.012));
+  // 4 mm through each and 6 mm on, and back from there to the next one, 5 mm beside the first.
+  CHECK(goal.path->length_m() == Approx(0.01 + std::hypot(0.005, 0.01) + 0.01));
   CHECK(*goal.path->heading_rad(0.0) == Approx(0.5 * geometry::kPi));
   config.trials.suture.length_m = 0.07;
   CHECK_THROWS_WITH(console::suture_goal(config), Catch::Contains("wall of the dish"));
