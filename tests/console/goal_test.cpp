@@ -27,8 +27,8 @@ TEST_CASE("a suture leads through its stitches, along a path that shows how the 
   CHECK(goal.task == "suture");
   CHECK(goal.stitches.size() == 2);
   REQUIRE(goal.path);
-  // 4 mm through each and 6 mm on, and back from there to the next one, 5 mm beside the first.
-  CHECK(goal.path->length_m() == Approx(0.01 + std::hypot(0.005, 0.01) + 0.01));
+  // 6 mm through each and 6 mm on, and from there back to the next one, 4 mm beside the first.
+  CHECK(goal.path->length_m() == Approx(0.012 + std::hypot(0.004, 0.006) + 0.012));
   CHECK(*goal.path->heading_rad(0.0) == Approx(0.5 * geometry::kPi));
   config.trials.suture.length_m = 0.07;
   CHECK_THROWS_WITH(console::suture_goal(config), Catch::Contains("wall of the dish"));
