@@ -32,12 +32,21 @@ std::vector<LinearLayer> layers_of(const Arrays& weights, const std::vector<std:
 
 }  // namespace
 
+PoseCost::Off PoseCost::off(const geometry::Pose2& pose, const geometry::Pose2& goal) const {
+  return {(pose.position_m() - goal.position_m()).norm() / tolerance_m,
+          std::abs(geometry::kDegPerRad * geometry::wrap_angle(pose.heading_rad - goal.heading_rad)) /
+              tolerance_deg};
+}
+
 double PoseCost::at(const geometry::Pose2& pose, const geometry::Pose2& goal) const {
-  const double off = (pose.position_m() - goal.position_m()).norm() / tolerance_m;
-  const double turned =
-      geometry::kDegPerRad * geometry::wrap_angle(pose.heading_rad - goal.heading_rad) / tolerance_deg;
-  const double square = off * off + turned * turned;
+  const auto [away, turned] = off(pose, goal);
+  const double square = away * away + turned * turned;
   return -std::expm1(-square * square);
+}
+
+bool PoseCost::within(double share, const geometry::Pose2& pose, const geometry::Pose2& goal) const {
+  const auto [away, turned] = off(pose, goal);
+  return away < share && turned < share;
 }
 
 double PoseCost::of_staying(const geometry::Pose2& pose, const geometry::Pose2& goal) const {

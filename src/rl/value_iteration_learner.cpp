@@ -139,6 +139,7 @@ ValueIterationLearner::ValueIterationLearner(const LearningConfig& learning,
     shard.value_gradient.resize(count);
     shard.seen.resize(count);
     shard.goal_after.resize(count);
+    shard.given.resize(count);
     for (Needle& needle : shard.needles) {
       needle.last_action = geometry::Drive::Zero(task.action.size);
       draw_pose(needle, shard.random);
@@ -292,6 +293,8 @@ void ValueIterationLearner::decide(Shard& shard, std::size_t turn) const {
   // Any pulses, and what the policy would do: so each gets better by the other.
   const int size = task_.action.size;
   Tries tries;
+  const auto led_by_policy =
+      static_cast<std::size_t>(std::lround(config_.policy_share * static_cast<double>(needles)));
   actor_.forward(shard.observation.data(), shard.actor);
   const float* output = shard.actor.output.data_ptr<float>();
   const std::size_t outputs = shard.actor_gradient.size() / needles;
@@ -302,6 +305,10 @@ void ValueIterationLearner::decide(Shard& shard, std::size_t turn) const {
       inference::Actor::propose(output + i * outputs, size, k, action);
       tries.action.push_back(geometry::as_drive(action, size));
     }
+    const std::int64_t chosen = inference::Actor::choose(output + i * outputs, size, config_.proposals);
+    shard.given[i] = chosen == config_.proposals
+                         ? geometry::Drive(geometry::Drive::Zero(size))
+                         : tries.action[i * tries.count + static_cast<std::size_t>(chosen)];
     while (tries.action.size() < (i + 1) * tries.count)
       tries.action.push_back(task::draw_action(size, config_.weakest, shard.random));
   }
@@ -342,17 +349,20 @@ void ValueIterationLearner::decide(Shard& shard, std::size_t turn) const {
     decision.cost = std::clamp(last.cost[best] / config_.cost.most(), 0.0, 1.0);
     decision.still = shard.needles[i].still();
     decision.action = last.action[best];
+    if (i >= led_by_policy) shard.given[i] = decision.action;
+    if (decision.still && config_.cost.within(config_.rest_within, shard.seen[i], shard.needles[i].goal))
+      decision.action.setZero();
   }
-  give_pulses(shard, slot, turn);
+  give_pulses(shard, turn);
 }
 
-void ValueIterationLearner::give_pulses(Shard& shard, std::size_t slot, std::size_t turn) const {
+void ValueIterationLearner::give_pulses(Shard& shard, std::size_t turn) const {
   common::RandomStream& random = shard.random;
   const double scale = task_.action.scale;
   const inference::FoldedDynamics& member = model_.members[turn % model_.members.size()];
   for (std::size_t i = 0; i < shard.needles.size(); ++i) {
     Needle& needle = shard.needles[i];
-    geometry::Drive action = shard.decisions[slot + i].action;
+    geometry::Drive action = shard.given[i];
     if (random.uniform() < kAnyPulse) action = task::draw_action(task_.action.size, config_.weakest, random);
     const geometry::Vector2 before_m = needle.pose.position_m();
     if (!action.isZero(0.0)) {

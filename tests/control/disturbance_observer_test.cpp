@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "control/observing.h"
 #include "paper_rig.h"
 
 using namespace lodestone;
@@ -34,7 +35,7 @@ double drive_for_3_mm_A(const control::PulseModel& by, double gain) {
 
 TEST_CASE("pulses that fall short tell the gain of a rig") {
   const auto known = described();
-  control::DisturbanceObserver observer(known, {});
+  control::DisturbanceObserver observer(known, tests::observing());
   for (const double gain : {0.7, 1.3}) {
     observer.reset();
     CHECK(observer.gain() == 1.0);
@@ -52,7 +53,7 @@ TEST_CASE("pulses that fall short tell the gain of a rig") {
 TEST_CASE(
     "what carries the needle whatever the drive is learned as a disturbance, and forgotten when it ends") {
   const auto known = described();
-  control::ObserverConfig config;
+  control::ObserverConfig config = tests::observing();
   config.gain_share = 0.0;
   control::DisturbanceObserver observer(known, config);
   const Vector2 flow_m(0.5e-3, -1.5e-3);
@@ -76,7 +77,7 @@ TEST_CASE(
 
 TEST_CASE("a needle that is stuck winds nothing up") {
   const auto known = described();
-  control::DisturbanceObserver observer(known, {});
+  control::DisturbanceObserver observer(known, tests::observing());
   const double drive_A = drive_for_3_mm_A(*known, 1.0);
   for (int i = 0; i < 30; ++i) observer.learn(lying_along(1.0), {drive_A, 0.0}, Vector2::Zero());
   const double gain = observer.gain();
@@ -91,7 +92,7 @@ TEST_CASE("a needle that is stuck winds nothing up") {
 }
 
 TEST_CASE("a pulse against a flow that keeps the needle where it is has moved it") {
-  control::DisturbanceObserver observer(described(), {});
+  control::DisturbanceObserver observer(described(), tests::observing());
   CHECK(observer.stuck(Vector2::Zero()));
   for (int i = 0; i < 20; ++i) observer.learn(lying_along(1.0), kNoDrive, {1e-3, 0.0});
   CHECK_FALSE(observer.stuck(Vector2::Zero()));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "control/controller_conformance.h"
+#include "control/observing.h"
 #include "lodestone/control/turn_in_place.h"
 #include "other_rigs.h"
 #include "paper_rig.h"
@@ -65,12 +66,14 @@ double heading_error_rad(const Pose2& pose, double heading_rad) {
 }  // namespace
 
 TEST_CASE("the observer keeps the contract of a controller") {
-  control::ObserverController controller = controller_of({});
-  tests::check_controller(controller);
+  for (const control::ObserverConfig& config : {control::ObserverConfig{}, tests::observing()}) {
+    control::ObserverController controller = controller_of(config);
+    tests::check_controller(controller);
+  }
 }
 
 TEST_CASE("the observer comes to its targets, also on a rig that is weaker or stronger than described") {
-  control::ObserverController controller = controller_of({});
+  control::ObserverController controller = controller_of(tests::observing());
   const Pose2 starts[] = {{0.015, -0.01, 1.0}, {-0.012, 0.004, -2.5}, {0.002, 0.018, 0.3}};
   for (const double gain : {0.7, 1.0, 1.3})
     for (const Pose2& start : starts)
@@ -78,7 +81,7 @@ TEST_CASE("the observer comes to its targets, also on a rig that is weaker or st
 }
 
 TEST_CASE("in a steady drift the observer holds its target more closely than without observing") {
-  control::ObserverConfig config;
+  control::ObserverConfig config = tests::observing();
   config.gain_share = 0.0;
   config.stuck_growth = 1.0;
   const Pose2 start{0.0, 0.0, 3.0};
@@ -93,7 +96,7 @@ TEST_CASE("in a steady drift the observer holds its target more closely than wit
 }
 
 TEST_CASE("within the boundary layer there is no pulse, which goes for where the target will be") {
-  control::ObserverController controller = controller_of({});
+  control::ObserverController controller = controller_of(tests::observing());
   CHECK(controller.act(asked_at({0.0, 0.0, 0.5}, {0.5e-3, 0.0})).isZero(0.0));
   task::Observation observation = asked_at({0.0, 0.0, 0.5}, {3e-3, 0.0});
   CHECK_FALSE(controller.act(observation).isZero(0.0));
@@ -106,7 +109,7 @@ TEST_CASE("within the boundary layer there is no pulse, which goes for where the
 }
 
 TEST_CASE("the drive grows while the needle is stuck, up to the full one, and is the model's again after") {
-  control::ObserverConfig config;
+  control::ObserverConfig config = tests::observing();
   config.gain_share = 0.0;
   config.disturbance_share = 0.0;
   control::ObserverController controller = controller_of(config);
@@ -128,7 +131,7 @@ TEST_CASE("the drive grows while the needle is stuck, up to the full one, and is
 }
 
 TEST_CASE("a needle that turned, or that others drove, is not stuck") {
-  control::ObserverController controller = controller_of({});
+  control::ObserverController controller = controller_of(tests::observing());
   task::Observation observation = asked_at({0.0, 0.0, 0.1}, {0.01, 0.0});
   observation.last_action = controller.act(observation);
   observation.pose.x_m = 0.002;  // from elsewhere than where it was seen last
@@ -136,7 +139,7 @@ TEST_CASE("a needle that turned, or that others drove, is not stuck") {
   controller.act(observation);
   CHECK(controller.observer().gain() == 1.0);
   CHECK(controller.observer().disturbance_m().norm() == 0.0);
-  control::ObserverConfig config;
+  control::ObserverConfig config = tests::observing();
   config.gain_share = 0.0;
   control::ObserverController turned = controller_of(config);
   observation = asked_at({0.0, 0.0, 0.1}, {0.01, 0.0});
@@ -149,7 +152,7 @@ TEST_CASE("a needle that turned, or that others drove, is not stuck") {
 TEST_CASE("along a path with headings the drive is chosen by both errors, far from a pose by one") {
   const control::PulseModel model(tests::paper_rig(), 0.1, 0.2);
   const double wanted_rad = 0.5 * geometry::kPi;
-  control::ObserverConfig config;
+  control::ObserverConfig config = tests::observing();
   config.heading_cost_mm = 0.0;
   control::ObserverController careless = controller_of(config);
   config.heading_cost_mm = 50.0;

@@ -51,6 +51,16 @@ TEST_CASE("What a pose costs falls to nothing at the goal, whichever way around 
   CHECK(twenty.most() == Approx(20.0));
 }
 
+TEST_CASE("A pose is within a share of the tolerances of a goal by both, the place and the heading",
+          "[unit]") {
+  const Pose2 goal{0.01, -0.005, 3.1};
+  const auto turned = [](double degrees) { return 3.1 + degrees * lodestone::geometry::kRadPerDeg; };
+  CHECK(cost().within(0.9, {0.0108, -0.005, turned(4.4)}, goal));
+  CHECK_FALSE(cost().within(0.9, {0.0110, -0.005, turned(0.0)}, goal));
+  CHECK_FALSE(cost().within(0.9, {0.01, -0.005, turned(-4.6)}, goal));
+  CHECK_FALSE(cost().within(0.0, goal, goal));
+}
+
 TEST_CASE("Whoever stays pays for it at every pulse to come, and nothing need cost more", "[unit]") {
   PoseCost twenty = cost();
   twenty.discount = 0.95;

@@ -129,6 +129,19 @@ TEST_CASE("A cost-to-go learns how many pulses away a pose is, and that some are
     along += -pulse.dot(away) / 0.4 / kSides;  // 0.4 would bring it there at once
     across += std::abs(pulse.x() * away.y() - pulse.y() * away.x()) / 0.4 / kSides;
   }
+  // Well within the tolerances it rests.
+  int rested = 0;
+  for (int side = 0; side < kSides; ++side) {
+    const double angle_rad = 2.0 * 3.141592653589793 * side / kSides;
+    lodestone::task::Observation seen;
+    seen.pose = {goal.x_m + 0.0004 * std::cos(angle_rad), goal.y_m + 0.0004 * std::sin(angle_rad), 0.7};
+    seen.target_m = goal.position_m();
+    seen.target_heading_rad = goal.heading_rad;
+    seen.drive_gain = lodestone::task::DriveGain{0.0, 0.05};
+    encoder.encode(seen, input.data());
+    rested += actor.ranked(input.data(), workspace).front().isZero(0.0) ? 1 : 0;
+  }
+  CHECK(rested > kSides / 2);
   INFO("along " << along << ", across " << across);
   CHECK(along > 0.2);
   CHECK(along < 1.3);

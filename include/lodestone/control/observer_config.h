@@ -4,13 +4,13 @@ namespace lodestone::control {
 
 /// How the controller with a disturbance observer learns from its pulses, and how it comes to its target.
 struct ObserverConfig {
-  double disturbance_share = 0.3;
+  double disturbance_share = 0.0;
   double most_disturbance_m = 0.004;
-  double gain_share = 0.4;
-  double first_gain = 1.0;
+  double gain_share = 0.0;
+  double first_gain = 1.2;
   double still_m = 0.3e-3;
   double still_deg = 3.0;
-  double reaching_share = 0.8;
+  double reaching_share = 0.4;
   double switching_m = 0.2e-3;
   double boundary_m = 0.7e-3;
   double longest_m = 0.012;

@@ -35,11 +35,19 @@ struct PoseCost {
   /// Within 0 .. 1: 1 - exp(-r^4), r^2 = (d / tolerance_m)^2 + (turn / tolerance)^2. So well within both
   /// there is little to gain, and a needle is left alone.
   double at(const geometry::Pose2& pose, const geometry::Pose2& goal) const;
+  /// Nearer to the goal than this share of the one tolerance, and turned away by less than that of the other.
+  bool within(double share, const geometry::Pose2& pose, const geometry::Pose2& goal) const;
   /// Of all pulses to come, where none ever comes near.
   double most() const { return 1.0 / (1.0 - discount); }
   /// Of all pulses to come, where the needle is left lying for good. A pulse is worth while if it comes to
   /// less: where it does, waiting with it never pays.
   double of_staying(const geometry::Pose2& pose, const geometry::Pose2& goal) const;
+
+ private:
+  struct Off {
+    double away, turned;  // in tolerances
+  };
+  Off off(const geometry::Pose2& pose, const geometry::Pose2& goal) const;
 };
 
 /// What bringing a needle to a pose costs from here on, in pulses: the expected sum of PoseCost over all

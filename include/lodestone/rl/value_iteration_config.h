@@ -23,6 +23,8 @@ struct ValueIterationConfig : ImaginationConfig {
   std::int64_t replayed = 8;
   std::int64_t updates = 24;
   double moving_goals = 0.3;
+  double policy_share = 0.5;
+  double rest_within = 0.9;
 
   ValueIterationConfig() {
     new_goal = 0.05;
@@ -54,6 +56,16 @@ struct ValueIterationConfig : ImaginationConfig {
     v.field(
         "moving_goals", moving_goals, "",
         "share of the goals that move along their heading, as on a path; only the policy learns from them",
+        {0.0, 1.0});
+    v.field(
+        "policy_share", policy_share, "",
+        "share of the needles that are given what the policy chose, so that it learns from where it comes "
+        "to itself",
+        {0.0, 1.0});
+    v.field(
+        "rest_within", rest_within, "",
+        "the policy rests where the needle lies within this share of both tolerances, though the search may "
+        "know a pulse that betters it: it does not aim as well",
         {0.0, 1.0});
   }
 };

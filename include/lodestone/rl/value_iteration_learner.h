@@ -30,11 +30,13 @@ namespace lodestone::rl {
 /// al., 2005): at every decision pulses of many strengths and directions are tried on several outcomes, the
 /// best is chosen, and what it is expected to cost on outcomes that it was not chosen by (but for whether to
 /// rest instead) is what the network learns for the pose before. Resting at a goal that stays is judged by
-/// what leaving the needle for good costs, exactly (PoseCost::of_staying). The needles follow those
+/// what leaving the needle for good costs, exactly (PoseCost::of_staying). Some of the needles follow those
 /// decisions, so that the poses learned from are those that a planner which decides so comes to. And a policy
 /// learns the decisions themselves (imitate()): what the planner searches for, in one forward pass. Its
 /// proposals are tried beside the others, so that search and policy better one another (expert iteration:
-/// Anthony, Tian and Barber, 2017).
+/// Anthony, Tian and Barber, 2017); and the other needles follow the policy, so that it is told what to do
+/// where it comes to itself (Ross, Gordon and Bagnell, DAgger, 2011). Well within the tolerances it is told
+/// to rest: what the search can still better there, it would sooner spoil.
 ///
 /// Rigs, their gain, and places that hold the needle are imagined as by ModelGradientLearner. Work is cut
 /// into shards of fixed size with random streams of their own, so the result does not depend on the number
@@ -71,9 +73,9 @@ class ValueIterationLearner final : public PolicyLearner {
   struct Decision {
     std::vector<float> observation;
     float features[inference::CostToGo::kFeatures] = {};
-    double cost = 0.0;   ///< expected, as a share of the most
-    bool still = false;  ///< the goal stays where it is
-    geometry::Drive action;
+    double cost = 0.0;       ///< expected, as a share of the most
+    bool still = false;      ///< the goal stays where it is
+    geometry::Drive action;  ///< for the policy
   };
   struct Tries;
   /// Needles that are worked on together, with buffers.
@@ -86,6 +88,7 @@ class ValueIterationLearner final : public PolicyLearner {
     inference::FoldedDynamics::Workspace dynamics;
     inference::CostToGo::Workspace judge;
     std::vector<geometry::Pose2> seen, goal_after;  // [needles]
+    std::vector<geometry::Drive> given;             // likewise
     std::vector<double> state, drive, next, cost;   // of what is tried
     std::vector<float> observation, features, actor_gradient, value_gradient;
     double value_loss = 0.0, actor_loss = 0.0, saturated = 0.0;
@@ -100,7 +103,7 @@ class ValueIterationLearner final : public PolicyLearner {
   void judge(Shard& shard, Tries& tries, std::int64_t particles, std::size_t turn) const;
   /// Chooses a pulse for every needle, notes what it is expected to cost, and lets the pulses happen.
   void decide(Shard& shard, std::size_t turn) const;
-  void give_pulses(Shard& shard, std::size_t slot, std::size_t turn) const;
+  void give_pulses(Shard& shard, std::size_t turn) const;
   /// Writes the shard's gradients, of decisions drawn from its ring.
   void learn(Shard& shard) const;
   /// One step of Adam along the sum of the shards' gradients.
