@@ -199,7 +199,7 @@ TEST_CASE("the observer's drives have the size of their rig's") {
       physics::RigDescription rig = tests::ring_rig(8, 0.0, true);
       rig.drive.kind = kind;
       if (kind == physics::DriveKind::kField) rig.drive.field_numbers = numbers;
-      control::ObserverController controller = controller_of({}, rig);
+      control::ObserverController controller = controller_of(tests::observing(), rig);
       task::Observation observation = asked_at({0.0, 0.0, 0.2}, {0.01, 0.0});
       observation.last_action = geometry::Drive::Zero(rig.drive_size());
       const geometry::Drive action = controller.act(observation);
