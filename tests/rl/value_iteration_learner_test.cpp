@@ -142,7 +142,7 @@ TEST_CASE("A policy rests well within the tolerances, where the search would sti
     config.cost.tolerance_m = 0.004;
     config.cost.tolerance_deg = 180.0;  // which pulses do not turn it by
     config.rest_within = rest_within;
-    const auto learner = learner_for(120000, 1, 2, config);
+    const auto learner = learner_for(60000, 1, 2, config);
     while (!learner->finished()) learner->step();
     const ImaginedTask task = pose_task_for(128);
     const lodestone::task::ObservationEncoder encoder(task.encoder);
@@ -206,6 +206,21 @@ TEST_CASE("Value iteration does not depend on threads, and goes on bitwise", "[r
   broken.parts["running"].erase("decisions");
   CHECK_THROWS_WITH(learner_for(1000, 1, action_size)->load(broken),
                     Catch::Contains("\"decisions\" is missing"));
+}
+
+TEST_CASE("Needles follow the search, or as many as told the policy", "[rl]") {
+  const auto weights = [](double policy_share) {
+    ValueIterationConfig config = small_iteration();
+    config.policy_share = policy_share;
+    const auto learner = learner_for(100000, 1, 2, config);
+    for (int i = 0; i < 2; ++i) learner->step();
+    return learner->actor_weights();
+  };
+  const auto search = weights(0.0), half = weights(0.5), policy = weights(1.0);
+  CHECK(same_weights(search, weights(0.001)));  // of 64 needles none
+  CHECK_FALSE(same_weights(search, half));
+  CHECK_FALSE(same_weights(half, policy));
+  CHECK_FALSE(same_weights(search, policy));
 }
 
 TEST_CASE("Value iteration refuses what has no heading or no distribution", "[rl]") {
