@@ -26,6 +26,7 @@ struct Memory {
   geometry::Pose2 pose;
   geometry::Drive action;
   std::optional<geometry::Pose2> pose_before;  // the last pulse, which was not a probe
+  double began_s = 0.0;                        // the step of that pulse
 
   task::Observation observe(const geometry::Pose2& now, const geometry::Vector2& target_m,
                             std::optional<double> target_heading_rad) const {
@@ -181,7 +182,10 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     const auto observed = [&] {
       task::Observation observation =
           memory.observe(record.estimate.pose, record.target_m, record.target_heading_rad);
-      if (identifier_ != nullptr) observation.drive_gain = identifier_->gain();
+      if (identifier_ != nullptr) {
+        observation.drive_gain = identifier_->gain();
+        observation.drift_m = identifier_->drifts_m(due_s, config_.period_s(), kStepsAhead);
+      }
       observation.ahead = reference.ahead(due_s, config_.period_s(), kStepsAhead);
       return observation;
     };
@@ -189,8 +193,8 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
       invalid_in_a_row = 0;
       if (identifier_ != nullptr) {
         if (memory.pose_before)
-          identifier_->learn(
-              {*memory.pose_before, task::drive_of(memory.action, action_), record.estimate.pose});
+          identifier_->learn({*memory.pose_before, task::drive_of(memory.action, action_),
+                              record.estimate.pose, memory.began_s});
         record.drive_gain = identifier_->gain();
         record.rig_changed = identifier_->changed();
       }
@@ -219,6 +223,7 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
         record.estimate.reason = "the sensor gave a pose that is not a number";
     }
     memory.action = record.estimate.valid ? record.action : none;
+    memory.began_s = due_s;
     if (keeps_steps_) outcome.steps.push_back(record);
     if (observer) observer(record);
     if (record.last) return;

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/statistics.h"
+#include "lodestone/control/drift_filter.h"
 #include "lodestone/control/learned_foresight.h"
 #include "lodestone/geometry/pose2.h"
 #include "lodestone/geometry/saturation.h"
@@ -49,6 +51,38 @@ bool is_nothing(const std::vector<geometry::Drive>& sequence) {
   return std::all_of(sequence.begin(), sequence.end(),
                      [](const geometry::Drive& action) { return action.isZero(0.0); });
 }
+
+/// What lying somewhere costs by the distance to where the target is after so many pulses, and by how the
+/// needle shall lie there.
+class DistanceCost {
+ public:
+  DistanceCost(const PlannerConfig& config, const task::Observation& observation, std::size_t pulses,
+               bool headings)
+      : config_(config), target_m_(observation.target_after_m(pulses)) {
+    if (headings) heading_rad_ = observation.target_heading_after_rad(pulses);
+    const geometry::Vector2 moves_m = target_m_ - observation.target_after_m(pulses - 1);
+    along_path_ = heading_rad_ && moves_m.norm() > 0.0;
+    if (along_path_) forwards_ = moves_m.normalized();
+  }
+  /// Of x, y (m) and, where headings count, heading (rad).
+  double mm(const double* state) const {
+    geometry::Vector2 off_m = geometry::Vector2(state[0], state[1]) - target_m_;
+    const double along_m = off_m.dot(forwards_);
+    off_m -= std::clamp(along_m, -config_.along_slack_m, config_.along_slack_m) * forwards_;
+    const double off_mm = geometry::kMmPerM * std::max(config_.goal_radius_m, off_m.norm());
+    if (!heading_rad_) return off_mm;
+    const double turned_mm =
+        config_.heading_cost_mm * std::abs(geometry::wrap_angle(state[2] - *heading_rad_));
+    return along_path_ ? std::hypot(off_mm, turned_mm) : off_mm + turned_mm;
+  }
+
+ private:
+  const PlannerConfig& config_;
+  geometry::Vector2 target_m_;
+  std::optional<double> heading_rad_;
+  bool along_path_ = false;
+  geometry::Vector2 forwards_ = geometry::Vector2::Zero();
+};
 
 }  // namespace
 
@@ -188,6 +222,12 @@ geometry::Drive Planner::act(const task::Observation& observation) {
     by_cost_to_go_ = !by_cost_to_go_;
     plan_ = searched(observation);
   }
+  if (!costs && observation.ahead.empty() && is_nothing(plan_)) {  // a pulse that fails can be tried again
+    const double now[3] = {observation.pose.x_m, observation.pose.y_m, observation.pose.heading_rad};
+    most_mm_ = DistanceCost(config_, observation, 1, foresight_->facts().state_size == 3).mm(now);
+    plan_ = searched(observation);
+    most_mm_ = std::numeric_limits<double>::infinity();
+  }
   return plan_.front();
 }
 
@@ -231,25 +271,11 @@ Planner::Sequence Planner::searched(const task::Observation& observation) {
 void Planner::add_distances(const task::Observation& observation, std::size_t t, double fraction) {
   const std::size_t count = candidates_.size();
   const std::size_t size = foresight_->facts().state_size;
-  const geometry::Vector2 target_m = observation.target_after_m(t + 1);
-  const std::optional<double> heading_rad = observation.target_heading_after_rad(t + 1);
-  const geometry::Vector2 moves_m = target_m - observation.target_after_m(t);
-  const bool along_path = heading_rad && size == 3 && moves_m.norm() > 0.0;
-  const geometry::Vector2 forwards =
-      along_path ? moves_m.normalized() : geometry::Vector2(geometry::Vector2::Zero());
+  const DistanceCost distance(config_, observation, t + 1, size == 3);
   for (std::size_t row = 0; row < state_.size() / size; ++row) {
     const double* state = &state_[row * size];
-    const geometry::Vector2 position_m(state[0], state[1]);
-    geometry::Vector2 off_m = position_m - target_m;
-    const double along_m = off_m.dot(forwards);
-    off_m -= std::clamp(along_m, -config_.along_slack_m, config_.along_slack_m) * forwards;
-    double cost_mm = geometry::kMmPerM * std::max(config_.goal_radius_m, off_m.norm());
-    if (heading_rad && size == 3) {
-      const double turned_mm =
-          config_.heading_cost_mm * std::abs(geometry::wrap_angle(state[2] - *heading_rad));
-      cost_mm = along_path ? std::hypot(cost_mm, turned_mm) : cost_mm + turned_mm;
-    }
-    if (position_m.norm() > foresight_->facts().dish_radius_m) cost_mm += kOutside_mm;
+    double cost_mm = std::min(most_mm_, distance.mm(state));
+    if (std::hypot(state[0], state[1]) > foresight_->facts().dish_radius_m) cost_mm += kOutside_mm;
     cost_[row % count] += fraction * cost_mm;
   }
 }
@@ -271,6 +297,23 @@ void Planner::add_pose_costs(std::size_t t, double fraction) {
           cost_to_go_->cost().at({state_[3 * row], state_[3 * row + 1], state_[3 * row + 2]}, goal_);
   }
   for (std::size_t row = 0; row < rows; ++row) cost_[row % candidates_.size()] += fraction * row_cost_[row];
+}
+
+void Planner::move(const task::Observation& observation, std::size_t t, const double* next,
+                   double* state) const {
+  const std::size_t size = foresight_->facts().state_size;
+  if (!observation.drift_m.empty() && size == 3) {
+    const geometry::Pose2 from{state[0], state[1], state[2]}, to{next[0], next[1], next[2]};
+    if (square_between(from, to, kStill_m, kStill_rad) >= 1.0) {
+      const geometry::Vector2& across_m = observation.drift_m[std::min(t, observation.drift_m.size() - 1)];
+      const geometry::Vector2 by_m = carried_m(across_m, from, to);
+      state[0] = next[0] + by_m.x();
+      state[1] = next[1] + by_m.y();
+      state[2] = next[2];
+      return;
+    }
+  }
+  std::copy_n(next, size, state);
 }
 
 void Planner::evaluate_candidates(const task::Observation& observation) {
@@ -313,7 +356,7 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
       double* state = &state_[row * size];
       const double* drive = &drive_[numbers * row];
       const bool driven = std::any_of(drive, drive + numbers, [](double number) { return number != 0.0; });
-      if (driven) std::copy_n(&next_[row * size], size, state);
+      if (driven) move(observation, t, &next_[row * size], state);
     }
     if (learned)
       add_pose_costs(t, later * fraction);

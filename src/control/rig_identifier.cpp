@@ -4,14 +4,20 @@ namespace lodestone::control {
 
 void RigIdentifier::reset() {
   filter_.reset();
+  drift_.reset();
   watch_.reset();
   unchecked_.reset();
 }
 
 void RigIdentifier::learn(const SeenPulse& pulse) {
   gain_before_ = filter_.gain();
-  filter_.learn(pulse);
-  unchecked_ = pulse;
+  SeenPulse undrifted = pulse;
+  const geometry::Vector2 carried_m = drift_.share_m(pulse);
+  undrifted.after.x_m -= carried_m.x();
+  undrifted.after.y_m -= carried_m.y();
+  filter_.learn(undrifted);
+  drift_.learn(pulse, filter_.outcomes(pulse.before, pulse.drive_A), filter_.gain().log_sigma);
+  unchecked_ = undrifted;
 }
 
 void RigIdentifier::check() {

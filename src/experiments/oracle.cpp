@@ -93,6 +93,7 @@ class Oracle final : public control::Controller {
     task::Observation truth = observation;
     truth.pose = rig_.true_pose();
     truth.drive_gain.reset();
+    truth.drift_m.clear();
     return planner_->act(truth);
   }
   std::unique_ptr<control::Controller> clone() const override {

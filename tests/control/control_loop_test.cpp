@@ -274,6 +274,28 @@ TEST_CASE("a rig is identified from pulses between two poses, and the controller
   CHECK(controller.seen.back().drive_gain->log_sigma < controller.seen.front().drive_gain->log_sigma);
 }
 
+TEST_CASE("the controller is told of a flow that carries the needle besides", "[unit]") {
+  constexpr double kGain_m = 0.8e-3;
+  const auto simulator =
+      std::make_shared<const control::LearnedSimulator>(env::tests::noisy_linear_model(kGain_m));
+  control::RigIdentifier identifier(simulator, {}, 1.0);
+  Bench bench;
+  bench.duration_s = 6.0;
+  const double step_m = kGain_m * 3.0;  // 3 A, to and fro
+  for (int i = 0; i < 25; ++i) bench.sensor.push(i % 2 == 0 ? 0.0 : step_m, 1e-3 * i);
+  int asked = 0;
+  tests::FunctionController controller(
+      [&asked](const task::Observation&) { return Vector2(asked++ % 2 == 0 ? 0.2 : -0.2, 0.0); });
+  safety::Supervisor coils(bench.device, bench.safety, tests::paper_rig(), bench.clock);
+  control::ControlLoop loop(bench.config, bench.action, coils, bench.sensor, bench.clock, nullptr,
+                            &identifier);
+  control::PointReference reference({0.01, 0.0}, bench.duration_s);
+  REQUIRE(loop.run(controller, reference).completed);
+  CHECK(controller.seen.front().drift_m.empty());
+  REQUIRE_FALSE(controller.seen.back().drift_m.empty());
+  CHECK((controller.seen.back().drift_m.front() - Vector2(0.0, 1e-3)).norm() < 0.25e-3);
+}
+
 TEST_CASE("any thread may end a run in the middle of its rest, while others watch the coils") {
   const auto table = rig::VirtualRig(rig::VirtualRigConfig{}, 1).fields();
   for (int round = 0; round < 20; ++round) {

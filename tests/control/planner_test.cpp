@@ -192,6 +192,45 @@ TEST_CASE("the planner leaves a hollow of the cost-to-go that pulses too weak to
   CHECK(pulses < 20);
 }
 
+TEST_CASE("the planner steers against a flow that it is told of, and rests where it is", "[unit]") {
+  const Vector2 across_m(0.0, 3e-3);  // what a needle along x is carried by
+  task::Observation observation;
+  observation.pose = {0.01, 0.0, 0.0};
+  const auto ends_m = [&](const Vector2& drift_m) {
+    control::Planner planner(model(), {}, 1);
+    planner.reset();
+    observation.drift_m = {drift_m};
+    const Vector2 action = planner.act(observation);
+    CHECK(action.norm() > 0.5);
+    return Vector2(observation.pose.position_m() + 10.0 * kGain_m * action + drift_m);
+  };
+  CHECK(ends_m({0.0, 0.0}).norm() < 0.004);
+  CHECK((ends_m(across_m) - ends_m({0.0, 0.0})).norm() < 1.2e-3);
+  observation.target_m = {0.01, 0.0};
+  observation.drift_m = {across_m};
+  control::Planner planner(model(), {}, 1);
+  planner.reset();
+  CHECK(planner.act(observation).isZero(0.0));
+}
+
+TEST_CASE("before it rests short of a point the planner tries what may bring the needle nearer", "[unit]") {
+  const auto either_way = std::make_shared<const control::LearnedSimulator>(
+      env::tests::linear_model(data::StateLayout::kPose, {kGain_m, -kGain_m}, {0.0, 0.0}));
+  task::Observation observation;
+  observation.pose = {0.002, 0.0, 0.0};
+  const auto asked = [&] {
+    control::Planner planner(either_way, {}, 1);
+    planner.reset();
+    return planner.act(observation);
+  };
+  CHECK_FALSE(asked().isZero(0.0));
+  observation.ahead.push_back({observation.target_m, 0.3});  // one that moves has gone on by then
+  CHECK(asked().isZero(0.0));
+  observation.ahead.clear();
+  observation.pose.x_m = 0.5 * control::PlannerConfig().goal_radius_m;
+  CHECK(asked().isZero(0.0));
+}
+
 TEST_CASE("plans repeat after a reset, and bad settings are refused") {
   control::Planner planner(model(), {}, 1);
   task::Observation observation;

@@ -46,3 +46,36 @@ TEST_CASE("a pulse is judged by what was known before it, and once", "[unit]") {
   CHECK_FALSE(identifier.changed());
   CHECK(identifier.gain().log_mean == Approx(0.0).margin(1e-12));
 }
+
+TEST_CASE("a flow is told apart from the gain, and is no changed rig", "[unit]") {
+  constexpr double kPeriod_s = 0.3;
+  control::RigIdentifier identifier = new_identifier();
+  control::RigIdentifier without = {
+      std::make_shared<const control::LearnedSimulator>(env::tests::noisy_linear_model(kStep_m)),
+      [] {
+        control::IdentificationConfig config;
+        config.drift_m = 0.0;
+        return config;
+      }(),
+      1.0};
+  CHECK(identifier.drifts_m(0.0, kPeriod_s, 3).empty());
+  constexpr double kFlow_m = 1.5e-3;  // of a needle across it
+  for (int i = 0; i < 40; ++i) {
+    const double way = 0.7 * i, x_m = 4.0 * kStep_m * std::cos(way), y_m = 4.0 * kStep_m * std::sin(way);
+    const control::SeenPulse pulse = {
+        {}, {4.0 * std::cos(way), 4.0 * std::sin(way)}, {x_m, y_m + kFlow_m, 0.0}, kPeriod_s * i};
+    for (control::RigIdentifier* each : {&identifier, &without}) {
+      each->learn(pulse);
+      each->check();
+    }
+  }
+  const auto drifts_m = identifier.drifts_m(40 * kPeriod_s, kPeriod_s, 3);
+  REQUIRE(drifts_m.size() == 3);
+  CHECK((drifts_m[0] - geometry::Vector2(0.0, kFlow_m)).norm() < 0.3e-3);
+  CHECK(without.drifts_m(40 * kPeriod_s, kPeriod_s, 3).empty());
+  CHECK_FALSE(identifier.changed());
+  CHECK(std::abs(identifier.gain().log_mean) < 0.1);
+  CHECK(std::abs(identifier.gain().log_mean) <= std::abs(without.gain().log_mean) + 0.01);
+  identifier.reset();
+  CHECK(identifier.drifts_m(0.0, kPeriod_s, 3).empty());
+}

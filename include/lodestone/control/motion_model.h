@@ -16,6 +16,7 @@ struct SeenPulse {
   geometry::Pose2 before;
   geometry::Drive drive_A = geometry::Drive::Zero(2);
   geometry::Pose2 after;
+  double began_s = 0.0;  ///< in the run
 };
 
 /// What a learned simulator says of pulses: how likely a motion is, and motions drawn from it, both with what

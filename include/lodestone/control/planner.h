@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -58,7 +59,9 @@ struct PlannerConfig {
 /// horizon to where the target will be, and to how the needle shall lie there (along a path a needle that is
 /// a little early or late may lie better: PlannerConfig::along_slack_m), over particles: each has a
 /// member of the ensemble, luck that is the same for every sequence, and where the rig is identified a gain
-/// of the drive.
+/// of the drive; a flow that was identified carries them all. Before it rests short of a target that stays,
+/// it looks for a pulse that may bring the needle nearer, whatever else it may do: from elsewhere it can be
+/// tried again.
 ///
 /// Where the target is to stay at and a cost-to-go was learned (inference::CostToGo), sequences are judged by
 /// that instead: what lying there costs, pulse by pulse, and at the end all that comes after. The first round
@@ -90,6 +93,8 @@ class Planner final : public Controller {
   void look_around(const Sequence& mean, const Sequence& spread);
   /// or around each of them; without any, everywhere.
   void look_around(const std::vector<Sequence>& elites, std::int64_t round);
+  /// To where pulse `t` takes a needle, [S], and a flow carries it that the pulse moves.
+  void move(const task::Observation& observation, std::size_t t, const double* next, double* state) const;
   /// Mean cost of every candidate over the particles: in mm, or in pulses by the cost-to-go.
   void evaluate_candidates(const task::Observation& observation);
   /// What rows of states cost after pulse `t` of the horizon, for each candidate.
@@ -115,9 +120,10 @@ class Planner final : public Controller {
     geometry::Pose2 pose;
     double cost = 0.0;
   };
-  bool by_cost_to_go_ = false;   // is searched
-  geometry::Pose2 goal_;         // then
-  bool led_no_further_ = false;  // the distance, to this target
+  double most_mm_ = std::numeric_limits<double>::infinity();  // no place is dearer, by the distance
+  bool by_cost_to_go_ = false;                                // is searched
+  geometry::Pose2 goal_;                                      // then
+  bool led_no_further_ = false;                               // the distance, to this target
   std::optional<geometry::Pose2> pose_before_;
   geometry::Vector2 target_before_m_ = geometry::Vector2::Zero();
   std::optional<double> target_heading_before_rad_;

@@ -4,19 +4,21 @@
 #include <optional>
 
 #include "lodestone/common/config.h"
+#include "lodestone/control/drift_filter.h"
 #include "lodestone/control/gain_filter.h"
 #include "lodestone/control/residual_watch.h"
 
 namespace lodestone::control {
 
-/// What the pulses of a run say about its rig: how strongly it answers, and whether that still explains what
-/// they do.
+/// What the pulses of a run say about its rig: how strongly it answers, what its fluid carries the needle by,
+/// and whether that still explains what they do.
 class RigIdentifier {
  public:
   /// As MotionModel.
   RigIdentifier(const std::shared_ptr<const LearnedSimulator>& model, const IdentificationConfig& config,
                 double drive_per_A)
       : filter_({model, config, drive_per_A}, config),
+        drift_(config),
         watch_({model, config, drive_per_A}, config.noise_m, config.noise_rad) {}
 
   void reset();
@@ -31,18 +33,23 @@ class RigIdentifier {
   /// One more pulse.
   void learn(const SeenPulse& pulse);
   task::DriveGain gain() const { return filter_.gain(); }
+  /// As DriftFilter.
+  std::vector<geometry::Vector2> drifts_m(double begin_s, double period_s, std::size_t pulses) const {
+    return drift_.drifts_m(begin_s, period_s, pulses);
+  }
   /// Judges the pulse that was learned from last, once. Decisions need not wait for it.
   void check();
   /// As ResidualWatch.
   double change_evidence() const { return watch_.evidence(); }
   bool changed() const { return watch_.changed(); }
 
-  /// What is known of the gain, and back; the watch begins anew. restore() throws DataError.
+  /// What is known of the gain, and back; drift and watch begin anew. restore() throws DataError.
   common::Json save() const { return filter_.save(); }
   void restore(const common::Json& state);
 
  private:
   GainFilter filter_;
+  DriftFilter drift_;
   ResidualWatch watch_;
   std::optional<SeenPulse> unchecked_;
   task::DriveGain gain_before_;  // that pulse

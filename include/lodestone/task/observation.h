@@ -41,6 +41,9 @@ struct Observation {
   geometry::Drive last_action = geometry::Drive::Zero(2);             ///< in [-1, 1]^k; zero after a reset
   geometry::Vector2 last_displacement_m = geometry::Vector2::Zero();  ///< sensed motion since the last action
   std::optional<DriveGain> drive_gain;                                ///< where the rig is identified
+  /// What a flow carries a needle that lies across it by in each of the next pulses that moves it; empty: the
+  /// fluid rests, as far as is known.
+  std::vector<geometry::Vector2> drift_m;
 
   /// The action of the rig's drive that is no pulse.
   geometry::Drive rest() const { return geometry::Drive::Zero(last_action.size()); }
