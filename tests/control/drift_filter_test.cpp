@@ -63,7 +63,7 @@ TEST_CASE("a steady flow is found from a few pulses", "[unit]") {
 TEST_CASE("a flow that pulses is foretold pulse by pulse, whatever its period", "[unit]") {
   for (const double period_s : {0.83, 1.0, 2.7}) {
     INFO("period " << period_s);
-    const auto flow_m = [&](double time_s) {
+    const auto flow_m = [&](double time_s) -> Vector2 {
       return (1.0 + std::sin(2.0 * geometry::kPi * time_s / period_s)) * Vector2(0.8e-3, 0.0);
     };
     Dish dish;
