@@ -21,13 +21,17 @@ class Dish {
   explicit Dish(const control::IdentificationConfig& config = {}, std::uint64_t seed = 1)
       : filter(config), random_(seed, "dish") {}
 
-  /// One pulse that takes the needle from the centre by 3 mm in some direction, and the flow from there.
+  /// One pulse that takes the needle, however it lies, from the centre by 3 mm in some direction, and the
+  /// flow from there.
   void pulse(const Vector2& flow_m) {
+    const Pose2 from{0.0, 0.0, random_.uniform(-geometry::kPi, geometry::kPi)};
     const double way_rad = random_.uniform(-geometry::kPi, geometry::kPi);
-    const Vector2 said_m = 3e-3 * Vector2(std::cos(way_rad), std::sin(way_rad));
-    const Vector2 went_m = said_m + flow_m + kNoise_m * Vector2(random_.normal(), random_.normal());
-    filter.learn({{}, {1.0, 0.0}, {went_m.x(), went_m.y(), 0.0}, time_s},
-                 {{1.0, {said_m.x(), said_m.y(), 0.0}, kNoise_m, kNoise_m, 0.1}});
+    const Pose2 said{3e-3 * std::cos(way_rad), 3e-3 * std::sin(way_rad), from.heading_rad};
+    Pose2 after = said;
+    const Vector2 carried_m = control::carried_m(flow_m, from, said);
+    after.x_m += carried_m.x() + kNoise_m * random_.normal();
+    after.y_m += carried_m.y() + kNoise_m * random_.normal();
+    filter.learn({from, {1.0, 0.0}, after, time_s}, {{1.0, said, kNoise_m, kNoise_m, 0.1}});
     time_s += kPeriod_s;
   }
   /// What is expected of the next pulse.
@@ -44,6 +48,19 @@ class Dish {
 };
 
 }  // namespace
+
+TEST_CASE("a flow carries a needle across it whole, along it by half", "[unit]") {
+  const Vector2 flow_m(2e-3, 0.0);
+  const auto carried_m = [&flow_m](double from_rad, double to_rad) {
+    return control::carried_m(flow_m, {0.0, 0.0, from_rad}, {0.01, 0.0, to_rad});
+  };
+  const double quarter_rad = 0.5 * geometry::kPi;
+  CHECK(carried_m(0.0, 0.0).x() == Approx(1e-3));
+  CHECK(carried_m(quarter_rad, -3.0 * quarter_rad).x() == Approx(2e-3));
+  CHECK(carried_m(0.5 * quarter_rad, 1.5 * quarter_rad).x() == Approx(2e-3));  // across in the mean
+  CHECK(carried_m(3.1, -3.1).x() == Approx(1e-3).margin(1e-5));
+  CHECK(carried_m(0.5 * quarter_rad, 0.5 * quarter_rad).y() == Approx(-0.5e-3));
+}
 
 TEST_CASE("a steady flow is found from a few pulses", "[unit]") {
   const Vector2 flow_m(0.6e-3, -0.8e-3);
@@ -124,8 +141,11 @@ TEST_CASE("a filter that is told of no flow finds none", "[unit]") {
 TEST_CASE("what a flow did to a pulse is told apart", "[unit]") {
   Dish dish;
   for (int i = 0; i < 40; ++i) dish.pulse({1e-3, 0.0});
-  const double now_s = dish.time_s;
-  CHECK((dish.filter.share_m({{}, {1.0, 0.0}, {5e-3, 0.0, 0.0}, now_s}) - 0.5 * dish.expected_m()).norm() <
-        1e-5);
-  CHECK(dish.filter.share_m({{}, {1.0, 0.0}, {}, now_s}).isZero(0.0));
+  const Vector2 known_m = dish.expected_m();
+  const auto share_m = [&dish](const Pose2& after) {
+    return dish.filter.share_m({{}, {1.0, 0.0}, after, dish.time_s});
+  };
+  CHECK(share_m({5e-3, 0.0, 0.0}).x() == Approx(0.5 * known_m.x()));
+  CHECK(share_m({5e-3, 0.0, 0.0}).y() == Approx(known_m.y()));
+  CHECK(share_m({}).isZero(0.0));
 }
