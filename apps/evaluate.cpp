@@ -1,10 +1,12 @@
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
 #include "lodestone/data/dataset_file.h"
 #include "lodestone/dynamics/evaluation.h"
+#include "lodestone/experiments/oracle_predictions.h"
 #include "lodestone/nets/blas.h"
 #include "lodestone/rig/rendered_camera.h"
 #include "lodestone/rig/rig_config.h"
@@ -18,15 +20,35 @@ struct EvaluateOptions {
   std::string checkpoint;
   std::string data;
   std::string split = "all";
+  std::int64_t oracle = 0;
+  std::int64_t threads = 0;
 };
+
+/// The virtual rig that a recording is of, by the run of `collect` that it lies in.
+experiments::CollectionConfig recorded_by(const std::string& data) {
+  const std::string file = (std::filesystem::path(data).parent_path() / "config.json").string();
+  const char* const why = ": name the recording where `collect` has put it, in its run";
+  if (!std::filesystem::exists(file)) throw common::DataError("--oracle: there is no " + file + why);
+  const common::Json run = common::read_json_file(file);
+  common::Json rig;
+  for (const char* key : {"rig", "rig_seed", "loop"}) {
+    if (!run.contains(key)) throw common::DataError("--oracle: " + file + " has no " + key + why);
+    rig[key] = run[key];
+  }
+  return common::config_from_json<experiments::CollectionConfig>(rig, file);
+}
 
 void evaluate_dynamics(const EvaluateOptions& options) {
   nets::use_one_blas_thread();
   const dynamics::Model model = dynamics::load_model(options.checkpoint);
   const data::Dataset dataset = data::read_any_dataset(options.data);
-  runs::DynamicsEvaluation evaluation = dynamics::evaluate_dynamics(
-      model, options.split == "test" ? dynamics::test_split(model, dataset) : dataset);
+  const data::Dataset rows = options.split == "test" ? dynamics::test_split(model, dataset) : dataset;
+  runs::DynamicsEvaluation evaluation = dynamics::evaluate_dynamics(model, rows);
   evaluation.split = options.split;
+  if (options.oracle > 0) {
+    common::ThreadPool pool(static_cast<std::size_t>(options.threads));
+    experiments::add_oracle(recorded_by(options.data), rows, options.oracle, pool, *evaluation.baselines);
+  }
   std::printf("%s\n", common::artefact_to_json(evaluation).dump(2).c_str());
 }
 
@@ -102,6 +124,14 @@ void add_dynamics(Verb& evaluate) {
           "--split", &options->split,
           "all rows, or the test rows that were set aside when the checkpoint was trained on this file")
       .one_of({"all", "test"})
+      .with_default();
+  verb.add_option("--oracle", &options->oracle,
+                  "also what the virtual rig that was recorded would have foretold itself, as the mean of so "
+                  "many draws of its scatter (minutes with 16); 0: not")
+      .within(0, 10000)
+      .with_default();
+  verb.add_option("--threads", &options->threads, "threads of --oracle; 0 means one per processor")
+      .within(0, 1024)
       .with_default();
   verb.run = [options] { evaluate_dynamics(*options); };
 }

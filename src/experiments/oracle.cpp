@@ -41,7 +41,7 @@ class TrueForesight final : public control::Foresight {
       geometry::Pose2 pose{state[0], state[1], state[2]};
       if (!drive_A.isZero(0.0)) {
         twin_.restore(before);
-        if (periods > 0) place(pose);
+        if (periods > 0) lay(twin_, pose);
         twin_.coils().apply({coil_drive_.current_A(drive_A, pose.position_m()), loop_.pulse_s});
         rest();
         pose = twin_.true_pose();
@@ -67,13 +67,6 @@ class TrueForesight final : public control::Foresight {
     return states_[periods];
   }
   void rest() { twin_.clock().wait_until(twin_.clock().now_s() + loop_.period_s(), nullptr); }
-  void place(geometry::Pose2 pose) {
-    for (int i = 0; i < kMostInwards && !twin_.fits(pose); ++i) {
-      pose.x_m *= 1.0 - kInwards;
-      pose.y_m *= 1.0 - kInwards;
-    }
-    twin_.place(pose);
-  }
 
   const rig::VirtualRig& rig_;
   Facts facts_;
@@ -106,6 +99,14 @@ class Oracle final : public control::Controller {
 };
 
 }  // namespace
+
+void lay(rig::VirtualRig& twin, geometry::Pose2 pose) {
+  for (int i = 0; i < kMostInwards && !twin.fits(pose); ++i) {
+    pose.x_m *= 1.0 - kInwards;
+    pose.y_m *= 1.0 - kInwards;
+  }
+  twin.place(pose);
+}
 
 ControllerSource oracle_source(const DeploymentConfig& config, const SimulatorSource* simulator) {
   if (config.rig.needle.is_sphere())

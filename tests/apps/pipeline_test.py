@@ -1,6 +1,7 @@
 """The whole way of a user, small: collect, train-dynamics, train-policy, deploy, report; killed and damaged on the way."""
 import json
 import pathlib
+import shutil
 import signal
 import subprocess
 import sys
@@ -54,6 +55,14 @@ with tempfile.TemporaryDirectory() as name:
     for key in ("position_rms_mm", "heading_rms_deg", "normalised_l2", "k_step", "k_step_heading_deg", "baselines", "n"):
         assert key in evaluation, key
     assert evaluation["n"] > 500 and evaluation["position_rms_mm"] > 0.0
+    assert evaluation["baselines"].get("oracle") is None
+    ask = ("evaluate", "dynamics", "--checkpoint", dynamics / "checkpoint", "--split", "test", "--oracle", "2", "--data")
+    baselines = json.loads(run(*ask, collect / "transitions.h5").stdout)["baselines"]
+    assert 0.0 < baselines["oracle"]["position_rms_mm"] < 0.5 * baselines["knn10"]["position_rms_mm"], baselines
+    assert baselines["oracle_open_loop"]["k_step_heading_deg"]["1"] > 0.0, baselines
+    shutil.copy(collect / "transitions.h5", root / "elsewhere.h5")
+    lost = run(*ask, root / "elsewhere.h5", code=1)
+    assert "config.json" in lost.stderr and "collect" in lost.stderr, lost.stderr
 
     # A run killed in the middle goes on, and ends where an undisturbed one ends.
     train_policy = ("train-policy", "--config", configs / "policy.json", "--set",

@@ -20,7 +20,7 @@ MAY_SEE_TORCH = {"src/experiments/speed_figures.cpp", "src/experiments/speed_fig
 # scoring with whatever hands the truth to it, and of all that drives the oracle alone, which tells scoring what can be reached.
 SEES_TRUTH = re.compile(
     r"/(rig/(virtual_rig|rendered_camera)|session/(simulated_detector|sensing|rig_session|ground_truth)"
-    r"|emulation/live_bench|experiments/(oracle|trial|trial_recording|score|recorder|deployment|fault_injection|emulation_bench|track_checks|tracking_bench))\.(h|cpp)$")
+    r"|emulation/live_bench|experiments/(oracle|oracle_predictions|trial|trial_recording|score|recorder|deployment|fault_injection|emulation_bench|track_checks|tracking_bench))\.(h|cpp)$")
 TRUTH = re.compile(r"\btrue_(pose|x_m|y_m|heading)\w*")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.M)
 

@@ -15,4 +15,7 @@ namespace lodestone::experiments {
 /// sphere.
 ControllerSource oracle_source(const DeploymentConfig& config, const SimulatorSource* simulator = nullptr);
 
+/// Lays a twin's needle there, or, where an end would lie in the wall, so much nearer to the centre.
+void lay(rig::VirtualRig& twin, geometry::Pose2 pose);
+
 }  // namespace lodestone::experiments

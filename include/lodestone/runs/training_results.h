@@ -111,6 +111,9 @@ struct DynamicsBaselines {
   StateError nearest_neighbours;  ///< mean motion of the ten nearest training rows
   std::optional<OpenLoopError> no_motion_open_loop = {};
   std::optional<OpenLoopError> nearest_neighbours_open_loop = {};
+  /// The virtual rig itself (experiments::add_oracle), where that was asked for.
+  std::optional<StateError> oracle = {};
+  std::optional<OpenLoopError> oracle_open_loop = {};
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -118,6 +121,8 @@ struct DynamicsBaselines {
     v.field("knn10", nearest_neighbours);
     v.field("no_motion_open_loop", no_motion_open_loop);
     v.field("knn10_open_loop", nearest_neighbours_open_loop);
+    v.field("oracle", oracle);
+    v.field("oracle_open_loop", oracle_open_loop);
   }
 };
 
