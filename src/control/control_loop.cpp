@@ -150,6 +150,7 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
   controller.reset();
   reference.reset();
   if (recovery_) recovery_->reset();
+  if (identifier_ != nullptr) identifier_->begin_run();
   const geometry::Drive none = geometry::Drive::Zero(drive_.size());
   Memory memory;
   memory.action = none;

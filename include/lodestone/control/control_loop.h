@@ -76,8 +76,9 @@ class ControlLoop {
 
   /// Everything must outlive the loop. `action` must map to amperes. Without a `rig` the coils are the
   /// paper's four, unless drive_with() says otherwise, and a needle that is not seen is waited for; with one
-  /// it is looked for, too (Recovery). With an `identifier`, which is not reset, the controller is told what
-  /// the pulses say about the rig. Throws ConfigError where an action of 1 would mean no current.
+  /// it is looked for, too (Recovery). With an `identifier`, which is not reset but for a flow, the
+  /// controller is told what the pulses say about the rig. Throws ConfigError where an action of 1 would mean
+  /// no current.
   ControlLoop(const ControlLoopConfig& config, const task::ActionConfig& action, Guard& coils,
               PoseSensor& sensor, common::Clock& clock, const physics::RigDescription* rig = nullptr,
               RigIdentifier* identifier = nullptr);

@@ -22,6 +22,8 @@ class RigIdentifier {
         watch_({model, config, drive_per_A}, config.noise_m, config.noise_rad) {}
 
   void reset();
+  /// A run begins, and with it time: of a flow nothing is known.
+  void begin_run() { drift_.reset(); }
   /// A pulse is being given: as GainFilter. Decisions need not wait for it.
   void expect(const geometry::Pose2& before, const geometry::Drive& drive_A) {
     filter_.expect(before, drive_A);
