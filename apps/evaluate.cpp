@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
@@ -40,14 +41,16 @@ experiments::CollectionConfig recorded_by(const std::string& data) {
 
 void evaluate_dynamics(const EvaluateOptions& options) {
   nets::use_one_blas_thread();
+  std::optional<experiments::CollectionConfig> recorded;
+  if (options.oracle > 0) recorded = recorded_by(options.data);
   const dynamics::Model model = dynamics::load_model(options.checkpoint);
   const data::Dataset dataset = data::read_any_dataset(options.data);
   const data::Dataset rows = options.split == "test" ? dynamics::test_split(model, dataset) : dataset;
   runs::DynamicsEvaluation evaluation = dynamics::evaluate_dynamics(model, rows);
   evaluation.split = options.split;
-  if (options.oracle > 0) {
+  if (recorded) {
     common::ThreadPool pool(static_cast<std::size_t>(options.threads));
-    experiments::add_oracle(recorded_by(options.data), rows, options.oracle, pool, *evaluation.baselines);
+    experiments::add_oracle(*recorded, rows, options.oracle, pool, *evaluation.baselines);
   }
   std::printf("%s\n", common::artefact_to_json(evaluation).dump(2).c_str());
 }

@@ -164,7 +164,7 @@ std::vector<geometry::Vector2> DriftFilter::drifts_m(double begin_s, double peri
   return drifts;
 }
 
-geometry::Vector2 DriftFilter::share_m(const SeenPulse& pulse) const {
+geometry::Vector2 DriftFilter::by_flow_m(const SeenPulse& pulse) const {
   if (flow_probability() < 0.5 || !moved(pulse.before, pulse.after, config_))
     return geometry::Vector2::Zero();
   return carried_m(drift_m(pulse.began_s), pulse.before, pulse.after);

@@ -12,7 +12,7 @@ void RigIdentifier::reset() {
 void RigIdentifier::learn(const SeenPulse& pulse) {
   gain_before_ = filter_.gain();
   SeenPulse undrifted = pulse;
-  const geometry::Vector2 carried_m = drift_.share_m(pulse);
+  const geometry::Vector2 carried_m = drift_.by_flow_m(pulse);
   undrifted.after.x_m -= carried_m.x();
   undrifted.after.y_m -= carried_m.y();
   filter_.learn(undrifted);

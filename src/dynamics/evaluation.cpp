@@ -23,7 +23,7 @@ constexpr double kMillimetresPerMetre = 1e3;
 constexpr double kCell_m = 5e-3;
 constexpr std::int64_t kNeighbours = 10;
 constexpr std::int64_t kChunk = 8192;
-constexpr int kSteps[] = {1, 2, 5, 10};
+constexpr auto& kSteps = runs::OpenLoopError::kSteps;
 
 /// Ensemble mean for rows of any number: [N, S], [N, A] -> [N, S], in pieces that stay in the cache.
 std::vector<double> predict(const Model& model, const std::vector<double>& state,

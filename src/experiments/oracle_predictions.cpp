@@ -16,6 +16,8 @@
 namespace lodestone::experiments {
 namespace {
 
+constexpr auto& kSteps = runs::OpenLoopError::kSteps;
+
 /// A pulse of the recording from which the twin runs on by itself.
 struct Chain {
   const data::Episode* episode;
@@ -45,10 +47,10 @@ struct Squares {
   }
 };
 
-/// What one shard finds: of single pulses with current, and by kOracleSteps.
+/// What one shard finds: of single pulses with current, and by kSteps.
 struct Found {
   Squares one_step;
-  Squares open_loop[std::size(kOracleSteps)];
+  Squares open_loop[std::size(kSteps)];
 };
 
 geometry::Pose2 pose_at(const data::Episode& episode, std::int64_t row) {
@@ -77,18 +79,19 @@ class Twin {
         cold_(rig_.save()),
         ends_(static_cast<std::size_t>(outcomes)) {}
 
-  /// Runs on from there as far as kOracleSteps and the episode go.
+  /// Runs on from there as far as kSteps and the episode go.
   void foretell(const Chain& chain, std::uint64_t number, Found& found) {
-    const std::int64_t steps = std::min(chain.episode->length() - chain.first, *std::rbegin(kOracleSteps));
+    const std::int64_t steps =
+        std::min<std::int64_t>(chain.episode->length() - chain.first, *std::rbegin(kSteps));
     for (std::size_t k = 0; k < ends_.size(); ++k) run(chain, steps, number * ends_.size() + k, ends_[k]);
     std::vector<geometry::Pose2> poses(ends_.size());
-    for (std::size_t i = 0; i < std::size(kOracleSteps) && kOracleSteps[i] <= steps; ++i) {
+    for (std::size_t i = 0; i < std::size(kSteps) && kSteps[i] <= steps; ++i) {
       for (std::size_t k = 0; k < ends_.size(); ++k)
-        poses[k] = ends_[k][static_cast<std::size_t>(kOracleSteps[i] - 1)];
-      const geometry::Pose2 seen = pose_at(*chain.episode, chain.first + kOracleSteps[i]);
+        poses[k] = ends_[k][static_cast<std::size_t>(kSteps[i] - 1)];
+      const geometry::Pose2 seen = pose_at(*chain.episode, chain.first + kSteps[i]);
       const geometry::Pose2 mean = mean_of(poses);
       found.open_loop[i].add(mean, seen);
-      if (kOracleSteps[i] == 1 && !action(chain, 0).isZero(0.0)) found.one_step.add(mean, seen);
+      if (kSteps[i] == 1 && !action(chain, 0).isZero(0.0)) found.one_step.add(mean, seen);
     }
   }
 
@@ -153,15 +156,15 @@ void add_oracle(const CollectionConfig& recorded, const data::Dataset& dataset, 
   Found all;
   for (const Found& each : found) {
     all.one_step += each.one_step;
-    for (std::size_t i = 0; i < std::size(kOracleSteps); ++i) all.open_loop[i] += each.open_loop[i];
+    for (std::size_t i = 0; i < std::size(kSteps); ++i) all.open_loop[i] += each.open_loop[i];
   }
   if (all.one_step.count == 0) throw common::DataError("there is no pulse with current to foretell");
   baselines.oracle = all.one_step.error();
   runs::OpenLoopError& ahead = baselines.oracle_open_loop.emplace();
   ahead.k_step_mm.emplace();
   ahead.k_step_heading_deg.emplace();
-  for (std::size_t i = 0; i < std::size(kOracleSteps); ++i) {
-    const auto steps = static_cast<int>(kOracleSteps[i]);
+  for (std::size_t i = 0; i < std::size(kSteps); ++i) {
+    const int steps = kSteps[i];
     const bool any = all.open_loop[i].count > 0;
     const runs::StateError error = any ? all.open_loop[i].error() : runs::StateError{};
     (*ahead.k_step_mm)[steps] = any ? std::optional<double>(error.position_rms_mm) : std::nullopt;

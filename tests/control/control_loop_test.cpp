@@ -18,6 +18,14 @@ using geometry::Vector2;
 
 namespace {
 
+constexpr double kLinearGain_m = 0.8e-3;  // per ampere, of the rig that is identified
+
+control::RigIdentifier identifier_of_linear_rig() {
+  return {std::make_shared<const control::LearnedSimulator>(env::tests::noisy_linear_model(kLinearGain_m)),
+          {},
+          1.0};
+}
+
 struct Bench {
   control::ControlLoopConfig config;
   safety::SafetyConfig safety;
@@ -27,9 +35,9 @@ struct Bench {
   tests::ScriptedSensor sensor{clock};
   double duration_s = 1.5;
 
-  control::LoopOutcome run(control::Controller& controller) {
+  control::LoopOutcome run(control::Controller& controller, control::RigIdentifier* identifier = nullptr) {
     safety::Supervisor coils(device, safety, tests::paper_rig(), clock);
-    control::ControlLoop loop(config, action, coils, sensor, clock);
+    control::ControlLoop loop(config, action, coils, sensor, clock, nullptr, identifier);
     control::PointReference reference({0.01, 0.0}, duration_s);
     return loop.run(controller, reference);
   }
@@ -192,9 +200,7 @@ TEST_CASE(
   bench.sensor.push(0.0, 0.0);
   bench.sensor.push_either_way(0.002, 0.0, 0.5);
   bench.sensor.push(0.004, 0.0);
-  const auto simulator =
-      std::make_shared<const control::LearnedSimulator>(env::tests::noisy_linear_model(0.8e-3));
-  control::RigIdentifier identifier(simulator, {}, 1.0);
+  control::RigIdentifier identifier = identifier_of_linear_rig();
   control::DipolePullController pull(tests::paper_rig(), {});
   const auto drive = [&](control::Controller& controller) {
     safety::Supervisor coils(bench.device, bench.safety, tests::paper_rig(), bench.clock);
@@ -249,23 +255,16 @@ class EndlessClock final : public common::Clock {
 }  // namespace
 
 TEST_CASE("a rig is identified from pulses between two poses, and the controller is told", "[unit]") {
-  constexpr double kGain_m = 0.8e-3;
-  const auto simulator =
-      std::make_shared<const control::LearnedSimulator>(env::tests::noisy_linear_model(kGain_m));
-  control::RigIdentifier identifier(simulator, {}, 1.0);
+  control::RigIdentifier identifier = identifier_of_linear_rig();
   Bench bench;
   bench.duration_s = 2.4;
-  const double step_m = 1.5 * kGain_m * 3.0;  // 3 A on a rig half as strong again
+  const double step_m = 1.5 * kLinearGain_m * 3.0;  // 3 A on a rig half as strong again
   for (int i = 0; i < 3; ++i) bench.sensor.push(i * step_m, 0.0);
   bench.sensor.push_invalid("hidden");
   bench.sensor.push(-0.03, 0.0);  // moved by who knows what
   for (int i = 1; i < 5; ++i) bench.sensor.push(-0.03 + i * step_m, 0.0);
   tests::FunctionController controller([](const task::Observation&) { return Vector2(0.2, 0.0); });
-  safety::Supervisor coils(bench.device, bench.safety, tests::paper_rig(), bench.clock);
-  control::ControlLoop loop(bench.config, bench.action, coils, bench.sensor, bench.clock, nullptr,
-                            &identifier);
-  control::PointReference reference({0.01, 0.0}, bench.duration_s);
-  const auto outcome = loop.run(controller, reference);
+  const auto outcome = bench.run(controller, &identifier);
   REQUIRE(outcome.steps.size() == 9);
   CHECK(outcome.steps[0].drive_gain->log_mean == Approx(0.0).margin(1e-12));
   CHECK_FALSE(outcome.steps[3].drive_gain);
@@ -275,22 +274,15 @@ TEST_CASE("a rig is identified from pulses between two poses, and the controller
 }
 
 TEST_CASE("the controller is told of a flow that carries the needle besides", "[unit]") {
-  constexpr double kGain_m = 0.8e-3;
-  const auto simulator =
-      std::make_shared<const control::LearnedSimulator>(env::tests::noisy_linear_model(kGain_m));
-  control::RigIdentifier identifier(simulator, {}, 1.0);
+  control::RigIdentifier identifier = identifier_of_linear_rig();
   Bench bench;
   bench.duration_s = 6.0;
-  const double step_m = kGain_m * 3.0;  // 3 A, to and fro
+  const double step_m = kLinearGain_m * 3.0;  // 3 A, to and fro
   for (int i = 0; i < 25; ++i) bench.sensor.push(i % 2 == 0 ? 0.0 : step_m, 1e-3 * i);
   int asked = 0;
   tests::FunctionController controller(
       [&asked](const task::Observation&) { return Vector2(asked++ % 2 == 0 ? 0.2 : -0.2, 0.0); });
-  safety::Supervisor coils(bench.device, bench.safety, tests::paper_rig(), bench.clock);
-  control::ControlLoop loop(bench.config, bench.action, coils, bench.sensor, bench.clock, nullptr,
-                            &identifier);
-  control::PointReference reference({0.01, 0.0}, bench.duration_s);
-  REQUIRE(loop.run(controller, reference).completed);
+  REQUIRE(bench.run(controller, &identifier).completed);
   CHECK(controller.seen.front().drift_m.empty());
   REQUIRE_FALSE(controller.seen.back().drift_m.empty());
   const Vector2& drift_m = controller.seen.back().drift_m.front();

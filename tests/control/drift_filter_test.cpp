@@ -135,17 +135,17 @@ TEST_CASE("a filter that is told of no flow finds none", "[unit]") {
   Dish dish(config);
   for (int i = 0; i < 40; ++i) dish.pulse({2e-3, 0.0});
   CHECK(dish.expected_m().isZero(0.0));
-  CHECK(dish.filter.share_m({{}, {1.0, 0.0}, {5e-3, 0.0, 0.0}, dish.time_s}).isZero(0.0));
+  CHECK(dish.filter.by_flow_m({{}, {1.0, 0.0}, {5e-3, 0.0, 0.0}, dish.time_s}).isZero(0.0));
 }
 
 TEST_CASE("what a flow did to a pulse is told apart", "[unit]") {
   Dish dish;
   for (int i = 0; i < 40; ++i) dish.pulse({1e-3, 0.0});
   const Vector2 known_m = dish.expected_m();
-  const auto share_m = [&dish](const Pose2& after) {
-    return dish.filter.share_m({{}, {1.0, 0.0}, after, dish.time_s});
+  const auto by_flow_m = [&dish](const Pose2& after) {
+    return dish.filter.by_flow_m({{}, {1.0, 0.0}, after, dish.time_s});
   };
-  CHECK(share_m({5e-3, 0.0, 0.0}).x() == Approx(0.5 * known_m.x()));
-  CHECK(share_m({5e-3, 0.0, 0.0}).y() == Approx(known_m.y()));
-  CHECK(share_m({}).isZero(0.0));
+  CHECK(by_flow_m({5e-3, 0.0, 0.0}).x() == Approx(0.5 * known_m.x()));
+  CHECK(by_flow_m({5e-3, 0.0, 0.0}).y() == Approx(known_m.y()));
+  CHECK(by_flow_m({}).isZero(0.0));
 }

@@ -20,8 +20,9 @@ geometry::Vector2 carried_m(const geometry::Vector2& across_m, const geometry::P
 /// Estimates what carries a needle while pulses move it and friction does not hold it: a flow, steady or
 /// pulsing, which no simulator was shown. What is left of every pulse's motion over what was predicted is
 /// explained in many ways at once: by a fluid at rest, by a drift that stays, and by drifts that rise and
-/// fall about a mean at each of many frequencies, each with a Kalman filter of its own (a bank of models:
-/// Magill, IEEE Trans. Autom. Control 10, 1965). Bayes' rule says how far each is believed.
+/// fall about a mean at each of many frequencies, each with a Kalman filter of its own (multiple-model
+/// adaptive estimation: Magill, IEEE Trans. Autom. Control 10, 1965). Bayes' rule says how far each is
+/// believed.
 class DriftFilter {
  public:
   /// Nothing is ever estimated where `config.drift_m` is 0.
@@ -39,7 +40,7 @@ class DriftFilter {
   /// empty while rest is likelier.
   std::vector<geometry::Vector2> drifts_m(double begin_s, double period_s, std::size_t pulses) const;
   /// What of a pulse's motion is put down to that, by what was known before.
-  geometry::Vector2 share_m(const SeenPulse& pulse) const;
+  geometry::Vector2 by_flow_m(const SeenPulse& pulse) const;
 
  private:
   geometry::Vector2 drift_m(double begins_s) const;

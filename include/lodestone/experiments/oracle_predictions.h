@@ -9,9 +9,6 @@
 
 namespace lodestone::experiments {
 
-/// Pulses ahead at which predictions that run on by themselves are scored, as dynamics::evaluate_dynamics().
-inline constexpr std::int64_t kOracleSteps[] = {1, 2, 5, 10};
-
 /// How well pulses could be foretold by somebody who knows the rig that answered to them: by a twin of the
 /// virtual rig `recorded` with all that is hidden in it, from where the needle was sensed to lie. Only how
 /// friction scatters at each pulse it does not know, and gives the mean of `outcomes` draws of that; what is

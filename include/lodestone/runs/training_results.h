@@ -94,6 +94,7 @@ struct StateError {
 /// Root-mean-square errors after several pulses, of which each but the first begins where the one before was
 /// predicted to end, by their number; none where no episode is that long. Pulses without current count here.
 struct OpenLoopError {
+  static constexpr int kSteps[] = {1, 2, 5, 10};  ///< the numbers of pulses
   using BySteps = std::map<int, std::optional<double>>;
   std::optional<BySteps> k_step_mm = {};           ///< of the position
   std::optional<BySteps> k_step_heading_deg = {};  ///< wrapped; absent where the state has no heading
