@@ -92,7 +92,7 @@ double Member::train_batch(const at::Tensor& input, const at::Tensor& target, do
   network_->tensors().gradient().zero_();
   const at::Tensor output = network_->layers(input);
   const at::Tensor loss = network_->mixture().components > 0
-                              ? mixture_loss(output, target, network_->mixture())
+                              ? mixture_loss(output, target, network_->mixture(), config_.mean_weight)
                           : config_.loss == Loss::kHuber
                               ? at::huber_loss(output, target, at::Reduction::Mean, config_.huber_delta)
                               : at::mse_loss(output, target);
@@ -137,7 +137,7 @@ double Member::validation_error() {
     const at::Tensor output = network_->layers(validation_input_.narrow(0, first, rows));
     const at::Tensor target = validation_target_.narrow(0, first, rows);
     sum += network_->mixture().components > 0
-               ? mixture_loss(output, target, network_->mixture()).item<double>() *
+               ? mixture_loss(output, target, network_->mixture(), config_.mean_weight).item<double>() *
                      static_cast<double>(target.numel())
                : (output - target).square().sum().item<double>();
   }

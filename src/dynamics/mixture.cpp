@@ -8,7 +8,8 @@
 
 namespace lodestone::dynamics {
 
-at::Tensor mixture_loss(const at::Tensor& raw, const at::Tensor& target, const MixtureLayout& layout) {
+at::Tensor mixture_loss(const at::Tensor& raw, const at::Tensor& target, const MixtureLayout& layout,
+                        double mean_weight) {
   const std::int64_t rows = raw.size(0);
   const std::int64_t k = layout.components;
   const std::int64_t s = layout.size;
@@ -19,7 +20,9 @@ at::Tensor mixture_loss(const at::Tensor& raw, const at::Tensor& target, const M
                                        at::sigmoid(raw.narrow(1, k + k * s, k * s)).reshape({rows, k, s});
   const at::Tensor error = (target.unsqueeze(1) - mean) * (-log_spread).exp();
   const at::Tensor log_density = (-0.5 * error.square() - log_spread).sum(2);
-  return -at::logsumexp(log_weight + log_density, 1).mean() / static_cast<double>(s);
+  const at::Tensor unlikely = -at::logsumexp(log_weight + log_density, 1).mean() / static_cast<double>(s);
+  if (mean_weight == 0.0) return unlikely;
+  return unlikely + mean_weight * (mixture_mean(raw, layout) - target).square().mean();
 }
 
 at::Tensor mixture_mean(const at::Tensor& raw, const MixtureLayout& layout) {

@@ -35,6 +35,14 @@ TEST_CASE("the loss is the negative log-likelihood", "[unit]") {
   CHECK(loss.item<double>() == Approx(expected).epsilon(1e-5));
 }
 
+TEST_CASE("the mean's squared error counts besides as much as is told", "[unit]") {
+  const at::Tensor target = nets::tensor_from({1.0, 0.25}, {1, 2}, at::kFloat);  // the mean is (3, -1.25)
+  const auto loss = [&](double mean_weight) {
+    return mixture_loss(example(), target, kLayout, mean_weight).item<double>();
+  };
+  CHECK(loss(2.0) - loss(0.0) == Approx(2.0 * (2.0 * 2.0 + 1.5 * 1.5) / 2.0).epsilon(1e-5));
+}
+
 TEST_CASE("the mean is the plain one's", "[unit]") {
   const at::Tensor raw = example();
   const at::Tensor mean = mixture_mean(raw, kLayout);

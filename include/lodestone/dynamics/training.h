@@ -30,6 +30,7 @@ struct TrainingConfig {
   Schedule schedule = Schedule::kConstant;
   Loss loss = Loss::kL2;
   double huber_delta = 1.0;  ///< in standard deviations of the output
+  double mean_weight = 0.0;  ///< of the mean's squared error, beside a mixture's likelihood
   double validation_fraction = 0.1;
   double test_fraction = 0.1;
   bool keep_best = true;      ///< end with the weights of the best validation loss
@@ -48,8 +49,13 @@ struct TrainingConfig {
     v.field("weight_decay", weight_decay, "", "L2 penalty (sgd, adam) or decoupled decay (adamw)",
             {0.0, 1.0});
     v.field("schedule", schedule, "", "how the step size goes on: constant, or half a cosine down to 0");
-    v.field("loss", loss, "", "training loss on normalised output; mixtures have their likelihood instead");
+    v.field("loss", loss, "",
+            "training loss on normalised output; mixtures have their likelihood instead (and mean_weight)");
     v.field("huber_delta", huber_delta, "", "normalised error above which huber is linear", {1e-3, 100.0});
+    v.field("mean_weight", mean_weight, "",
+            "a mixture learns its likelihood and, so much, that its mean is near: pulses that look random at "
+            "first are otherwise given up to wide Gaussians",
+            {0.0, 1e3});
     v.field("validation_fraction", validation_fraction, "", "fraction of the episodes to choose weights by",
             {0.01, 0.9});
     v.field("test_fraction", test_fraction, "", "fraction of the episodes set aside for the final figures",
