@@ -22,6 +22,7 @@ struct EvaluateOptions {
   std::string data;
   std::string split = "all";
   std::int64_t oracle = 0;
+  std::int64_t draws = 0;
   std::int64_t threads = 0;
 };
 
@@ -48,6 +49,7 @@ void evaluate_dynamics(const EvaluateOptions& options) {
   const data::Dataset rows = options.split == "test" ? dynamics::test_split(model, dataset) : dataset;
   runs::DynamicsEvaluation evaluation = dynamics::evaluate_dynamics(model, rows);
   evaluation.split = options.split;
+  if (options.draws > 0) dynamics::add_drawn_open_loop(model, rows, options.draws, evaluation);
   if (recorded) {
     common::ThreadPool pool(static_cast<std::size_t>(options.threads));
     experiments::add_oracle(*recorded, rows, options.oracle, pool, *evaluation.baselines);
@@ -127,6 +129,11 @@ void add_dynamics(Verb& evaluate) {
           "--split", &options->split,
           "all rows, or the test rows that were set aside when the checkpoint was trained on this file")
       .one_of({"all", "test"})
+      .with_default();
+  verb.add_option("--draws", &options->draws,
+                  "also open loop in the mean of so many runs, each of which draws what it meets, of the "
+                  "simulator and of the nearest neighbours; 0: not")
+      .within(0, 10000)
       .with_default();
   verb.add_option("--oracle", &options->oracle,
                   "also what the virtual rig that was recorded would have foretold itself, as the mean of so "

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/random.h"
 #include "lodestone/geometry/drive.h"
 #include "lodestone/geometry/pose2.h"
 
@@ -54,6 +55,10 @@ struct NearestNeighbours::Index {
   std::vector<std::int64_t> rows;  // row of the table
   std::vector<double> changes;     // [N, S] by row of the table
   std::vector<Node> nodes;
+
+  const double* change(std::int64_t row) const {
+    return &changes[static_cast<std::size_t>(row) * static_cast<std::size_t>(state_size)];
+  }
 
   Features query(const double* state, const double* action) const {
     Features f = raw_features(state_size, action_size, state, action);
@@ -175,8 +180,10 @@ std::vector<std::int64_t> NearestNeighbours::nearest(const double* state, const 
   return rows;
 }
 
-std::vector<double> NearestNeighbours::predict(const std::vector<double>& state,
-                                               const std::vector<double>& action) const {
+template <class ChangeOf>
+std::vector<double> NearestNeighbours::next(const std::vector<double>& state,
+                                            const std::vector<double>& action,
+                                            const ChangeOf& change_of) const {
   const auto s = static_cast<std::size_t>(index_->state_size);
   const auto a = static_cast<std::size_t>(index_->action_size);
   if (state.size() % s != 0 || action.size() % a != 0 || state.size() / s != action.size() / a)
@@ -186,14 +193,35 @@ std::vector<double> NearestNeighbours::predict(const std::vector<double>& state,
   std::vector<double> next = state;
   for (std::size_t r = 0; r < state.size() / s; ++r) {
     const std::vector<std::int64_t> rows = nearest(&state[r * s], &action[r * a]);
-    for (std::size_t i = 0; i < s; ++i) {
-      double sum = 0.0;
-      for (const std::int64_t row : rows) sum += index_->changes[static_cast<std::size_t>(row) * s + i];
-      next[r * s + i] += sum / static_cast<double>(rows.size());
-      if (i == 2) next[r * s + i] = geometry::wrap_angle(next[r * s + i]);
-    }
+    const std::array<double, 3> change = change_of(rows);
+    for (std::size_t i = 0; i < s; ++i) next[r * s + i] += change[i];
+    if (s == 3) next[r * s + 2] = geometry::wrap_angle(next[r * s + 2]);
   }
   return next;
+}
+
+std::vector<double> NearestNeighbours::predict(const std::vector<double>& state,
+                                               const std::vector<double>& action) const {
+  return next(state, action, [this](const std::vector<std::int64_t>& rows) {
+    std::array<double, 3> mean{};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(index_->state_size); ++i) {
+      double sum = 0.0;
+      for (const std::int64_t row : rows) sum += index_->change(row)[i];
+      mean[i] = sum / static_cast<double>(rows.size());
+    }
+    return mean;
+  });
+}
+
+std::vector<double> NearestNeighbours::sample(const std::vector<double>& state,
+                                              const std::vector<double>& action,
+                                              common::RandomStream& random) const {
+  return next(state, action, [&](const std::vector<std::int64_t>& rows) {
+    const double* change = index_->change(rows[random.below(rows.size())]);
+    std::array<double, 3> one{};
+    std::copy_n(change, index_->state_size, one.begin());
+    return one;
+  });
 }
 
 }  // namespace lodestone::data

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <utility>
 
 #include <ATen/TensorOperators.h>
@@ -14,16 +13,14 @@
 #include "lodestone/dynamics/region_coverage.h"
 #include "lodestone/geometry/pose2.h"
 #include "lodestone/nets/tensors.h"
+#include "open_loop.h"
 
 namespace lodestone::dynamics {
 namespace {
 
-constexpr double kDegreesPerRadian = 57.29577951308232;
-constexpr double kMillimetresPerMetre = 1e3;
 constexpr double kCell_m = 5e-3;
 constexpr std::int64_t kNeighbours = 10;
 constexpr std::int64_t kChunk = 8192;
-constexpr auto& kSteps = runs::OpenLoopError::kSteps;
 
 /// Ensemble mean for rows of any number: [N, S], [N, A] -> [N, S], in pieces that stay in the cache.
 std::vector<double> predict(const Model& model, const std::vector<double>& state,
@@ -42,25 +39,6 @@ std::vector<double> predict(const Model& model, const std::vector<double>& state
     next.insert(next.end(), part.begin(), part.end());
   }
   return next;
-}
-
-double squared_distance(const double* a, const double* b) {
-  return (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]);
-}
-
-StateError state_error(const std::vector<double>& predicted, const std::vector<double>& actual, int size) {
-  const std::size_t stride = static_cast<std::size_t>(size);
-  const auto rows = static_cast<double>(actual.size() / stride);
-  double position = 0.0;
-  double heading = 0.0;
-  for (std::size_t i = 0; i < actual.size(); i += stride) {
-    position += squared_distance(&predicted[i], &actual[i]);
-    if (size == 3) heading += std::pow(geometry::wrap_angle(predicted[i + 2] - actual[i + 2]), 2);
-  }
-  StateError error;
-  error.position_rms_mm = kMillimetresPerMetre * std::sqrt(position / rows);
-  if (size == 3) error.heading_rms_deg = kDegreesPerRadian * std::sqrt(heading / rows);
-  return error;
 }
 
 data::TransitionTable training_table(const Model& model) {
@@ -109,71 +87,6 @@ double normalised_state_loss(const Model& model, const std::vector<double>& pred
   return sum / static_cast<double>(predicted.size());
 }
 
-/// Next states [N, S] of states [N, S] and actions [N, A].
-using Predictor =
-    std::function<std::vector<double>(const std::vector<double>& state, const std::vector<double>& action)>;
-
-/// A place in a dataset from which a predictor runs on by itself.
-struct Chain {
-  const data::Episode* episode;
-  std::int64_t first;
-};
-
-/// Runs a predictor open loop from every row.
-runs::OpenLoopError open_loop_error(const Predictor& predictor, const data::Dataset& dataset) {
-  const int state_size = data::state_size(dataset.info.layout);
-  const auto size = static_cast<std::size_t>(state_size);
-  const auto numbers = static_cast<std::size_t>(dataset.info.action_size);
-  std::vector<Chain> chains;
-  std::vector<double> state;
-  for (const data::Episode& episode : dataset.episodes) {
-    for (std::int64_t t = 0; t < episode.length(); ++t) {
-      chains.push_back({&episode, t});
-      const auto at = episode.observations.begin() + static_cast<std::ptrdiff_t>(size) * t;
-      state.insert(state.end(), at, at + static_cast<std::ptrdiff_t>(size));
-    }
-  }
-  runs::OpenLoopError::BySteps position;
-  runs::OpenLoopError::BySteps heading;
-  for (int step = 1; step <= *std::rbegin(kSteps); ++step) {
-    std::vector<Chain> kept;
-    std::vector<double> kept_state;
-    std::vector<double> action;
-    for (std::size_t i = 0; i < chains.size(); ++i) {
-      if (chains[i].first + step > chains[i].episode->length()) continue;
-      kept.push_back(chains[i]);
-      const auto at = state.begin() + static_cast<std::ptrdiff_t>(i * size);
-      kept_state.insert(kept_state.end(), at, at + static_cast<std::ptrdiff_t>(size));
-      const auto row = chains[i].episode->actions.begin() +
-                       static_cast<std::ptrdiff_t>(numbers) * (chains[i].first + step - 1);
-      action.insert(action.end(), row, row + static_cast<std::ptrdiff_t>(numbers));
-    }
-    chains = std::move(kept);
-    state = chains.empty() ? std::vector<double>{} : predictor(kept_state, action);
-    std::vector<double> truth;
-    for (std::size_t i = 0; i < chains.size(); ++i) {
-      const double* drive = &action[i * numbers];
-      const bool zero = data::strongest(drive, dataset.info.action_size) == 0.0;
-      const auto at = static_cast<std::ptrdiff_t>(i * size);
-      if (zero) std::copy_n(kept_state.begin() + at, size, state.begin() + at);
-      const auto seen = chains[i].episode->observations.begin() +
-                        static_cast<std::ptrdiff_t>(size) * (chains[i].first + step);
-      truth.insert(truth.end(), seen, seen + static_cast<std::ptrdiff_t>(size));
-    }
-    if (std::find(std::begin(kSteps), std::end(kSteps), step) == std::end(kSteps)) continue;
-    position[step] = std::nullopt;
-    heading[step] = std::nullopt;
-    if (chains.empty()) continue;
-    const StateError error = state_error(state, truth, state_size);
-    position[step] = error.position_rms_mm;
-    heading[step] = error.heading_rms_deg;
-  }
-  runs::OpenLoopError errors;
-  errors.k_step_mm = std::move(position);
-  if (state_size == 3) errors.k_step_heading_deg = std::move(heading);
-  return errors;
-}
-
 std::vector<ErrorCell> error_map(const data::TransitionTable& table, const std::vector<double>& predicted) {
   std::map<std::pair<std::int64_t, std::int64_t>, ErrorCell> cells;
   const auto size = static_cast<std::size_t>(table.state_size);
@@ -183,13 +96,14 @@ std::vector<ErrorCell> error_map(const data::TransitionTable& table, const std::
     ErrorCell& cell = cells[{row, column}];
     cell.x_m = (static_cast<double>(column) + 0.5) * kCell_m;
     cell.y_m = (static_cast<double>(row) + 0.5) * kCell_m;
-    cell.rms_mm += squared_distance(&predicted[i], &table.next_state[i]);  // a sum, until below
+    cell.rms_mm += std::pow(predicted[i] - table.next_state[i], 2) +
+                   std::pow(predicted[i + 1] - table.next_state[i + 1], 2);  // a sum, until below
     ++cell.n;
   }
   std::vector<ErrorCell> map;
   for (auto& entry : cells) {
     ErrorCell cell = entry.second;
-    cell.rms_mm = kMillimetresPerMetre * std::sqrt(cell.rms_mm / static_cast<double>(cell.n));
+    cell.rms_mm = geometry::kMmPerM * std::sqrt(cell.rms_mm / static_cast<double>(cell.n));
     map.push_back(cell);
   }
   return map;
@@ -205,8 +119,8 @@ std::vector<runs::PredictedMotion> some_predictions(const data::TransitionTable&
     runs::PredictedMotion& motion = some.emplace_back();
     for (std::size_t axis = 0; axis < 2; ++axis) {
       const std::size_t i = static_cast<std::size_t>(row * table.state_size) + axis;
-      motion.moved_mm[axis] = kMillimetresPerMetre * (table.next_state[i] - table.state[i]);
-      motion.predicted_mm[axis] = kMillimetresPerMetre * (predicted[i] - table.state[i]);
+      motion.moved_mm[axis] = geometry::kMmPerM * (table.next_state[i] - table.state[i]);
+      motion.predicted_mm[axis] = geometry::kMmPerM * (predicted[i] - table.state[i]);
     }
   }
   return some;
@@ -249,6 +163,32 @@ DynamicsEvaluation evaluate_dynamics(const Model& model, const data::Dataset& da
   evaluation.error_map = error_map(table, predicted);
   evaluation.predictions = some_predictions(table, predicted);
   return evaluation;
+}
+
+void add_drawn_open_loop(const Model& model, const data::Dataset& dataset, std::int64_t draws,
+                         DynamicsEvaluation& evaluation) {
+  std::vector<inference::FoldedDynamics> members;
+  for (const auto& member : model.members) members.push_back(fold(*member));
+  const data::NearestNeighbours neighbours(training_table(model), kNeighbours);
+  common::RandomStream model_draws(0, "forecasts of the model");
+  common::RandomStream neighbour_draws(0, "forecasts of the neighbours");
+  inference::FoldedDynamics::Workspace workspace;
+  const auto size = static_cast<std::size_t>(data::state_size(model.info.layout));
+  const auto numbers = static_cast<std::size_t>(model.info.action_size);
+  const Predictor by_model = [&](const std::vector<double>& state, const std::vector<double>& action) {
+    std::vector<double> next(state.size());
+    common::RandomStream* const random = &model_draws;
+    for (std::size_t i = 0; i < state.size() / size; ++i) {
+      const inference::FoldedDynamics& member = members[i % static_cast<std::size_t>(draws) % members.size()];
+      member.sample(&state[i * size], &action[i * numbers], 1, &random, &next[i * size], workspace);
+    }
+    return next;
+  };
+  const Predictor by_neighbours = [&](const auto& state, const auto& action) {
+    return neighbours.sample(state, action, neighbour_draws);
+  };
+  evaluation.drawn_open_loop = {draws, open_loop_error(by_model, dataset, draws),
+                                open_loop_error(by_neighbours, dataset, draws)};
 }
 
 data::Dataset test_split(const Model& model, const data::Dataset& dataset) {

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <vector>
 
 #include <ATen/TensorOperators.h>
 #include <ATen/core/grad_mode.h>
+#include <ATen/ops/cat.h>
 #include <ATen/ops/empty.h>
 #include <ATen/ops/huber_loss.h>
 #include <ATen/ops/mse_loss.h>
@@ -16,6 +18,7 @@
 #include "lodestone/dynamics/mixture.h"
 #include "lodestone/geometry/angle.h"
 #include "lodestone/nets/optimiser.h"
+#include "symmetry.h"
 
 namespace lodestone::dynamics {
 namespace {
@@ -34,19 +37,26 @@ Member::Member(std::shared_ptr<Network> network, const RowTensors& train, const 
   network_->tensors().flatten();
   first_moment_ = at::zeros_like(network_->tensors().values());
   second_moment_ = at::zeros_like(network_->tensors().values());
-  input_ = network_->normalised_input(train.state, train.action);
-  target_ = network_->normalised_target(train.state, train.next_state);
+  rows_ = train.size();
+  std::vector<at::Tensor> inputs, targets;
+  for (int way = 0; way < ways_of(config.symmetry); ++way) {
+    const at::Tensor state = seen(train.state, way);
+    inputs.push_back(network_->normalised_input(state, seen(train.action, way)));
+    targets.push_back(network_->normalised_target(state, seen(train.next_state, way)));
+  }
+  input_ = at::cat(inputs);
+  target_ = at::cat(targets);
   validation_input_ = network_->normalised_input(validation.state, validation.action);
   validation_target_ = network_->normalised_target(validation.state, validation.next_state);
   // Only whole batches: a last batch of a row or two would upset batch normalisation. Each epoch drops other
   // rows.
-  config_.batch_size = std::min(config_.batch_size, input_.size(0));
-  steps_per_epoch_ = input_.size(0) / config_.batch_size;
+  config_.batch_size = std::min(config_.batch_size, rows_);
+  steps_per_epoch_ = rows_ / config_.batch_size;
 }
 
 at::Tensor Member::epoch_order(std::int64_t epoch) const {
-  const auto count = static_cast<std::size_t>(input_.size(0));
-  at::Tensor order = at::empty({input_.size(0)}, at::kLong);
+  const auto count = static_cast<std::size_t>(rows_);
+  at::Tensor order = at::empty({rows_}, at::kLong);
   std::int64_t* rows = order.data_ptr<std::int64_t>();
   std::iota(rows, rows + count, 0);
   if (config_.bootstrap) {
@@ -55,6 +65,11 @@ at::Tensor Member::epoch_order(std::int64_t epoch) const {
   }
   common::RandomStream shuffle(seed_, "order", static_cast<std::uint64_t>(epoch));
   for (std::size_t i = count - 1; i > 0; --i) std::swap(rows[i], rows[shuffle.below(i + 1)]);
+  const auto ways = static_cast<std::uint64_t>(ways_of(config_.symmetry));
+  if (ways > 1) {
+    common::RandomStream way(seed_, "ways", static_cast<std::uint64_t>(epoch));
+    for (std::size_t i = 0; i < count; ++i) rows[i] += rows_ * static_cast<std::int64_t>(way.below(ways));
+  }
   return order;
 }
 

@@ -55,7 +55,9 @@ class Member {
   std::shared_ptr<Network> network_;
   TrainingConfig config_;
   std::uint64_t seed_;
-  at::Tensor input_, target_, validation_input_, validation_target_;
+  std::int64_t rows_;
+  at::Tensor input_, target_;  ///< every row in each way to see it, way by way
+  at::Tensor validation_input_, validation_target_;
   at::Tensor first_moment_, second_moment_;
   nets::NamedTensors best_;  ///< copy of the network's at the best validation loss
   std::int64_t steps_ = 0;

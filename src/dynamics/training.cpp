@@ -96,6 +96,9 @@ class Training : public runs::ResumableWork {
           " to train, " + std::to_string(validation.size()) +
           " to validate; collect more or change the fractions");
     }
+    if (training.symmetry != Symmetry::kNone && dataset.info.action_size != 2)
+      throw common::ConfigError("training.symmetry: drives of " + std::to_string(dataset.info.action_size) +
+                                " numbers do not turn with the dish as drives along x and y; say none");
     const WarmStartConfig& start = config.warm_start;
     if (start.from.empty()) {
       model_.members = make_members(config.model, dataset.info.rows(), seed);

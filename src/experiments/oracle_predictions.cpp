@@ -10,6 +10,7 @@
 #include "lodestone/common/random.h"
 #include "lodestone/experiments/oracle.h"
 #include "lodestone/geometry/angle.h"
+#include "lodestone/geometry/mean_pose.h"
 #include "lodestone/physics/coil_drive.h"
 #include "lodestone/rig/virtual_rig.h"
 
@@ -58,17 +59,6 @@ geometry::Pose2 pose_at(const data::Episode& episode, std::int64_t row) {
   return {state[0], state[1], state[2]};
 }
 
-/// The mean of poses, of headings the direction of their sum.
-geometry::Pose2 mean_of(const std::vector<geometry::Pose2>& poses) {
-  geometry::Vector2 sum_m = geometry::Vector2::Zero(), along = geometry::Vector2::Zero();
-  for (const geometry::Pose2& pose : poses) {
-    sum_m += pose.position_m();
-    along += geometry::Vector2(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
-  }
-  sum_m /= static_cast<double>(poses.size());
-  return {sum_m.x(), sum_m.y(), std::atan2(along.y(), along.x())};
-}
-
 class Twin {
  public:
   Twin(const CollectionConfig& recorded, std::shared_ptr<const physics::CoilFields> fields,
@@ -89,7 +79,7 @@ class Twin {
       for (std::size_t k = 0; k < ends_.size(); ++k)
         poses[k] = ends_[k][static_cast<std::size_t>(kSteps[i] - 1)];
       const geometry::Pose2 seen = pose_at(*chain.episode, chain.first + kSteps[i]);
-      const geometry::Pose2 mean = mean_of(poses);
+      const geometry::Pose2 mean = geometry::mean_pose(poses);
       found.open_loop[i].add(mean, seen);
       if (kSteps[i] == 1 && !action(chain, 0).isZero(0.0)) found.one_step.add(mean, seen);
     }

@@ -55,9 +55,12 @@ with tempfile.TemporaryDirectory() as name:
     for key in ("position_rms_mm", "heading_rms_deg", "normalised_l2", "k_step", "k_step_heading_deg", "baselines", "n"):
         assert key in evaluation, key
     assert evaluation["n"] > 500 and evaluation["position_rms_mm"] > 0.0
-    assert evaluation["baselines"].get("oracle") is None
-    ask = ("evaluate", "dynamics", "--checkpoint", dynamics / "checkpoint", "--split", "test", "--oracle", "2", "--data")
-    baselines = json.loads(run(*ask, collect / "transitions.h5").stdout)["baselines"]
+    assert evaluation["baselines"].get("oracle") is None and evaluation.get("drawn_open_loop") is None
+    ask = ("evaluate", "dynamics", "--checkpoint", dynamics / "checkpoint", "--split", "test", "--oracle", "2", "--draws", "3", "--data")
+    asked = json.loads(run(*ask, collect / "transitions.h5").stdout)
+    drawn = asked["drawn_open_loop"]
+    assert drawn["draws"] == 3 and 0.0 < drawn["model"]["k_step"]["10"] and 0.0 < drawn["knn10"]["k_step_heading_deg"]["10"], drawn
+    baselines = asked["baselines"]
     assert 0.0 < baselines["oracle"]["position_rms_mm"] < 0.5 * baselines["knn10"]["position_rms_mm"], baselines
     assert baselines["oracle_open_loop"]["k_step_heading_deg"]["1"] > 0.0, baselines
     shutil.copy(collect / "transitions.h5", root / "elsewhere.h5")

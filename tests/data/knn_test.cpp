@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 
 #include "lodestone/common/error.h"
 #include "lodestone/geometry/angle.h"
@@ -79,6 +80,27 @@ TEST_CASE("heading changes are averaged the short way round and stay wrapped") {
   const std::vector<double> next = data::NearestNeighbours(table, 10).predict({0.0, 0.0, 3.13}, {1.0, 0.0});
   const double turn = (2.0 * geometry::kPi - 6.2) / 2.0;
   CHECK(next[2] == Approx(3.13 + turn - 2.0 * geometry::kPi));
+}
+
+TEST_CASE("a draw follows one of the neighbours, each as likely") {
+  data::TransitionTable table;
+  table.state_size = 2;
+  for (int row = 0; row < 5; ++row) {  // the last is far off
+    table.state.insert(table.state.end(), {row < 4 ? 1e-6 * row : 0.03, 0.0});
+    table.action.insert(table.action.end(), {1.0, 0.0});
+    table.next_state.insert(table.next_state.end(), {table.state[2 * row] + 1e-3 * row, 2e-3});
+    table.episode.push_back(row);
+  }
+  const data::NearestNeighbours model(table, 4);
+  common::RandomStream random(1, "draws");
+  std::map<int, int> counts;
+  for (int i = 0; i < 4000; ++i) {
+    const std::vector<double> next = model.sample({0.0, 0.0}, {1.0, 0.0}, random);
+    CHECK(next[1] == Approx(2e-3));
+    ++counts[static_cast<int>(std::lround(1e3 * next[0]))];
+  }
+  REQUIRE(counts.size() == 4);
+  for (const auto& [change_mm, count] : counts) CHECK(count == Approx(1000).margin(120));  // 4 sigma
 }
 
 TEST_CASE("no data, no neighbours, and rows that do not fit are refused") {

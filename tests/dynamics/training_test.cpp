@@ -118,6 +118,7 @@ TEST_CASE("a stopped training goes on bitwise", "[unit]") {
     const ::lodestone::tests::TemporaryFolder temporary;
     TrainDynamicsConfig config = small_config(form);
     config.model.members = 2;
+    if (form == DynamicsForm::kDelta) config.training.symmetry = Symmetry::kSquare;
     const TrainingResult whole = train(dataset, config);
     TrainDynamicsConfig stopped = config;
     stopped.training.max_seconds = 1e-9;  // after one epoch
@@ -151,6 +152,41 @@ TEST_CASE("resuming with other settings or other data is refused", "[unit]") {
   CHECK_THROWS_WITH(
       train(known_dataset(data::StateLayout::kPosition, 40, 10, 2), config, temporary / "run", true),
       Contains("other transitions"));
+}
+
+TEST_CASE("of a rig that looks the same from eight sides, one side tells of all", "[unit]") {
+  const data::Dataset all = known_dataset(data::StateLayout::kPose, 150, 20, 1);
+  data::Dataset one_sided = all;  // pulses between 0 and 45 degrees alone
+  one_sided.episodes.clear();
+  const data::TransitionTable table = data::flatten(all);
+  for (std::size_t row = 0; row < static_cast<std::size_t>(table.size()); ++row) {
+    const double* drive = &table.action[2 * row];
+    if (drive[1] < 0.0 || drive[1] > drive[0]) continue;
+    data::Episode& episode = one_sided.episodes.emplace_back();
+    episode.observations.assign(&table.state[3 * row], &table.state[3 * row] + 3);
+    episode.observations.insert(episode.observations.end(), &table.next_state[3 * row],
+                                &table.next_state[3 * row] + 3);
+    episode.actions.assign(drive, drive + 2);
+    episode.terminations = episode.zero_current = {0};
+    episode.truncations = {1};
+  }
+  TrainDynamicsConfig config = small_config(DynamicsForm::kDelta);
+  config.training.epochs = 60;
+  const auto error_mm = [&](Symmetry symmetry) {
+    config.training.symmetry = symmetry;
+    return evaluate_dynamics(train(one_sided, config).model, all).one_step.position_rms_mm;
+  };
+  const double without_mm = error_mm(Symmetry::kNone);
+  CHECK(error_mm(Symmetry::kSquare) < 0.5 * without_mm);
+}
+
+TEST_CASE("drives that are no vectors are not turned", "[unit]") {
+  data::Dataset dataset = known_dataset(data::StateLayout::kPose, 40, 20, 1);
+  dataset.info.action_size = 1;
+  for (data::Episode& episode : dataset.episodes) episode.actions.resize(episode.actions.size() / 2);
+  TrainDynamicsConfig config = small_config(DynamicsForm::kDelta);
+  config.training.symmetry = Symmetry::kSquare;
+  CHECK_THROWS_WITH(train(dataset, config), Contains("training.symmetry") && Contains("say none"));
 }
 
 TEST_CASE("NaN in the data is an error that says where", "[unit]") {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "lodestone/common/random.h"
 #include "lodestone/data/dataset.h"
 
 namespace lodestone::data {
@@ -23,11 +24,19 @@ class NearestNeighbours {
   /// state [N, S], action [N, A] -> next state [N, S]. Throws DataError when the sizes disagree.
   std::vector<double> predict(const std::vector<double>& state, const std::vector<double>& action) const;
 
+  /// The same with the change of one of the neighbours, each as likely, instead of their mean.
+  std::vector<double> sample(const std::vector<double>& state, const std::vector<double>& action,
+                             common::RandomStream& random) const;
+
   /// Rows of the table nearest to one query, nearest first.
   std::vector<std::int64_t> nearest(const double* state, const double* action) const;
 
  private:
   struct Index;
+  /// States with `change_of`(rows of the neighbours) added.
+  template <class ChangeOf>
+  std::vector<double> next(const std::vector<double>& state, const std::vector<double>& action,
+                           const ChangeOf& change_of) const;
   std::unique_ptr<Index> index_;
 };
 

@@ -17,6 +17,12 @@ using runs::StateError;
 /// the dataset has another state layout or no row.
 DynamicsEvaluation evaluate_dynamics(const Model& model, const data::Dataset& dataset);
 
+/// Adds errors open loop of means of `draws` runs from every row, each of which draws what it meets: of the
+/// model, whose k-th run is of member k modulo their number, and of the ten neighbours. What may go either
+/// way is best foretold so; the mean that evaluate_dynamics() runs on is a state in which no needle ever is.
+void add_drawn_open_loop(const Model& model, const data::Dataset& dataset, std::int64_t draws,
+                         DynamicsEvaluation& evaluation);
+
 /// The episodes that were set aside when the model was trained on this data.
 data::Dataset test_split(const Model& model, const data::Dataset& dataset);
 

@@ -106,6 +106,21 @@ struct OpenLoopError {
   }
 };
 
+/// The same of forecasts that are each the mean of many runs, every one of which draws what it meets, as
+/// experiments::add_oracle's are.
+struct DrawnOpenLoop {
+  std::int64_t draws = 0;
+  OpenLoopError model;               ///< a run is of one member, and draws from its distributions
+  OpenLoopError nearest_neighbours;  ///< a run moves as any one of the ten did
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("draws", draws);
+    v.field("model", model);
+    v.field("knn10", nearest_neighbours);
+  }
+};
+
 /// What a learned simulator is held against. What they are off by open loop is absent in older runs.
 struct DynamicsBaselines {
   StateError no_motion;           ///< the next state is the state
@@ -230,6 +245,7 @@ struct DynamicsEvaluation : DynamicsFacts {
   std::optional<std::vector<PredictedMotion>> predictions;  ///< of some rows, evenly taken
   std::optional<std::string> split;                         ///< of the data: "test" or "all"
   std::optional<std::int64_t> transitions;                  ///< recorded, all splits together
+  std::optional<DrawnOpenLoop> drawn_open_loop = {};        ///< where that was asked for
   std::optional<TrainingFacts> training;
 
   template <class Visitor>
@@ -240,6 +256,7 @@ struct DynamicsEvaluation : DynamicsFacts {
     v.field("predictions", predictions);
     v.field("split", split);
     v.field("transitions", transitions);
+    v.field("drawn_open_loop", drawn_open_loop);
     v.part("validation_loss", training);
   }
 };

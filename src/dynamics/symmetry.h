@@ -1,0 +1,17 @@
+#pragma once
+
+#include <ATen/core/Tensor.h>
+
+#include "lodestone/dynamics/training.h"
+
+namespace lodestone::dynamics {
+
+/// Ways to see a recording that belong to it, the recording as it is among them: 1, or 8.
+int ways_of(Symmetry symmetry);
+
+/// Rows as they look in one of the 8 ways of a square: [N, 2] vectors (positions, or drives along x and y),
+/// or [N, 3] poses with the heading wrapped to (-pi, pi]. Way 0 leaves them; the four from 4 on are mirrored
+/// at the x axis before they are turned by way % 4 quarters.
+at::Tensor seen(const at::Tensor& rows, int way);
+
+}  // namespace lodestone::dynamics
