@@ -19,13 +19,8 @@ constexpr double kFrequencyStep_Hz = 0.0125;
 constexpr double kSteadyShare = 0.5;
 /// Elsewhere a needle is carried otherwise: by so much more after a second.
 constexpr double kChange_m = 1e-4;
-/// Pulses let a needle slide, and so be carried, longer or shorter by this share.
-constexpr double kUneven = 0.2;
-/// A needle whose ends slide so far in a pulse is carried half as far as without friction: of the paper's
-/// needle, kinetic friction x pulse / drag coefficient across.
-constexpr double kHeld_m = 3.8e-3;
-/// From its middle to its ends.
-constexpr double kHalfLength_m = 10.5e-3;
+/// How long a pulse lets a needle slide, and so be carried, differs by this share.
+constexpr double kUneven = 0.4;
 /// Poses are seen as well as this.
 constexpr double kSeen_m = 1e-4;
 /// No explanation is given up for good,
@@ -35,16 +30,15 @@ constexpr double kMostEvidence = 8.0;
 /// Predictions that hardly ever move a needle say nothing of one that moved.
 constexpr double kLeastMoving = 0.05;
 
-/// What of a flow carries a needle on its way from one pose to another: all of it across, half of it along,
-/// and the less, the less it slides.
-Eigen::Matrix2d carries(const geometry::Pose2& from, const geometry::Pose2& to) {
+/// What of a flow carries a needle that lies so: all of it across, half of it along.
+Eigen::Matrix2d carries(double heading_rad) {
   constexpr double kAlong = 0.5;
-  const double turn_rad = geometry::wrap_angle(to.heading_rad - from.heading_rad);
-  const double heading_rad = from.heading_rad + 0.5 * turn_rad;
   const geometry::Vector2 along(std::cos(heading_rad), std::sin(heading_rad));
-  const double slid_m = std::hypot((to.position_m() - from.position_m()).norm(), kHalfLength_m * turn_rad);
-  const double freed = slid_m / (slid_m + kHeld_m);
-  return freed * (Eigen::Matrix2d::Identity() - (1.0 - kAlong) * along * along.transpose());
+  return Eigen::Matrix2d::Identity() - (1.0 - kAlong) * along * along.transpose();
+}
+
+double heading_between_rad(const geometry::Pose2& from, const geometry::Pose2& to) {
+  return from.heading_rad + 0.5 * geometry::wrap_angle(to.heading_rad - from.heading_rad);
 }
 
 /// Where a needle is predicted to come to, should it move: the mean, and the variance of each coordinate.
@@ -95,7 +89,7 @@ double log_density(const geometry::Vector2& off_m, const Eigen::Matrix2d& varian
 
 geometry::Vector2 carried_m(const geometry::Vector2& across_m, const geometry::Pose2& from,
                             const geometry::Pose2& to) {
-  return carries(from, to) * across_m;
+  return carries(heading_between_rad(from, to)) * across_m;
 }
 
 DriftFilter::DriftFilter(const IdentificationConfig& config) : config_(config) { reset(); }
@@ -126,7 +120,7 @@ void DriftFilter::learn(const SeenPulse& pulse, const std::vector<physics::Pulse
   const geometry::Vector2 left_m = pulse.after.position_m() - moving->mean_m;
   const double changes_m2 = kChange_m * kChange_m * std::max(0.0, pulse.began_s - learned_s_);
   learned_s_ = pulse.began_s;
-  const Eigen::Matrix2d carried = carries(pulse.before, pulse.after);
+  const Eigen::Matrix2d carried = carries(heading_between_rad(pulse.before, pulse.after));
   const Eigen::Matrix2d one = Eigen::Matrix2d::Identity();
   const double at_rest = log_density(left_m, noise_m2 * one);
   double most = at_rest;

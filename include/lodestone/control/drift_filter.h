@@ -12,11 +12,8 @@
 namespace lodestone::control {
 
 /// How far a needle goes with a flow on a pulse from one pose to another, which would carry it by `across_m`
-/// if it lay across the flow and nothing held it: half as far along itself, as half the drag does
-/// (resistive-force theory: Gray and Hancock, J. Exp. Biol. 32, 1955), and the less, the less it slides. Dry
-/// friction holds each piece back against its own way: against a slow drift v across a faster one, v_slide,
-/// by friction x v / v_slide, as if it were drag. Most slide by turning, a rod with rate w as if its
-/// v_slide were w x half its length.
+/// if it lay across the flow: half as far along itself, as half the drag does (resistive-force theory: Gray
+/// and Hancock, J. Exp. Biol. 32, 1955).
 geometry::Vector2 carried_m(const geometry::Vector2& across_m, const geometry::Pose2& from,
                             const geometry::Pose2& to);
 
@@ -39,7 +36,7 @@ class DriftFilter {
              double log_gain_sigma = 0.0);
   /// How likely it is that anything carries the needle.
   double flow_probability() const { return 1.0 - rest_weight_; }
-  /// What a needle that lies across it, held by nothing, is carried by (m) in each of so many pulses:
+  /// What a needle that lies across it is carried by (m) in each of so many pulses, should they move it:
   /// empty while rest is likelier.
   std::vector<geometry::Vector2> drifts_m(double begin_s, double period_s, std::size_t pulses) const;
   /// What of a pulse's motion is put down to that, by what was known before.

@@ -12,7 +12,7 @@ struct IdentificationConfig {
   double noise_rad = 0.05;
   double outlier_share = 0.1;
   double place_sigma = 0.1;
-  double drift_m = 1.5e-3;
+  double drift_m = 1e-3;
   double drift_share = 0.2;
 
   template <class Visitor>
@@ -33,11 +33,12 @@ struct IdentificationConfig {
             "known of "
             "it is unsure by so much more whenever the needle has moved",
             {0.0, 1.0});
-    v.field("drift_m", drift_m, "m",
-            "how far a flow may carry the needle in a pulse, did friction not hold it: standard deviation of "
-            "what "
-            "is looked for; 0: no flow is looked for",
-            {0.0, 0.1});
+    v.field(
+        "drift_m", drift_m, "m",
+        "how far a flow may carry the needle in a pulse that moves it: standard deviation of what is looked "
+        "for; "
+        "0: no flow is looked for",
+        {0.0, 0.1});
     v.field("drift_share", drift_share, "", "how likely a flow is before any pulse was seen", {1e-6, 0.5});
   }
 };
