@@ -133,7 +133,7 @@ void add_dynamics(Verb& evaluate) {
   verb.add_option("--draws", &options->draws,
                   "also open loop in the mean of so many runs, each of which draws what it meets, of the "
                   "simulator and of the nearest neighbours; 0: not")
-      .within(0, 10000)
+      .within(0, 256)
       .with_default();
   verb.add_option("--oracle", &options->oracle,
                   "also what the virtual rig that was recorded would have foretold itself, as the mean of so "

@@ -6,7 +6,8 @@
 
 namespace lodestone::dynamics {
 
-/// Ways to see a recording that belong to it, the recording as it is among them: 1, or 8.
+/// Ways to see a recording that belong to it (data augmentation by the dihedral group of the square), the
+/// recording as it is among them: 1, or 8.
 int ways_of(Symmetry symmetry);
 
 /// Rows as they look in one of the 8 ways of a square: [N, 2] vectors (positions, or drives along x and y),

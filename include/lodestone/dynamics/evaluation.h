@@ -17,9 +17,10 @@ using runs::StateError;
 /// the dataset has another state layout or no row.
 DynamicsEvaluation evaluate_dynamics(const Model& model, const data::Dataset& dataset);
 
-/// Adds errors open loop of means of `draws` runs from every row, each of which draws what it meets: of the
-/// model, whose k-th run is of member k modulo their number, and of the ten neighbours. What may go either
-/// way is best foretold so; the mean that evaluate_dynamics() runs on is a state in which no needle ever is.
+/// Adds errors open loop of means of `draws` runs from every row, each of which draws what it meets
+/// (trajectory sampling: Chua et al., NeurIPS 2018): of the model, whose k-th run is of member k modulo their
+/// number, and of the ten neighbours. What may go either way is best foretold so; the mean that
+/// evaluate_dynamics() runs on is a state in which no needle ever is. Keeps all runs in memory.
 void add_drawn_open_loop(const Model& model, const data::Dataset& dataset, std::int64_t draws,
                          DynamicsEvaluation& evaluation);
 
