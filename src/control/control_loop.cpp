@@ -14,8 +14,6 @@ namespace lodestone::control {
 
 namespace {
 
-constexpr int kStepsAhead = 20;  // of a target that moves, which every controller is told
-
 bool finite(const geometry::Pose2& pose) {
   return std::isfinite(pose.x_m) && std::isfinite(pose.y_m) && std::isfinite(pose.heading_rad);
 }

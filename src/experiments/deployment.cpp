@@ -93,6 +93,12 @@ std::function<std::shared_ptr<control::RigIdentifier>()> identified_by(const Dep
   return [carried = make()] { return carried; };
 }
 
+/// What a controller can rehearse in, where there is a simulator that knows headings.
+std::shared_ptr<const SimulatorSource> rehearses_in(const SimulatorSource* source) {
+  if (source == nullptr || source->simulator->state_size != 3) return nullptr;
+  return std::make_shared<const SimulatorSource>(*source);
+}
+
 std::shared_ptr<control::RigIdentifier> identifier_of(const ControllerSource& source) {
   return source.identify ? source.identify() : nullptr;
 }
@@ -272,6 +278,7 @@ ControllerSource policy_source(const DeploymentConfig& config, const inference::
   source.name = "policy";
   source.action = in_ampere(config, policy.action, what);
   source.identify = identified_by(config, simulator);
+  source.rehearses_in = rehearses_in(simulator);
   if (policy.encoder.drive_gain && !source.identify)
     common::log_warning(
         what +
@@ -292,6 +299,7 @@ ControllerSource planner_source(const DeploymentConfig& config, const SimulatorS
   source.name = "planner";
   source.action = simulator.action;
   source.identify = identified_by(config, &simulator);
+  source.rehearses_in = rehearses_in(&simulator);
   DeploymentConfig around = config;
   around.decorators.lead_s = 0.0;  // it plans for where its target will be
   source.make = [shared = simulator.simulator, cost_to_go = simulator.cost_to_go, config = around,
@@ -313,6 +321,7 @@ ControllerSource baseline_source(const DeploymentConfig& config, const Simulator
   source.action.scale = config.rig.coils.max_current_A;
   source.action.size = config.rig.drive_size();
   source.identify = identified_by(config, simulator);
+  source.rehearses_in = rehearses_in(simulator);
   source.make = [config](std::uint64_t) {
     return decorated(std::make_unique<control::GainCorrection>(
                          std::make_unique<control::DipolePullController>(config.rig, config.baseline)),

@@ -79,12 +79,20 @@ void DeploymentRun::step(common::MetricsLog& /*metrics*/) {
 
 std::vector<TrialResult> DeploymentRun::drive(const Part& part, const ControllerSource& source) {
   const RigKind rig = job_.rigs[part.rig];
-  const std::vector<TrialPlan> plans = next_plans(part);
+  std::vector<TrialPlan> plans = next_plans(part);
+  for (TrialPlan& plan : plans) plan.aims = aims_for(part.source, plan.stitches);
   live_rows_ = 0;
   return driver_.drive(plans, rig, source, [&](const TrialSample& sample) {
     recorder_->write(plans.front(), to_string(rig), source.name, sample);
     ++live_rows_;
   });
+}
+
+const std::vector<geometry::Stitch>& DeploymentRun::aims_for(std::size_t source,
+                                                             const std::vector<geometry::Stitch>& stitches) {
+  const auto [aims, added] = aims_.try_emplace(source);
+  if (added && !stitches.empty()) aims->second = aims_of(config_, job_.sources[source], stitches);
+  return aims->second;
 }
 
 std::vector<TrialPlan> DeploymentRun::next_plans(const Part& part) const {

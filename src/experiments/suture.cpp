@@ -9,6 +9,9 @@
 #include <utility>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/log.h"
+#include "lodestone/control/learned_foresight.h"
+#include "lodestone/control/rehearsal.h"
 #include "lodestone/experiments/deployment.h"
 #include "lodestone/experiments/heading_need.h"
 #include "lodestone/experiments/routing.h"
@@ -106,11 +109,12 @@ control::SutureReferenceConfig suture_reference(const DeploymentConfig& config) 
   return reference;
 }
 
-void check_stitches(const DeploymentConfig& config) {
-  refuse_heading(config.rig, "suture");
+namespace {
+
+/// Throws ConfigError, naming the stitch.
+void check_ways(const DeploymentConfig& config, const std::vector<Stitch>& stitches) {
   const SutureConfig& suture = config.trials.suture;
   const geometry::KeepOut keep_out = config.safety.keeps_out(config.rig);
-  const std::vector<Stitch> stitches = stitches_of(suture);
   std::optional<Vector2> left_m;  // the stitch before, behind it
   for (std::size_t i = 0; i < stitches.size(); ++i) {
     const std::string name = name_of_stitch(suture, i);
@@ -124,6 +128,52 @@ void check_stitches(const DeploymentConfig& config) {
       check_keeps_out(keep_out, points_m[point - 1], points_m[point], name);
     left_m = points_m.back();
   }
+}
+
+/// How far beside its ends each stitch is aimed at, for people.
+std::string shown_aims(const std::vector<Stitch>& stitches, const std::vector<Stitch>& aims) {
+  std::string text;
+  for (std::size_t i = 0; i < stitches.size(); ++i) {
+    const auto beside_mm = [](const Pose2& end, const Pose2& aim) {
+      const Vector2 left(-std::sin(end.heading_rad), std::cos(end.heading_rad));
+      return geometry::kMmPerM * left.dot(aim.position_m() - end.position_m());
+    };
+    text +=
+        fmt::format("{}{:+.2f} and {:+.2f}", i == 0 ? "" : "; ", beside_mm(stitches[i].entry, aims[i].entry),
+                    beside_mm(stitches[i].exit, aims[i].exit));
+  }
+  return text;
+}
+
+}  // namespace
+
+void check_stitches(const DeploymentConfig& config) {
+  refuse_heading(config.rig, "suture");
+  check_ways(config, stitches_of(config.trials.suture));
+}
+
+std::vector<Stitch> aims_of(const DeploymentConfig& config, const ControllerSource& source,
+                            const std::vector<Stitch>& stitches) {
+  if (!source.rehearses_in || !source.make || config.suture.rehearsals == 0) return stitches;
+  const auto seed = common::derive_seed(static_cast<std::uint64_t>(config.seed), "rehearsal");
+  std::vector<Stitch> aims;
+  try {
+    check_ways(config, stitches);
+    const std::unique_ptr<control::Controller> controller = source.make(seed);
+    control::LearnedForesight foresight(source.rehearses_in->simulator);
+    aims = control::rehearsed(
+        stitches, suture_reference(config),
+        {*controller, source.action, foresight, source.rehearses_in->drive_per_A(), config.loop.period_s()},
+        seed);
+    check_ways(config, aims);
+  } catch (const common::ConfigError& error) {
+    common::log_warning(fmt::format("pushes are not made up for, as there is no room: {}", error.what()));
+    return stitches;
+  }
+  common::log_info(fmt::format(
+      "{} rehearsals of each push in the learned simulator: aimed at {} mm to the left of entries and exits",
+      config.suture.rehearsals, shown_aims(stitches, aims)));
+  return aims;
 }
 
 }  // namespace lodestone::experiments

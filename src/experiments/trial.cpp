@@ -33,7 +33,7 @@ class Lead {
  public:
   explicit Lead(const TrialPlan& plan) : point_(plan.target_m, plan.duration_s, plan.target_heading_rad) {
     if (plan.path) path_.emplace(*plan.path, plan.reference);
-    if (!plan.stitches.empty()) suture_.emplace(plan.stitches, plan.suture);
+    if (!plan.stitches.empty()) suture_.emplace(plan.aims.empty() ? plan.stitches : plan.aims, plan.suture);
     if (plan.routes && !plan.moves())
       routed_.emplace(std::make_shared<control::PointReference>(point_), plan.routes, plan.keep_out,
                       plan.waypoint_radius_m);

@@ -47,11 +47,11 @@ TEST_CASE("a needle is waited for before its stitch until it has come there and 
   CHECK(is_at(reference.target(0.3, needle), kBefore.position_m()));
   CHECK(reference.approaching());
   needle = kBefore;
-  needle.x_m += 0.0009;  // along it, but not there
+  needle.x_m += 0.0006;  // along it, but not there
   reference.target(0.6, needle);
   CHECK(reference.approaching());
   needle.x_m -= 0.0002;
-  needle.heading_rad += 2.0 * kPi - 5.0 * geometry::kRadPerDeg;
+  needle.heading_rad += 2.0 * kPi - 4.0 * geometry::kRadPerDeg;
   CHECK(is_at(reference.target(0.9, needle), kBefore.position_m()));
   CHECK_FALSE(reference.approaching());
 }

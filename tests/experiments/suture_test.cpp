@@ -1,7 +1,11 @@
 #include "lodestone/experiments/suture.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <memory>
 
+#include "env/linear_model.h"
 #include "lodestone/common/config.h"
 #include "lodestone/common/error.h"
 #include "lodestone/experiments/deployment.h"
@@ -22,6 +26,34 @@ DeploymentConfig one_stitch(const experiments::StitchConfig& stitch) {
 
 experiments::SutureConfig read_suture(const char* text) {
   return common::config_from_json<experiments::SutureConfig>(common::Json::parse(text), "suture.json");
+}
+
+/// Pushes 1 mm along the heading that is wanted while the target is ahead, and a tenth of that to the left.
+class Oblique final : public control::Controller {
+ public:
+  void reset() override {}
+  geometry::Drive act(const task::Observation& observation) override {
+    const double heading_rad = observation.target_heading_rad.value();
+    const geometry::Vector2 ahead(std::cos(heading_rad), std::sin(heading_rad));
+    const geometry::Vector2 off_m = observation.target_after_m(1) - observation.pose.position_m();
+    if (off_m.dot(ahead) <= 0.0) return observation.rest();
+    return geometry::Vector2(0.1 * (ahead + 0.1 * geometry::Vector2(-ahead.y(), ahead.x())));
+  }
+  std::unique_ptr<Controller> clone() const override { return std::make_unique<Oblique>(*this); }
+};
+
+/// What drives so, and rehearses where 1 A moves a needle by 1 mm.
+experiments::ControllerSource oblique() {
+  experiments::SimulatorSource simulator;
+  simulator.simulator = std::make_shared<const control::LearnedSimulator>(
+      env::tests::linear_model(data::StateLayout::kPose, {1e-3}, {0.0}));
+  simulator.action = simulator.simulator->action;
+  experiments::ControllerSource source;
+  source.name = "oblique";
+  source.action = simulator.action;
+  source.make = [](std::uint64_t) { return std::make_unique<Oblique>(); };
+  source.rehearses_in = std::make_shared<const experiments::SimulatorSource>(simulator);
+  return source;
 }
 
 }  // namespace
@@ -115,4 +147,42 @@ TEST_CASE("stitches, and the ways between them, keep clear of zones") {
   CHECK_NOTHROW(experiments::check_stitches(config));
   config.safety.keep_out = {{"vessel", {0.0, 0.006}, 0.0005}};  // on the way from the first to the second
   CHECK_THROWS_WITH(experiments::check_stitches(config), Catch::Contains("stitch 2 would have"));
+}
+
+TEST_CASE("a controller that drifts aside in its rehearsals aims beside the ends") {
+  DeploymentConfig config;
+  const auto stitches = stitches_of(config.trials.suture);
+  const auto aims = experiments::aims_of(config, oblique(), stitches);
+  REQUIRE(aims.size() == stitches.size());
+  for (std::size_t i = 0; i < aims.size(); ++i) {  // 0.6 mm to the left on 6: up is to the left of down
+    const double left = i % 2 == 0 ? -1.0 : 1.0;
+    CHECK(aims[i].entry.x_m - stitches[i].entry.x_m == Approx(-0.0003 * left).margin(1e-6));
+    CHECK(aims[i].exit.x_m - stitches[i].exit.x_m == Approx(0.0003 * left).margin(1e-6));
+  }
+}
+
+TEST_CASE("without a simulator, without rehearsals or without room stitches are aimed at as they are") {
+  const auto stays = [](const DeploymentConfig& config, const experiments::ControllerSource& source) {
+    const auto stitches = stitches_of(config.trials.suture);
+    const auto aims = experiments::aims_of(config, source, stitches);
+    return aims.size() == stitches.size() &&
+           std::equal(aims.begin(), aims.end(), stitches.begin(), [](const auto& a, const auto& b) {
+             return a.entry.x_m == b.entry.x_m && a.exit.x_m == b.exit.x_m;
+           });
+  };
+  DeploymentConfig config;
+  CHECK_FALSE(stays(config, oblique()));
+  experiments::ControllerSource blind = oblique();
+  blind.rehearses_in = nullptr;
+  CHECK(stays(config, blind));
+  config.suture.rehearsals = 0;
+  CHECK(stays(config, oblique()));
+  // A wall to the left leaves 0.1 mm beside the straight way, and not the 0.3 mm of the drift.
+  config = {};
+  config.trials.suture.count = 1;
+  const geometry::KeepOut room = config.safety.keeps_out(config.rig);
+  const double wall_m = -(0.001 + 0.5 * room.needle_diameter_m + room.margin_m + 0.0001);
+  config.safety.keep_out = {{"wall", {wall_m, -0.02, wall_m, 0.02}, 0.001}};
+  CHECK_NOTHROW(experiments::check_stitches(config));
+  CHECK(stays(config, oblique()));
 }

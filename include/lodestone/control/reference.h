@@ -9,6 +9,9 @@
 
 namespace lodestone::control {
 
+/// Of a target that moves, every controller is told so many steps.
+inline constexpr int kStepsAhead = 20;
+
 /// Where the needle should be now: the target handed to the controller at every step.
 class Reference {
  public:

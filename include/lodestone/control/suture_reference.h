@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -15,9 +16,11 @@ struct SutureReferenceConfig {
   double approach_m = 0.0;
   double leave_m = 0.006;
   double speed_m_s = 0.002;
-  double arrive_m = 0.0008;
-  double arrive_deg = 6.0;
-  double arrive_limit_s = 20.0;
+  double arrive_m = 0.0005;
+  double arrive_deg = 5.0;
+  double arrive_limit_s = 60.0;
+  std::int64_t rehearsals = 8;
+  double aside_m = 0.0005;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -38,6 +41,12 @@ struct SutureReferenceConfig {
             {0.1, 180.0});
     v.field("arrive_limit_s", arrive_limit_s, "s", "or after this time for each stitch at the latest",
             {0.0, 3600.0});
+    v.field("rehearsals", rehearsals, "",
+            "so often is each push rehearsed in the learned simulator before the first stitch, and the "
+            "needle led "
+            "to as far beside the entry as it comes out on the other side of the exit; 0: straight at both",
+            {0, 1000});
+    v.field("aside_m", aside_m, "m", "but never further beside either than this", {0.0, 0.1});
   }
 };
 

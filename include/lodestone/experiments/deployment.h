@@ -205,6 +205,8 @@ struct ControllerSource {
       make_for;
   /// What the rig is identified by in the next trial, as it knows it then; empty: it is not.
   std::function<std::shared_ptr<control::RigIdentifier>()> identify;
+  /// In which it can rehearse; null: in none.
+  std::shared_ptr<const SimulatorSource> rehearses_in = nullptr;
 };
 
 /// What the configuration puts around every controller; an action of 1 is `scale_A`.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,6 +45,9 @@ class DeploymentRun : public runs::ResumableWork {
   std::vector<TrialPlan> next_plans(const Part& part) const;
   /// The next trials of a part. Those of a connected rig are recorded while they are driven.
   std::vector<TrialResult> drive(const Part& part, const ControllerSource& source);
+  /// Of a suture by a controller: rehearsed once, as a run has one.
+  const std::vector<geometry::Stitch>& aims_for(std::size_t source,
+                                                const std::vector<geometry::Stitch>& stitches);
   void keep(Part& part, const TrialResult& result);
   Part& part_of(const runs::TrialRecord& record);
   runs::RigSummary summary_of(std::size_t rig) const;
@@ -59,6 +63,7 @@ class DeploymentRun : public runs::ResumableWork {
   std::int64_t rows_ = 0;      ///< of trajectories.csv that belong to trials that have ended
   std::size_t live_rows_ = 0;  ///< of the trial that is being driven, in trajectories.csv already
   std::string note_;
+  std::map<std::size_t, std::vector<geometry::Stitch>> aims_;  ///< of a suture, by source
   std::optional<Recorder> recorder_;
   std::ofstream journal_;
 };

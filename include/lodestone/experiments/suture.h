@@ -9,6 +9,7 @@
 
 namespace lodestone::experiments {
 
+struct ControllerSource;
 struct DeploymentConfig;
 
 /// One stitch, as it is written.
@@ -53,6 +54,12 @@ std::vector<geometry::Stitch> stitches_of(const SutureConfig& config);
 /// How stitches are fed to the controller: what holds a needle near a target (hold, turning in place) has it
 /// lie there, so a needle counts as arrived where it is held.
 control::SutureReferenceConfig suture_reference(const DeploymentConfig& config);
+
+/// Where this controller leads the needle so that it passes through the stitches, as it has rehearsed
+/// (control::rehearsed()); where it cannot, or would come too near to wall or zone there, through them as
+/// they are.
+std::vector<geometry::Stitch> aims_of(const DeploymentConfig& config, const ControllerSource& source,
+                                      const std::vector<geometry::Stitch>& stitches);
 
 /// Throws ConfigError, naming the stitch, where a needle cannot be led through config's stitches: it is a
 /// sphere, would not fit into the dish as it should lie, or come too near a zone; a heading points away from

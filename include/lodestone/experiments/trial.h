@@ -30,8 +30,9 @@ struct TrialPlan {
   double duration_s = 20.0;                                ///< point tasks
   control::PathReferenceConfig reference;                  ///< path tasks
   std::vector<geometry::Stitch> stitches;                  ///< suture
-  control::SutureReferenceConfig suture;                   ///< suture
-  geometry::KeepOut keep_out;                              ///< what the needle must keep out of
+  std::vector<geometry::Stitch> aims;     ///< suture: led through, so that it passes those; empty: those
+  control::SutureReferenceConfig suture;  ///< suture
+  geometry::KeepOut keep_out;             ///< what the needle must keep out of
   std::vector<physics::ObstacleConfig> obstacles;  ///< drawn for it: in its rig, and among those zones
   std::shared_ptr<const task::RouteMap> routes;    ///< by which it is led to a point; null: straight to it
   double waypoint_radius_m = 0.004;                ///< a point of the way is passed within this
