@@ -1,17 +1,56 @@
 #include "symmetry.h"
 
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <vector>
+
 #include <ATen/TensorOperators.h>
 #include <ATen/ops/cat.h>
 
+#include "lodestone/common/config.h"
+#include "lodestone/common/error.h"
 #include "lodestone/dynamics/network.h"
 #include "lodestone/geometry/angle.h"
+#include "lodestone/physics/rig_description.h"
 
 namespace lodestone::dynamics {
 namespace {
 
 constexpr int kQuarters = 4;
 
+bool all_alike(const std::vector<double>& numbers) {
+  return std::adjacent_find(numbers.begin(), numbers.end(), std::not_equal_to<>()) == numbers.end();
+}
+
+/// Empty: a rig that is described so looks the same from four sides; else why it does not.
+std::string why_not_square(const data::DatasetInfo& info) {
+  if (info.action_size != 2)
+    return "drives of " + std::to_string(info.action_size) + " numbers do not turn with the dish";
+  const auto rig = common::config_from_json<physics::RigDescription>(physics::completed_rig(info.rig),
+                                                                     "the recording's rig");
+  if (rig.drive.kind != physics::DriveKind::kOpposedPairs)
+    return "its coils are no opposed pairs along x and y (drive.kind)";
+  if (!all_alike(rig.coils.resistance_20C_ohm) || !all_alike(rig.coils.inductance_H))
+    return "its four coils differ (coils.resistance_20C_ohm, coils.inductance_H)";
+  return "";
+}
+
 }  // namespace
+
+Symmetry symmetry_of(Symmetry asked, const data::DatasetInfo& info) {
+  if (asked == Symmetry::kNone) return asked;
+  const bool known = info.rig.is_object() && !info.rig.empty();
+  if (asked == Symmetry::kDescribed)
+    return known && why_not_square(info).empty() ? Symmetry::kSquare : Symmetry::kNone;
+  // Where nobody has described the rig, it is believed.
+  const std::string why_not = known || info.action_size != 2 ? why_not_square(info) : "";
+  if (!why_not.empty())
+    throw common::ConfigError(
+        "training.symmetry = \"square\": the recorded rig does not look the same from four sides: " +
+        why_not + "; say none, or described");
+  return asked;
+}
 
 int ways_of(Symmetry symmetry) { return symmetry == Symmetry::kSquare ? 2 * kQuarters : 1; }
 

@@ -2,9 +2,14 @@
 
 #include <ATen/core/Tensor.h>
 
+#include "lodestone/data/dataset_info.h"
 #include "lodestone/dynamics/training.h"
 
 namespace lodestone::dynamics {
+
+/// What `asked` means for a recording: none or square. Throws ConfigError where square is asked for, and the
+/// recording's rig is not described so, or its drives are not vectors along x and y.
+Symmetry symmetry_of(Symmetry asked, const data::DatasetInfo& info);
 
 /// Ways to see a recording that belong to it (data augmentation by the dihedral group of the square), the
 /// recording as it is among them: 1, or 8.

@@ -21,6 +21,7 @@
 #include "lodestone/runs/curves.h"
 #include "lodestone/runs/resumable_run.h"
 #include "member.h"
+#include "symmetry.h"
 
 namespace lodestone::dynamics {
 namespace {
@@ -81,7 +82,8 @@ class Training : public runs::ResumableWork {
  public:
   Training(const data::Dataset& dataset, const TrainDynamicsConfig& config)
       : config_(config), pool_(static_cast<std::size_t>(config.threads)) {
-    const TrainingConfig& training = config.training;
+    TrainingConfig training = config.training;
+    training.symmetry = symmetry_of(training.symmetry, dataset.info);
     const auto seed = static_cast<std::uint64_t>(config.seed);
     model_.config = config.model;
     model_.info = dataset.info;
@@ -96,9 +98,6 @@ class Training : public runs::ResumableWork {
           " to train, " + std::to_string(validation.size()) +
           " to validate; collect more or change the fractions");
     }
-    if (training.symmetry != Symmetry::kNone && dataset.info.action_size != 2)
-      throw common::ConfigError("training.symmetry: drives of " + std::to_string(dataset.info.action_size) +
-                                " numbers do not turn with the dish as drives along x and y; say none");
     const WarmStartConfig& start = config.warm_start;
     if (start.from.empty()) {
       model_.members = make_members(config.model, dataset.info.rows(), seed);

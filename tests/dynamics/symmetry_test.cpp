@@ -4,8 +4,10 @@
 
 #include <ATen/ATen.h>
 
+#include "lodestone/common/config.h"
 #include "lodestone/geometry/angle.h"
 #include "lodestone/nets/tensors.h"
+#include "lodestone/physics/rig_description.h"
 
 using namespace lodestone;
 using dynamics::seen;
@@ -52,4 +54,31 @@ TEST_CASE("the eight ways of a square are a group, each once", "[unit]") {
 TEST_CASE("drives turn as positions do", "[unit]") {
   for (int way = 0; way < 8; ++way)
     CHECK(alike(seen(poses().narrow(1, 0, 2), way), seen(poses(), way).narrow(1, 0, 2)));
+}
+
+TEST_CASE("a rig has the symmetry that its description says, and square is refused where it does not",
+          "[unit]") {
+  using dynamics::Symmetry;
+  data::DatasetInfo info;
+  physics::RigDescription rig;
+  const auto of = [&](Symmetry asked) {
+    info.rig = common::config_to_json(rig);
+    info.action_size = rig.drive_size();
+    return dynamics::symmetry_of(asked, info);
+  };
+  CHECK(of(Symmetry::kDescribed) == Symmetry::kSquare);  // the paper's
+  CHECK(of(Symmetry::kSquare) == Symmetry::kSquare);
+  CHECK(of(Symmetry::kNone) == Symmetry::kNone);
+  rig.coils.resistance_20C_ohm[2] = 2.5;
+  CHECK(of(Symmetry::kDescribed) == Symmetry::kNone);
+  CHECK_THROWS_WITH(of(Symmetry::kSquare), Catch::Contains("training.symmetry") && Catch::Contains("differ"));
+  rig = {};
+  rig.drive.kind = physics::DriveKind::kIndependent;  // four numbers, each a coil's
+  CHECK(of(Symmetry::kDescribed) == Symmetry::kNone);
+  CHECK_THROWS_WITH(of(Symmetry::kSquare), Catch::Contains("numbers do not turn"));
+  rig.drive.kind = physics::DriveKind::kField;
+  CHECK_THROWS_WITH(of(Symmetry::kSquare), Catch::Contains("drive.kind"));
+  info.rig = common::Json::object();  // imported: nobody has said what it is
+  CHECK(dynamics::symmetry_of(Symmetry::kDescribed, info) == Symmetry::kNone);
+  CHECK(dynamics::symmetry_of(Symmetry::kSquare, info) == Symmetry::kSquare);
 }

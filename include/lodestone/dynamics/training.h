@@ -19,9 +19,10 @@ enum class Loss { kL2, kHuber };
 inline std::vector<std::string> names_of(Loss) { return {"l2", "huber"}; }
 /// In how many ways a rig looks the same. Square: four coils alike around the dish, so that what happens,
 /// seen a quarter turn on or in a mirror along an axis, is what would happen there. True of the rig as it is
-/// described; no single one is built so well, and none has the same friction everywhere.
-enum class Symmetry { kNone, kSquare };
-inline std::vector<std::string> names_of(Symmetry) { return {"none", "square"}; }
+/// described; no single one is built so well, and none has the same friction everywhere. Described: square
+/// where the description that the recording carries has four coils alike in opposed pairs, none elsewhere.
+enum class Symmetry { kNone, kSquare, kDescribed };
+inline std::vector<std::string> names_of(Symmetry) { return {"none", "square", "described"}; }
 
 /// How the dynamics networks learn. The defaults are the paper's (section IV-B1) where it says, plain
 /// otherwise.
@@ -64,7 +65,8 @@ struct TrainingConfig {
             {0.0, 1e3});
     v.field("symmetry", symmetry, "",
             "of the rig: every epoch sees each row in one of the ways that look the same. square: four coils "
-            "alike around the dish, so rows are turned by quarters and mirrored");
+            "alike around the dish, so rows are turned by quarters and mirrored; described: square where the "
+            "recording's rig.json says so, else none");
     v.field("validation_fraction", validation_fraction, "", "fraction of the episodes to choose weights by",
             {0.01, 0.9});
     v.field("test_fraction", test_fraction, "", "fraction of the episodes set aside for the final figures",
