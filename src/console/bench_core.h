@@ -68,8 +68,6 @@ struct Bench::State {
   double looked_s = -1e9;                                                      // on the wall clock
   std::optional<double> blind_since_s;  // the sensor has failed since, on the wall clock
   std::atomic<double> asked_s{-1e9};    // likewise; stop() asks for another question
-  /// Of the stitches that are configured, by controller, once a run began with them.
-  std::map<std::string, std::vector<geometry::Stitch>> aims;
   std::uint64_t runs = 0;
   std::optional<rig::CoilStatus> reported;      // by the coils, last
   physics::PerCoil last_A{0.0, 0.0, 0.0, 0.0};  // as asked in the last step
@@ -102,10 +100,7 @@ struct Bench::State {
   std::string cause();
 
   // A run (bench_run.cpp).
-  /// Under the mutex. Stitches that were not rehearsed are aimed at as they are.
   std::shared_ptr<control::Reference> reference_of(const Goal& to, bool unattended) const;
-  /// Before a run through stitches: it takes a moment, during which nothing moves.
-  void rehearse(const Goal& to, const experiments::ControllerSource& driver);
   const experiments::ControllerSource& source(const std::string& name) const;
   void follow(const Goal& to);
   /// Under the mutex.

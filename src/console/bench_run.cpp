@@ -19,12 +19,9 @@ constexpr double kForGood_s = 1e9;   // a target is held until somebody ends the
 }  // namespace
 
 std::shared_ptr<control::Reference> Bench::State::reference_of(const Goal& to, bool unattended) const {
-  if (!to.stitches.empty()) {
-    const auto rehearsed = aims.find(shown.controller);
-    return std::make_shared<control::SutureReference>(
-        rehearsed == aims.end() ? to.stitches : rehearsed->second,
-        experiments::suture_reference(parts.config));
-  }
+  if (!to.stitches.empty())
+    return std::make_shared<control::SutureReference>(to.stitches,
+                                                      experiments::suture_reference(parts.config));
   if (to.path) return std::make_shared<control::PathReference>(*to.path, parts.config.reference);
   const auto point = std::make_shared<control::PointReference>(
       to.target_m, unattended ? parts.config.trials.point_seconds : kForGood_s, to.heading_rad);
@@ -40,13 +37,6 @@ const experiments::ControllerSource& Bench::State::source(const std::string& nam
   return found == parts.sources.end() ? parts.sources.front() : *found;
 }
 
-void Bench::State::rehearse(const Goal& to, const experiments::ControllerSource& driver) {
-  if (to.stitches.empty() || aims.count(driver.name) != 0) return;
-  std::vector<geometry::Stitch> found = experiments::aims_of(parts.config, driver, to.stitches);
-  const std::lock_guard<common::PriorityMutex> lock(mutex);
-  aims[driver.name] = std::move(found);
-}
-
 void Bench::State::follow(const Goal& to) {
   const bool by_hand = to.task == kHand;
   std::string name;
@@ -55,7 +45,6 @@ void Bench::State::follow(const Goal& to) {
     name = shown.controller;
   }
   const experiments::ControllerSource& driver = source(name);
-  if (!by_hand) rehearse(to, driver);
   std::shared_ptr<control::RigIdentifier>& identifier = identifiers[driver.name];
   if (!identifier && driver.identify)
     identifier = driver.identify();  // what it finds out, the next run knows

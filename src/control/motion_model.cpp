@@ -91,6 +91,7 @@ std::vector<physics::PulseOutcome> MotionModel::outcomes(const geometry::Pose2& 
       one.mean = {next[0], next[1], next[2]};
       one.sigma_x_m = sigma(0);
       one.sigma_y_m = sigma(1);
+      if (dynamics.view(state_.data()).swaps_axes()) std::swap(one.sigma_x_m, one.sigma_y_m);
       one.sigma_heading_rad = std::hypot(sigma(2), config_.noise_rad);
     }
   }

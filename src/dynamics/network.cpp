@@ -27,6 +27,44 @@ void fit(at::Tensor& mean, at::Tensor& spread, const at::Tensor& rows) {
   spread.copy_(at::where(std < kSmallestSpread, at::ones_like(std), std));
 }
 
+/// How rows of states are seen in the same eighth of the dish: geometry::SquareView, row by row.
+class EighthViews {
+ public:
+  explicit EighthViews(const at::Tensor& state) {
+    const at::Tensor x = state.narrow(1, 0, 1), y = state.narrow(1, 1, 1);
+    const at::Tensor right = (x >= 0) & (y <= x) & (y >= -x);
+    const at::Tensor up = ~right & (y > 0) & (y >= x) & (y >= -x);
+    const at::Tensor left = ~right & ~up & (x < 0) & (y <= -x) & (y >= x);
+    const at::Tensor down = ~right & ~up & ~left;
+    cosine_ = right.to(state.dtype()) - left.to(state.dtype());
+    sine_ = up.to(state.dtype()) - down.to(state.dtype());
+    quarter_turns_rad_ = 0.5 * geometry::kPi *
+                         (up.to(state.dtype()) + 2.0 * left.to(state.dtype()) + 3.0 * down.to(state.dtype()));
+    const at::Tensor beside = cosine_ * y - sine_ * x;
+    mirror_ = at::where(beside < 0, -at::ones_like(beside), at::ones_like(beside));
+  }
+
+  /// Vectors [N, 2], or poses [N, 3], as they are seen, and back.
+  at::Tensor enter(const at::Tensor& rows) const {
+    const at::Tensor x = rows.narrow(1, 0, 1), y = rows.narrow(1, 1, 1);
+    const at::Tensor along = cosine_ * x + sine_ * y;
+    const at::Tensor beside = mirror_ * (cosine_ * y - sine_ * x);
+    if (rows.size(1) == 2) return at::cat({along, beside}, 1);
+    return at::cat({along, beside, wrap_angles(mirror_ * (rows.narrow(1, kHeading, 1) - quarter_turns_rad_))},
+                   1);
+  }
+  at::Tensor leave(const at::Tensor& rows) const {
+    const at::Tensor along = rows.narrow(1, 0, 1), beside = mirror_ * rows.narrow(1, 1, 1);
+    const at::Tensor x = cosine_ * along - sine_ * beside;
+    const at::Tensor y = sine_ * along + cosine_ * beside;
+    if (rows.size(1) == 2) return at::cat({x, y}, 1);
+    return at::cat({x, y, wrap_angles(mirror_ * rows.narrow(1, kHeading, 1) + quarter_turns_rad_)}, 1);
+  }
+
+ private:
+  at::Tensor cosine_, sine_, quarter_turns_rad_, mirror_;  // [N, 1]
+};
+
 }  // namespace
 
 at::Tensor wrap_angles(const at::Tensor& angle_rad) {
@@ -69,6 +107,12 @@ at::Tensor Network::layers(const at::Tensor& input) const {
 }
 
 at::Tensor Network::features(const at::Tensor& state, const at::Tensor& action) const {
+  if (!config_.sees_an_eighth()) return seen_features(state, action);
+  const EighthViews views(state);
+  return seen_features(views.enter(state), views.enter(action));
+}
+
+at::Tensor Network::seen_features(const at::Tensor& state, const at::Tensor& action) const {
   if (!config_.sine_cosine(layout_)) return at::cat({state, action}, 1);
   const at::Tensor heading = state.narrow(1, kHeading, 1);
   return at::cat({state.narrow(1, 0, kHeading), heading.sin(), heading.cos(), action}, 1);
@@ -83,18 +127,29 @@ at::Tensor Network::normalised_output(const at::Tensor& state, const at::Tensor&
   return config_.components > 0 ? mixture_mean(raw, mixture()) : raw;
 }
 
-at::Tensor Network::normalised_target(const at::Tensor& state, const at::Tensor& next_state) const {
-  at::Tensor target = next_state;
-  if (config_.predicts_change()) {
-    target = next_state - state;
-    if (layout_ == data::StateLayout::kPose)
-      target = at::cat({target.narrow(1, 0, kHeading), wrap_angles(target.narrow(1, kHeading, 1))}, 1);
+at::Tensor Network::target(const at::Tensor& state, const at::Tensor& next_state) const {
+  at::Tensor from = state, to = next_state;
+  if (config_.sees_an_eighth()) {
+    const EighthViews views(state);
+    from = views.enter(from);
+    to = views.enter(to);
   }
-  return ((target - output_mean) / output_std).to(at::kFloat);
+  if (!config_.predicts_change()) return to;
+  to = to - from;
+  if (layout_ == data::StateLayout::kPosition) return to;
+  return at::cat({to.narrow(1, 0, kHeading), wrap_angles(to.narrow(1, kHeading, 1))}, 1);
+}
+
+at::Tensor Network::normalised_target(const at::Tensor& state, const at::Tensor& next_state) const {
+  return ((target(state, next_state) - output_mean) / output_std).to(at::kFloat);
 }
 
 at::Tensor Network::forward(const at::Tensor& state, const at::Tensor& action) const {
   at::Tensor next = normalised_output(state, action) * output_std + output_mean;
+  if (config_.sees_an_eighth()) {
+    const EighthViews views(state);
+    return views.leave(config_.predicts_change() ? views.enter(state) + next : next);
+  }
   if (config_.predicts_change()) next = state + next;
   if (layout_ == data::StateLayout::kPosition) return next;
   return at::cat({next.narrow(1, 0, kHeading), wrap_angles(next.narrow(1, kHeading, 1))}, 1);
@@ -105,13 +160,7 @@ void Network::fit_normalisers(const at::Tensor& state, const at::Tensor& action,
   fit(input_mean, input_std, features(state, action));
   output_mean.zero_();
   output_std.fill_(1.0);
-  at::Tensor target = next_state.to(at::kDouble);
-  if (config_.predicts_change()) {
-    target = target - state.to(at::kDouble);
-    if (layout_ == data::StateLayout::kPose)
-      target.select(1, kHeading).copy_(wrap_angles(target.select(1, kHeading)));
-  }
-  fit(output_mean, output_std, target);
+  fit(output_mean, output_std, target(state.to(at::kDouble), next_state.to(at::kDouble)));
 }
 
 void Network::scale_drive(double gain) {

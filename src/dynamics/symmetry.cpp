@@ -15,6 +15,9 @@
 #include "lodestone/physics/rig_description.h"
 
 namespace lodestone::dynamics {
+
+using inference::Symmetry;
+
 namespace {
 
 constexpr int kQuarters = 4;
@@ -38,7 +41,7 @@ std::string why_not_square(const data::DatasetInfo& info) {
 
 }  // namespace
 
-Symmetry symmetry_of(Symmetry asked, const data::DatasetInfo& info) {
+Symmetry symmetry_of(Symmetry asked, const data::DatasetInfo& info, const std::string& key) {
   if (asked == Symmetry::kNone) return asked;
   const bool known = info.rig.is_object() && !info.rig.empty();
   if (asked == Symmetry::kDescribed)
@@ -47,8 +50,8 @@ Symmetry symmetry_of(Symmetry asked, const data::DatasetInfo& info) {
   const std::string why_not = known || info.action_size != 2 ? why_not_square(info) : "";
   if (!why_not.empty())
     throw common::ConfigError(
-        "training.symmetry = \"square\": the recorded rig does not look the same from four sides: " +
-        why_not + "; say none, or described");
+        key + " = \"square\": the recorded rig does not look the same from four sides: " + why_not +
+        "; say none, or described");
   return asked;
 }
 

@@ -1,19 +1,22 @@
 #pragma once
 
+#include <string>
+
 #include <ATen/core/Tensor.h>
 
 #include "lodestone/data/dataset_info.h"
-#include "lodestone/dynamics/training.h"
+#include "lodestone/inference/dynamics_config.h"
 
 namespace lodestone::dynamics {
 
-/// What `asked` means for a recording: none or square. Throws ConfigError where square is asked for, and the
-/// recording's rig is not described so, or its drives are not vectors along x and y.
-Symmetry symmetry_of(Symmetry asked, const data::DatasetInfo& info);
+/// What `asked` means for a recording: none or square. Throws ConfigError that names `key` where square is
+/// asked for, and the recording's rig is not described so, or its drives are not vectors along x and y.
+inference::Symmetry symmetry_of(inference::Symmetry asked, const data::DatasetInfo& info,
+                                const std::string& key);
 
 /// Ways to see a recording that belong to it (data augmentation by the dihedral group of the square), the
 /// recording as it is among them: 1, or 8.
-int ways_of(Symmetry symmetry);
+int ways_of(inference::Symmetry symmetry);
 
 /// Rows as they look in one of the 8 ways of a square: [N, 2] vectors (positions, or drives along x and y),
 /// or [N, 3] poses with the heading wrapped to (-pi, pi]. Way 0 leaves them; the four from 4 on are mirrored

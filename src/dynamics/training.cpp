@@ -83,9 +83,10 @@ class Training : public runs::ResumableWork {
   Training(const data::Dataset& dataset, const TrainDynamicsConfig& config)
       : config_(config), pool_(static_cast<std::size_t>(config.threads)) {
     TrainingConfig training = config.training;
-    training.symmetry = symmetry_of(training.symmetry, dataset.info);
+    training.symmetry = symmetry_of(training.symmetry, dataset.info, "training.symmetry");
     const auto seed = static_cast<std::uint64_t>(config.seed);
     model_.config = config.model;
+    model_.config.symmetry = symmetry_of(config.model.symmetry, dataset.info, "model.symmetry");
     model_.info = dataset.info;
     model_.split = split_of(config);
     const data::Split split = data::split_by_episode(dataset, training.validation_fraction,
@@ -100,7 +101,7 @@ class Training : public runs::ResumableWork {
     }
     const WarmStartConfig& start = config.warm_start;
     if (start.from.empty()) {
-      model_.members = make_members(config.model, dataset.info.rows(), seed);
+      model_.members = make_members(model_.config, dataset.info.rows(), seed);
       for (const auto& network : model_.members)
         network->fit_normalisers(train.state, train.action, train.next_state);
       remember(train);

@@ -13,6 +13,7 @@
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/log.h"
 #include "lodestone/experiments/routing.h"
+#include "lodestone/experiments/suture.h"
 
 namespace lodestone::experiments {
 namespace {
@@ -90,9 +91,9 @@ std::vector<TrialResult> DeploymentRun::drive(const Part& part, const Controller
 
 const std::vector<geometry::Stitch>& DeploymentRun::aims_for(std::size_t source,
                                                              const std::vector<geometry::Stitch>& stitches) {
-  const auto [aims, added] = aims_.try_emplace(source);
-  if (added && !stitches.empty()) aims->second = aims_of(config_, job_.sources[source], stitches);
-  return aims->second;
+  const auto known = aims_.find(source);
+  if (known != aims_.end() || stitches.empty()) return known == aims_.end() ? stitches : known->second;
+  return aims_[source] = aims_of(config_, job_.sources[source], stitches);
 }
 
 std::vector<TrialPlan> DeploymentRun::next_plans(const Part& part) const {

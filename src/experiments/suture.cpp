@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/log.h"
+#include "lodestone/common/random.h"
 #include "lodestone/control/learned_foresight.h"
 #include "lodestone/control/rehearsal.h"
 #include "lodestone/experiments/deployment.h"
@@ -155,24 +158,26 @@ void check_stitches(const DeploymentConfig& config) {
 std::vector<Stitch> aims_of(const DeploymentConfig& config, const ControllerSource& source,
                             const std::vector<Stitch>& stitches) {
   if (!source.rehearses_in || !source.make || config.suture.rehearsals == 0) return stitches;
+  common::log_info(fmt::format("rehearsing {} stitches {} times each in the learned simulator",
+                               stitches.size(), config.suture.rehearsals));
   const auto seed = common::derive_seed(static_cast<std::uint64_t>(config.seed), "rehearsal");
-  std::vector<Stitch> aims;
+  const std::unique_ptr<control::Controller> controller = source.make(seed);
+  control::LearnedForesight foresight(source.rehearses_in->simulator);
+  const std::vector<Stitch> aims = control::rehearsed(
+      stitches, suture_reference(config),
+      {*controller, source.action, foresight, source.rehearses_in->drive_per_A(), config.loop.period_s()},
+      seed);
+  common::log_info(fmt::format("aimed at {} mm to the left of entries and exits (suture.aside_m: at most {})",
+                               shown_aims(stitches, aims), geometry::kMmPerM * config.suture.aside_m));
   try {
-    check_ways(config, stitches);
-    const std::unique_ptr<control::Controller> controller = source.make(seed);
-    control::LearnedForesight foresight(source.rehearses_in->simulator);
-    aims = control::rehearsed(
-        stitches, suture_reference(config),
-        {*controller, source.action, foresight, source.rehearses_in->drive_per_A(), config.loop.period_s()},
-        seed);
     check_ways(config, aims);
   } catch (const common::ConfigError& error) {
-    common::log_warning(fmt::format("pushes are not made up for, as there is no room: {}", error.what()));
+    common::log_warning(
+        fmt::format("all stitches are aimed at as they are, as there is no room beside them (a smaller "
+                    "suture.aside_m may find some): {}",
+                    error.what()));
     return stitches;
   }
-  common::log_info(fmt::format(
-      "{} rehearsals of each push in the learned simulator: aimed at {} mm to the left of entries and exits",
-      config.suture.rehearsals, shown_aims(stitches, aims)));
   return aims;
 }
 

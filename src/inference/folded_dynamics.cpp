@@ -92,6 +92,15 @@ void check_above_zero(const Numbers& spread, const std::string& name, const std:
     throw common::CheckpointError(what + ": array \"" + name + "\" holds a spread that is not above 0");
 }
 
+/// Whether rows are turned into an eighth of the dish, for which drives have to be vectors.
+bool can_be_turned(const DynamicsConfig& config, const data::RowLayout& rows, const std::string& what) {
+  if (config.sees_an_eighth() && rows.action_size != 2)
+    throw common::CheckpointError(what +
+                                  ": symmetry square needs drives of two numbers, along x and y, not of " +
+                                  std::to_string(rows.action_size));
+  return config.sees_an_eighth();
+}
+
 /// The linear layers of a dynamics network with every normalisation worked into them, in float64 until the
 /// end. Throws CheckpointError that begins with `what` when `weights` are not those of the shape.
 std::vector<LinearLayer> fold(const Arrays& weights, const DynamicsConfig& config,
@@ -155,6 +164,7 @@ FoldedDynamics::FoldedDynamics(const Arrays& weights, const DynamicsConfig& conf
       action_size_(rows.action_size),
       predicts_change_(config.predicts_change()),
       sine_cosine_(config.sine_cosine(rows.state)),
+      sees_an_eighth_(can_be_turned(config, rows, what)),
       mixture_(config.mixture(rows.state)),
       layers_(fold(weights, config, rows, what)),
       network_(layers_),
@@ -167,27 +177,51 @@ FoldedDynamics::FoldedDynamics(const Arrays& weights, const DynamicsConfig& conf
 
 void FoldedDynamics::write_features(const double* state, const double* drive, std::int64_t rows,
                                     float* out) const {
+  double seen[3], drive_seen[2];
   for (std::int64_t row = 0; row < rows; ++row, state += state_size_, drive += action_size_) {
-    *out++ = static_cast<float>(state[0]);
-    *out++ = static_cast<float>(state[1]);
-    if (sine_cosine_) {
-      *out++ = std::sin(static_cast<float>(state[2]));
-      *out++ = std::cos(static_cast<float>(state[2]));
-    } else if (state_size_ == 3) {
-      *out++ = static_cast<float>(state[2]);
+    const double* from = state;
+    const double* by = drive;
+    if (sees_an_eighth_) {
+      enter(view(state), state, seen);
+      std::copy_n(drive, 2, drive_seen);
+      view(state).enter(drive_seen);
+      from = seen;
+      by = drive_seen;
     }
-    for (int i = 0; i < action_size_; ++i) *out++ = static_cast<float>(drive[i]);
+    *out++ = static_cast<float>(from[0]);
+    *out++ = static_cast<float>(from[1]);
+    if (sine_cosine_) {
+      *out++ = std::sin(static_cast<float>(from[2]));
+      *out++ = std::cos(static_cast<float>(from[2]));
+    } else if (state_size_ == 3) {
+      *out++ = static_cast<float>(from[2]);
+    }
+    for (int i = 0; i < action_size_; ++i) *out++ = static_cast<float>(by[i]);
   }
+}
+
+void FoldedDynamics::enter(const geometry::SquareView& view, const double* state, double* seen) const {
+  std::copy_n(state, state_size_, seen);
+  view.enter(seen);
+  if (state_size_ == 3) seen[2] = view.entered_rad(seen[2]);
 }
 
 void FoldedDynamics::write_next(const double* state, const float* output, std::int64_t rows,
                                 double* next) const {
   const auto size = static_cast<std::size_t>(state_size_);
   const double keep = predicts_change_ ? 1.0 : 0.0;
+  double seen[3];
   for (std::int64_t row = 0; row < rows; ++row, state += size, output += size, next += size) {
+    const geometry::SquareView seen_in = view(state);
+    const double* from = state;
+    if (sees_an_eighth_) {
+      enter(seen_in, state, seen);
+      from = seen;
+    }
     for (std::size_t i = 0; i < size; ++i)
-      next[i] = keep * state[i] + static_cast<double>(output_mean_[i] + output_std_[i] * output[i]);
-    if (size == 3) next[2] = geometry::wrap_angle(next[2]);
+      next[i] = keep * from[i] + static_cast<double>(output_mean_[i] + output_std_[i] * output[i]);
+    if (sees_an_eighth_) seen_in.leave(next);
+    if (size == 3) next[2] = sees_an_eighth_ ? seen_in.left_rad(next[2]) : geometry::wrap_angle(next[2]);
   }
 }
 
@@ -274,6 +308,7 @@ PredictedMixture FoldedDynamics::predict_mixture(const double* state, const doub
       for (std::size_t i = 0; i < size; ++i)
         mixture.spread[place + i] =
             mixture_spread(spread[k * size + i]) * static_cast<double>(output_std_[i]);
+      if (view(state + row * size).swaps_axes()) std::swap(mixture.spread[place], mixture.spread[place + 1]);
     }
   }
   return mixture;
@@ -282,15 +317,24 @@ PredictedMixture FoldedDynamics::predict_mixture(const double* state, const doub
 void FoldedDynamics::log_density(const double* state, const float* output, const double* seen,
                                  const double* noise, std::int64_t rows, double* out) const {
   const auto size = static_cast<std::size_t>(state_size_);
-  double value[3], spread[3];
+  double value[3], spread[3], from[3], to[3], off[3];
   for (std::int64_t row = 0; row < rows; ++row, state += size, seen += size, output += mixture_.outputs()) {
     double log_units = 0.0;
+    std::copy_n(state, size, from);
+    std::copy_n(seen, size, to);
+    std::copy_n(noise, size, off);
+    if (sees_an_eighth_) {
+      const geometry::SquareView seen_in = view(state);
+      enter(seen_in, state, from);
+      enter(seen_in, seen, to);
+      if (seen_in.swaps_axes()) std::swap(off[0], off[1]);
+    }
     for (std::size_t i = 0; i < size; ++i) {
-      const double change = predicts_change_ ? seen[i] - state[i] : seen[i];
+      const double change = predicts_change_ ? to[i] - from[i] : to[i];
       const auto unit = static_cast<double>(output_std_[i]);
       value[i] =
           ((i == 2 ? geometry::wrap_angle(change) : change) - static_cast<double>(output_mean_[i])) / unit;
-      spread[i] = noise[i] / unit;
+      spread[i] = off[i] / unit;
       log_units += std::log(unit);
     }
     out[row] = mixture_log_density(output, mixture_, value, spread) - log_units;

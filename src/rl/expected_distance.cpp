@@ -83,6 +83,7 @@ void ExpectedDistance::evaluate(const double* state, const double* drive, const 
   const double range = inference::kMostLogSpread - inference::kLeastLogSpread;
   for (std::int64_t row = 0; row < rows; ++row) {
     const geometry::Vector2 goal_m(target_m[2 * row], target_m[2 * row + 1]);
+    const geometry::SquareView view = member_.view(state + row * size);
     inference::mixture_weights(raw, mixture, weight.data());
     cost_mm[row] = 0.0;
     for (std::int64_t k = 0; k < mixture.components; ++k) {
@@ -102,6 +103,7 @@ void ExpectedDistance::evaluate(const double* state, const double* drive, const 
         member_.write_next(state + row * size, output, 1, next);
         geometry::Vector2 by_position;
         mean_mm += kEach * cost_.at({next[0], next[1]}, goal_m, &by_position);
+        view.enter(by_position.data());
         for (std::int64_t i = 0; i < 2; ++i) {
           const double by_output =
               share * kEach * by_position[i] * static_cast<double>(unit[static_cast<std::size_t>(i)]);
@@ -126,6 +128,7 @@ void ExpectedDistance::evaluate(const double* state, const double* drive, const 
   for (std::int64_t row = 0; row < rows; ++row) {
     for (std::int64_t i = 0; i < 2; ++i)
       gradient[2 * row + i] = static_cast<double>(by_feature[row * features + features - 2 + i]);
+    member_.view(state + row * size).leave(gradient + 2 * row);
   }
 }
 

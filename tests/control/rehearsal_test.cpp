@@ -1,9 +1,11 @@
 #include "lodestone/control/rehearsal.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/angle.h"
 
 using namespace lodestone;
 using control::Passed;
@@ -16,8 +18,8 @@ namespace {
 constexpr double kForward_m = 0.001;  // by the strongest pulse
 constexpr double kPeriod_s = 0.3;
 
-/// A needle that a first number of the drive pushes along its heading, and aside: to the left, the more the
-/// further. Luck scatters it.
+/// A needle that the second number of the drive turns, by 1 rad at most, and the first one pushes along its
+/// heading then, and aside: to the left, the more the further. Luck scatters it.
 class DriftingNeedle final : public control::Foresight {
  public:
   DriftingNeedle(double aside, double luck_m, std::size_t state_size = 3) : aside_(aside), luck_m_(luck_m) {
@@ -29,20 +31,38 @@ class DriftingNeedle final : public control::Foresight {
   const Facts& facts() const override { return facts_; }
   void foresee(std::size_t, std::size_t, const double* state, const double* drive, std::int64_t,
                common::RandomStream& random, double* next) override {
+    strongest_ = std::max({strongest_, std::abs(drive[0]), std::abs(drive[1])});
     const double forward_m = kForward_m * drive[0] / facts_.action.scale;
-    const Vector2 ahead(std::cos(state[2]), std::sin(state[2]));
+    next[2] = state[2] + drive[1] / facts_.action.scale;
+    const Vector2 ahead(std::cos(next[2]), std::sin(next[2]));
     const Vector2 left(-ahead.y(), ahead.x());
     const double left_m = aside_ * forward_m + luck_m_ * random.normal();
     const Vector2 to_m = Vector2(state[0], state[1]) + forward_m * ahead + left_m * left;
     next[0] = to_m.x();
     next[1] = to_m.y();
-    next[2] = state[2];
+    ++pulses_;
   }
+  int pulses() const { return pulses_; }
+  double strongest() const { return strongest_; }
   std::shared_ptr<Foresight> clone() const override { return std::make_shared<DriftingNeedle>(*this); }
 
  private:
   Facts facts_;
   double aside_, luck_m_;
+  int pulses_ = 0;
+  double strongest_ = 0.0;  // drive
+};
+
+/// Pushes along the heading that is wanted next.
+class Turner final : public control::Controller {
+ public:
+  void reset() override {}
+  geometry::Drive act(const task::Observation& observation) override {
+    const double off_rad =
+        geometry::wrap_angle(observation.target_heading_after_rad(1).value() - observation.pose.heading_rad);
+    return Vector2(observation.ahead.empty() ? 0.0 : 0.6, off_rad);  // as fast as the target
+  }
+  std::unique_ptr<Controller> clone() const override { return std::make_unique<Turner>(*this); }
 };
 
 /// Pushes while the target is ahead of the needle.
@@ -101,8 +121,24 @@ TEST_CASE("an approach on which the needle drifts, too, is made up for as well")
   CHECK(1e3 * passed->entry_m == Approx(0.2).margin(1e-6));
   CHECK(1e3 * passed->exit_m == Approx(0.8).margin(1e-6));
   const std::vector<Stitch> aims = control::rehearsed(stitch, config, in(pusher, needle), 1);
-  CHECK(left_mm(aims[0].entry, stitch[0].entry) == Approx(-0.3).margin(1e-6));
+  CHECK(left_mm(aims[0].entry, stitch[0].entry) == Approx(-0.5).margin(1e-6));  // the way begins there
   CHECK(left_mm(aims[0].exit, stitch[0].exit) == Approx(0.3).margin(1e-6));
+  const auto again = control::rehearse(aims[0], config, in(pusher, needle), 1, 0);
+  REQUIRE(again);  // 0.3 mm beside both: 0.2 to the left of the entry that is aimed at, 0.5 to the left of
+                   // the exit
+  CHECK(1e3 * again->entry_m - 0.5 == Approx(-0.3).margin(1e-6));
+  CHECK(1e3 * again->exit_m + 0.3 == Approx(0.3).margin(1e-6));
+}
+
+TEST_CASE("through a stitch that bends back the exit is passed where the needle comes out") {
+  DriftingNeedle needle(0.0, 0.0);
+  Turner turner;
+  const Stitch arch{{-0.003, 0.0, 0.5 * geometry::kPi}, {0.003, 0.0, -0.5 * geometry::kPi}};
+  control::SutureReferenceConfig config;
+  config.approach_m = 0.002;  // then it begins beyond the line across the exit, 6 mm beside it
+  const auto passed = control::rehearse(arch, config, in(turner, needle), 1, 0);
+  REQUIRE(passed);
+  CHECK(std::abs(passed->exit_m) < 0.0015);
 }
 
 TEST_CASE("no end is passed by further beside it than is allowed") {
@@ -145,4 +181,17 @@ TEST_CASE("a simulator that knows no headings is none to rehearse in") {
   Pusher pusher(1.0);
   CHECK_THROWS_AS(control::rehearsed(geometry::running_stitch(1, 0.006, 0.0), {}, in(pusher, sphere), 1),
                   common::LogicFault);
+}
+
+TEST_CASE("the simulator is asked about no pulse without current, and none beyond its largest") {
+  DriftingNeedle needle(0.0, 0.0);
+  Pusher pusher(1.0);
+  control::Rehearsal with = in(pusher, needle);
+  with.drive_per_A = 6.0;  // it was shown a third of what the controller may give
+  REQUIRE(control::rehearse(geometry::running_stitch(1, 0.006, 0.0)[0], {}, with, 1, 0));
+  CHECK(needle.strongest() == 2.0);
+  const int pulses = needle.pulses();
+  Pusher idle(0.0);
+  CHECK_FALSE(control::rehearse(geometry::running_stitch(1, 0.006, 0.0)[0], {}, in(idle, needle), 1, 0));
+  CHECK(needle.pulses() == pulses);
 }

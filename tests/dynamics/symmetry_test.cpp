@@ -11,6 +11,7 @@
 
 using namespace lodestone;
 using dynamics::seen;
+using inference::Symmetry;
 
 namespace {
 
@@ -39,8 +40,8 @@ TEST_CASE("a mirror takes y and the heading to their opposites", "[unit]") {
 }
 
 TEST_CASE("the eight ways of a square are a group, each once", "[unit]") {
-  CHECK(dynamics::ways_of(dynamics::Symmetry::kSquare) == 8);
-  CHECK(dynamics::ways_of(dynamics::Symmetry::kNone) == 1);
+  CHECK(dynamics::ways_of(Symmetry::kSquare) == 8);
+  CHECK(dynamics::ways_of(Symmetry::kNone) == 1);
   for (int a = 0; a < 8; ++a) {
     for (int b = 0; b < 8; ++b) {
       const at::Tensor both = seen(seen(poses(), a), b);
@@ -58,20 +59,19 @@ TEST_CASE("drives turn as positions do", "[unit]") {
 
 TEST_CASE("a rig has the symmetry that its description says, and square is refused where it does not",
           "[unit]") {
-  using dynamics::Symmetry;
   data::DatasetInfo info;
   physics::RigDescription rig;
   const auto of = [&](Symmetry asked) {
     info.rig = common::config_to_json(rig);
     info.action_size = rig.drive_size();
-    return dynamics::symmetry_of(asked, info);
+    return dynamics::symmetry_of(asked, info, "model.symmetry");
   };
   CHECK(of(Symmetry::kDescribed) == Symmetry::kSquare);  // the paper's
   CHECK(of(Symmetry::kSquare) == Symmetry::kSquare);
   CHECK(of(Symmetry::kNone) == Symmetry::kNone);
   rig.coils.resistance_20C_ohm[2] = 2.5;
   CHECK(of(Symmetry::kDescribed) == Symmetry::kNone);
-  CHECK_THROWS_WITH(of(Symmetry::kSquare), Catch::Contains("training.symmetry") && Catch::Contains("differ"));
+  CHECK_THROWS_WITH(of(Symmetry::kSquare), Catch::Contains("model.symmetry") && Catch::Contains("differ"));
   rig = {};
   rig.drive.kind = physics::DriveKind::kIndependent;  // four numbers, each a coil's
   CHECK(of(Symmetry::kDescribed) == Symmetry::kNone);
@@ -79,6 +79,6 @@ TEST_CASE("a rig has the symmetry that its description says, and square is refus
   rig.drive.kind = physics::DriveKind::kField;
   CHECK_THROWS_WITH(of(Symmetry::kSquare), Catch::Contains("drive.kind"));
   info.rig = common::Json::object();  // imported: nobody has said what it is
-  CHECK(dynamics::symmetry_of(Symmetry::kDescribed, info) == Symmetry::kNone);
-  CHECK(dynamics::symmetry_of(Symmetry::kSquare, info) == Symmetry::kSquare);
+  CHECK(dynamics::symmetry_of(Symmetry::kDescribed, info, "model.symmetry") == Symmetry::kNone);
+  CHECK(dynamics::symmetry_of(Symmetry::kSquare, info, "model.symmetry") == Symmetry::kSquare);
 }

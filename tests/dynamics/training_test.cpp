@@ -18,6 +18,7 @@ namespace {
 
 using Catch::Contains;
 using inference::DynamicsForm;
+using inference::Symmetry;
 using tests::known_dataset;
 
 TrainDynamicsConfig small_config(inference::DynamicsForm form) {
@@ -172,12 +173,14 @@ TEST_CASE("of a rig that looks the same from eight sides, one side tells of all"
   }
   TrainDynamicsConfig config = small_config(DynamicsForm::kDelta);
   config.training.epochs = 60;
-  const auto error_mm = [&](Symmetry symmetry) {
-    config.training.symmetry = symmetry;
+  const auto error_mm = [&](Symmetry seen, Symmetry built_in) {
+    config.training.symmetry = seen;
+    config.model.symmetry = built_in;
     return evaluate_dynamics(train(one_sided, config).model, all).one_step.position_rms_mm;
   };
-  const double without_mm = error_mm(Symmetry::kNone);
-  CHECK(error_mm(Symmetry::kSquare) < 0.5 * without_mm);
+  const double without_mm = error_mm(Symmetry::kNone, Symmetry::kNone);
+  CHECK(error_mm(Symmetry::kSquare, Symmetry::kNone) < 0.5 * without_mm);
+  CHECK(error_mm(Symmetry::kNone, Symmetry::kSquare) < 0.5 * without_mm);
 }
 
 TEST_CASE("drives that are no vectors are not turned", "[unit]") {
@@ -187,6 +190,9 @@ TEST_CASE("drives that are no vectors are not turned", "[unit]") {
   TrainDynamicsConfig config = small_config(DynamicsForm::kDelta);
   config.training.symmetry = Symmetry::kSquare;
   CHECK_THROWS_WITH(train(dataset, config), Contains("training.symmetry") && Contains("say none"));
+  config.training.symmetry = Symmetry::kNone;
+  config.model.symmetry = Symmetry::kSquare;
+  CHECK_THROWS_WITH(train(dataset, config), Contains("model.symmetry") && Contains("say none"));
 }
 
 TEST_CASE("NaN in the data is an error that says where", "[unit]") {

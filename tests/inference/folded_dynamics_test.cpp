@@ -1,11 +1,13 @@
 #include "lodestone/inference/folded_dynamics.h"
-#include "lodestone/geometry/angle.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "env/linear_model.h"
 #include "lodestone/common/error.h"
+#include "lodestone/geometry/angle.h"
+#include "lodestone/inference/checkpoint.h"
+#include "lodestone/inference/dynamics.h"
 
 using namespace lodestone;
 using inference::DynamicsModel;
@@ -139,4 +141,59 @@ TEST_CASE("the components of a mixture are weighed and placed one by one", "[uni
   }
   CHECK(total == Approx(1.0).epsilon(1e-6));
   CHECK(x_m == Approx(next[0]).epsilon(1e-5));
+}
+
+TEST_CASE("what is seen in an eighth of the dish happens alike in all eight ways of a square", "[unit]") {
+  DynamicsModel model = inference::load_dynamics(std::string(LODESTONE_SOURCE_DIR) + "/models/dynamics_best");
+  const inference::Checkpoint checkpoint =
+      inference::load_checkpoint(std::string(LODESTONE_SOURCE_DIR) + "/models/dynamics_best", "dynamics");
+  model.config.symmetry = inference::Symmetry::kSquare;
+  const inference::FoldedDynamics member(checkpoint.parts.at(inference::member_part(0)), model.config,
+                                         model.info.rows(), "square");
+  inference::FoldedDynamics::Workspace workspace;
+  const double state[3] = {0.017, 0.006, 2.4};
+  const double drive[2] = {6.0, -4.0};
+  const double noise[3] = {1e-4, 3e-4, 0.01};
+  double next[3], log_density;
+  member.predict(state, drive, 1, next, workspace);
+  const double seen[3] = {next[0] + 4e-4, next[1] - 1e-4, next[2] + 0.02};
+  member.log_density(state, drive, seen, noise, 1, &log_density, workspace);
+  const inference::PredictedMixture mixture = member.predict_mixture(state, drive, 1, workspace);
+  for (int way = 0; way < 8; ++way) {
+    CAPTURE(way);
+    const auto turned = [way](const double* xy, double* out) {
+      const double angle_rad = 0.5 * geometry::kPi * way;
+      const double y = way < 4 ? xy[1] : -xy[1];
+      out[0] = std::cos(angle_rad) * xy[0] - std::sin(angle_rad) * y;
+      out[1] = std::sin(angle_rad) * xy[0] + std::cos(angle_rad) * y;
+    };
+    const auto posed = [&](const double* pose, double* out) {
+      turned(pose, out);
+      out[2] = geometry::wrap_angle((way < 4 ? pose[2] : -pose[2]) + 0.5 * geometry::kPi * way);
+    };
+    double there[3], driven[2], wanted[3], found[3], seen_there[3], density_there;
+    posed(state, there);
+    turned(drive, driven);
+    posed(next, wanted);
+    member.predict(there, driven, 1, found, workspace);
+    CHECK(found[0] == Approx(wanted[0]).margin(1e-7));
+    CHECK(found[1] == Approx(wanted[1]).margin(1e-7));
+    CHECK(geometry::wrap_angle(found[2] - wanted[2]) == Approx(0.0).margin(1e-5));
+    posed(seen, seen_there);
+    const bool swapped = way % 2 == 1;
+    const double noise_there[3] = {noise[swapped ? 1 : 0], noise[swapped ? 0 : 1], noise[2]};
+    member.log_density(there, driven, seen_there, noise_there, 1, &density_there, workspace);
+    CHECK(density_there == Approx(log_density).epsilon(1e-3));
+    const inference::PredictedMixture others = member.predict_mixture(there, driven, 1, workspace);
+    CHECK(others.spread[0] == Approx(mixture.spread[swapped ? 1 : 0]).epsilon(1e-4));
+    CHECK(others.spread[1] == Approx(mixture.spread[swapped ? 0 : 1]).epsilon(1e-4));
+    CHECK(others.weight[0] == Approx(mixture.weight[0]).epsilon(1e-4));
+  }
+}
+
+TEST_CASE("drives that are no vectors cannot be seen in an eighth of the dish", "[unit]") {
+  inference::DynamicsConfig config;
+  config.symmetry = inference::Symmetry::kSquare;
+  const data::RowLayout four{data::StateLayout::kPose, 4};
+  CHECK_THROWS_WITH(inference::FoldedDynamics({}, config, four, "four"), Catch::Contains("symmetry square"));
 }

@@ -14,13 +14,15 @@ using lodestone::rl::ExpectedDistance;
 namespace {
 
 /// A mixture of two whose weights, means and spreads all depend on everything, by a random network.
-lodestone::inference::DynamicsModel random_simulator() {
+lodestone::inference::DynamicsModel random_simulator(
+    lodestone::inference::Symmetry symmetry = lodestone::inference::Symmetry::kNone) {
   namespace inference = lodestone::inference;
   constexpr auto kLayout = lodestone::data::StateLayout::kPose;
   constexpr std::int64_t kHidden = 12;
   inference::DynamicsModel model = lodestone::env::tests::empty_linear_model(kLayout, 1);
   model.config.hidden = {kHidden};
   model.config.components = 2;
+  model.config.symmetry = symmetry;
   const std::int64_t inputs = model.config.inputs(kLayout);
   const std::int64_t outputs = model.config.mixture(kLayout).outputs();
   RandomStream random(7, "random simulator");
@@ -55,7 +57,8 @@ TEST_CASE("A distance costs nothing less within the goal, and more outside the d
 }
 
 TEST_CASE("The gradient by the drive is the slope of the expected distance", "[rl]") {
-  const auto model = random_simulator();
+  using lodestone::inference::Symmetry;
+  const auto model = random_simulator(GENERATE(Symmetry::kNone, Symmetry::kSquare));
   const ExpectedDistance expected(model.members.front(), {0.0003, 0.0425});
   constexpr std::int64_t kRows = 64;
   RandomStream random(3, "expected distance");

@@ -27,17 +27,17 @@ struct Passed {
 };
 
 /// Pushes a needle through a stitch in the simulator, from where it is waited for, and tells how it passed;
-/// nothing where it never came past the exit. `turn` tells rehearsals apart: each has its own luck, and the
+/// nothing where it never came past both ends. `index` tells rehearsals apart: each has its own luck, and the
 /// next member of the ensemble.
 std::optional<Passed> rehearse(const geometry::Stitch& stitch, const SutureReferenceConfig& config,
-                               const Rehearsal& with, std::uint64_t seed, std::uint64_t turn);
+                               const Rehearsal& with, std::uint64_t seed, std::uint64_t index);
 
-/// Where to lead the needle so that it passes both ends of every stitch: force and field of a coil differ in
-/// direction, so that a needle that is pushed along its heading drifts aside, as far each time. Half of that,
-/// as the rehearsals have it in the mean, is made up for beforehand at the entry, half is left at the exit:
-/// one step of iterative learning control (Arimoto, Kawamura and Miyazaki, 1984), in the simulator. A stitch
-/// stays as it is where some rehearsal never came past its exit. Throws common::LogicFault where the
-/// simulator knows no headings.
+/// Where to lead the needle so that it passes both ends of every stitch: the force on a needle and the field
+/// that it lies along differ in direction, so that a needle that is pushed along its heading drifts aside, as
+/// far each time. Its way, as the rehearsals have it in the mean, is moved aside so that it is as far from
+/// the entry as from the exit, at most config.aside_m. A stitch stays as it is, and that is logged, where a
+/// rehearsal never came through it. Throws common::LogicFault where the simulator knows no headings, and
+/// common::Interrupted.
 std::vector<geometry::Stitch> rehearsed(const std::vector<geometry::Stitch>& stitches,
                                         const SutureReferenceConfig& config, const Rehearsal& with,
                                         std::uint64_t seed);

@@ -42,11 +42,10 @@ struct SutureReferenceConfig {
     v.field("arrive_limit_s", arrive_limit_s, "s", "or after this time for each stitch at the latest",
             {0.0, 3600.0});
     v.field("rehearsals", rehearsals, "",
-            "so often is each push rehearsed in the learned simulator before the first stitch, and the "
-            "needle led "
-            "to as far beside the entry as it comes out on the other side of the exit; 0: straight at both",
+            "so often deploy rehearses each push in the learned simulator before the first stitch, to aim "
+            "beside entry and exit by what the needle drifts; 0: straight at both",
             {0, 1000});
-    v.field("aside_m", aside_m, "m", "but never further beside either than this", {0.0, 0.1});
+    v.field("aside_m", aside_m, "m", "at most so far beside either", {0.0, 0.1});
   }
 };
 

@@ -16,9 +16,12 @@ namespace lodestone::dynamics {
 using inference::DynamicsConfig;
 
 /// One network with its normalisers as buffers: batch normalisation of the input (and ReLU, where
-/// `input_relu` says so), then for each hidden layer linear, batch normalisation and ReLU, then linear.
-/// Parameters and buffers are float32. Input [N, S] state (x_m, y_m[, heading_rad]) and [N, A] drives in the
-/// dataset's unit; output [N, S] next state: the mean where a distribution is predicted. Section IV-B1.
+/// `input_relu` says so), then for each hidden layer linear, batch normalisation and ReLU, then linear. Where
+/// the rig has a symmetry (`symmetry`) rows are first turned and mirrored into the same eighth of the dish,
+/// and what comes out is turned and mirrored back: equivariance by canonicalisation (Kaba et al., ICML,
+/// 2023). Parameters and buffers are float32. Input [N, S] state (x_m, y_m[, heading_rad]) and [N, A] drives
+/// in the dataset's unit; output [N, S] next state: the mean where a distribution is predicted. Section
+/// IV-B1.
 class Network {
  public:
   /// Weights are zero until initialise() or tensors().load().
@@ -57,8 +60,12 @@ class Network {
   at::Tensor input_mean, input_std, output_mean, output_std;  ///< buffers
 
  private:
-  /// Raw network input from physical quantities, [N, inputs].
+  /// Raw network input from physical quantities, [N, inputs],
   at::Tensor features(const at::Tensor& state, const at::Tensor& action) const;
+  /// once they are seen as the symmetry has it,
+  at::Tensor seen_features(const at::Tensor& state, const at::Tensor& action) const;
+  /// and what should come out, [N, S], in the same view.
+  at::Tensor target(const at::Tensor& state, const at::Tensor& next_state) const;
 
   DynamicsConfig config_;
   data::StateLayout layout_;

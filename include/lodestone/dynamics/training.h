@@ -17,13 +17,6 @@ enum class Schedule { kConstant, kCosine };
 inline std::vector<std::string> names_of(Schedule) { return {"constant", "cosine"}; }
 enum class Loss { kL2, kHuber };
 inline std::vector<std::string> names_of(Loss) { return {"l2", "huber"}; }
-/// In how many ways a rig looks the same. Square: four coils alike around the dish, so that what happens,
-/// seen a quarter turn on or in a mirror along an axis, is what would happen there. True of the rig as it is
-/// described; no single one is built so well, and none has the same friction everywhere. Described: square
-/// where the description that the recording carries has four coils alike in opposed pairs, none elsewhere.
-enum class Symmetry { kNone, kSquare, kDescribed };
-inline std::vector<std::string> names_of(Symmetry) { return {"none", "square", "described"}; }
-
 /// How the dynamics networks learn. The defaults are the paper's (section IV-B1) where it says, plain
 /// otherwise.
 struct TrainingConfig {
@@ -37,7 +30,7 @@ struct TrainingConfig {
   Loss loss = Loss::kL2;
   double huber_delta = 1.0;  ///< in standard deviations of the output
   double mean_weight = 0.0;  ///< of the mean's squared error, beside a mixture's likelihood
-  Symmetry symmetry = Symmetry::kNone;
+  inference::Symmetry symmetry = inference::Symmetry::kNone;
   double validation_fraction = 0.1;
   double test_fraction = 0.1;
   bool keep_best = true;      ///< end with the weights of the best validation loss
@@ -63,10 +56,10 @@ struct TrainingConfig {
             "a mixture learns its likelihood and, so much, that its mean is near: pulses that look random at "
             "first are otherwise given up to wide Gaussians",
             {0.0, 1e3});
-    v.field("symmetry", symmetry, "",
-            "of the rig: every epoch sees each row in one of the ways that look the same. square: four coils "
-            "alike around the dish, so rows are turned by quarters and mirrored; described: square where the "
-            "recording's rig.json says so, else none");
+    v.field(
+        "symmetry", symmetry, "",
+        "of the rig, as in model.symmetry, learned from data: every epoch sees each row in one of the ways "
+        "that look the same, and the network may come to differ between them");
     v.field("validation_fraction", validation_fraction, "", "fraction of the episodes to choose weights by",
             {0.01, 0.9});
     v.field("test_fraction", test_fraction, "", "fraction of the episodes set aside for the final figures",

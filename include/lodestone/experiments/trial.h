@@ -30,7 +30,7 @@ struct TrialPlan {
   double duration_s = 20.0;                                ///< point tasks
   control::PathReferenceConfig reference;                  ///< path tasks
   std::vector<geometry::Stitch> stitches;                  ///< suture
-  std::vector<geometry::Stitch> aims;     ///< suture: led through, so that it passes those; empty: those
+  std::vector<geometry::Stitch> aims;     ///< suture: aimed at instead of `stitches`; empty: at those
   control::SutureReferenceConfig suture;  ///< suture
   geometry::KeepOut keep_out;             ///< what the needle must keep out of
   std::vector<physics::ObstacleConfig> obstacles;  ///< drawn for it: in its rig, and among those zones

@@ -14,6 +14,14 @@ namespace lodestone::inference {
 enum class DynamicsForm { kPaper, kDelta };
 inline std::vector<std::string> names_of(DynamicsForm) { return {"paper", "delta"}; }
 
+/// In how many ways a rig looks the same. Square: four coils alike around the dish, so that what happens,
+/// seen a quarter turn on or in a mirror along an axis, is what would happen there. True of the rig as it is
+/// described; no single one is built so well, and none has the same friction everywhere. Described: square
+/// where the description that the recording carries has four coils alike in opposed pairs, none elsewhere;
+/// what it came to stands in the checkpoint.
+enum class Symmetry { kNone, kSquare, kDescribed };
+inline std::vector<std::string> names_of(Symmetry) { return {"none", "square", "described"}; }
+
 /// Shape of the learned dynamics.
 struct DynamicsConfig {
   DynamicsForm form = DynamicsForm::kPaper;
@@ -23,6 +31,7 @@ struct DynamicsConfig {
   std::int64_t members = 1;  ///< ensemble size
   std::int64_t components =
       0;  ///< Gaussians of the predicted distribution; 0: a single value, as in the paper
+  Symmetry symmetry = Symmetry::kNone;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -39,6 +48,11 @@ struct DynamicsConfig {
         "Gaussians in the mixture that each network predicts (stick-slip is random, and a mean hides it); 0: "
         "a single value, as in the paper",
         {0, 16});
+    v.field("symmetry", symmetry, "",
+            "of the rig, built in: what looks the same happens the same. square: four coils alike around the "
+            "dish, so every pulse is seen turned and mirrored into the same eighth of it; described: square "
+            "where the recording's rig.json says so, else none. Where pulses are few, training.symmetry does "
+            "better");
   }
 
   void validate() const {
@@ -46,6 +60,8 @@ struct DynamicsConfig {
       throw common::InvalidConfig("hidden", hidden,
                                   "name at most " + std::to_string(kMostLayers) + " layers");
   }
+  /// Every row is seen in one eighth of the dish (geometry::SquareView).
+  bool sees_an_eighth() const { return symmetry == Symmetry::kSquare; }
   bool predicts_change() const { return form == DynamicsForm::kDelta; }
   /// A heading goes in as sine and cosine.
   bool sine_cosine(data::StateLayout layout) const {

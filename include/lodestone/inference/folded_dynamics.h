@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lodestone/common/random.h"
+#include "lodestone/geometry/square_view.h"
 #include "lodestone/inference/array.h"
 #include "lodestone/inference/dense_network.h"
 #include "lodestone/inference/dynamics_config.h"
@@ -70,8 +71,12 @@ class FoldedDynamics {
   /// A distribution over changes is predicted, not a single value.
   bool distribution() const { return mixture_.components > 0; }
 
+  /// As what lies at `state` is seen by the layers: drives go in and displacements come out in this view.
+  geometry::SquareView view(const double* state) const {
+    return sees_an_eighth_ ? geometry::SquareView::of(state[0], state[1]) : geometry::SquareView();
+  }
   /// For what looks inside, as a gradient does: the layers from features() to numbers as mixture() lays them
-  /// out, in units of output_unit() [S] (m, m and rad).
+  /// out, in units of output_unit() [S] (m, m and rad), all in view().
   const std::vector<LinearLayer>& layers() const { return layers_; }
   const MixtureLayout& mixture() const { return mixture_; }
   const std::vector<float>& output_unit() const { return output_std_; }
@@ -85,6 +90,8 @@ class FoldedDynamics {
   template <class LuckOf>
   void draw(const double* state, const double* drive, std::int64_t rows, const LuckOf& luck_of, double* next,
             Workspace& workspace) const;
+  /// Writes a state [S] as it is seen.
+  void enter(const geometry::SquareView& view, const double* state, double* seen) const;
   /// Runs the layers; returns [rows, outputs], which lives in the workspace.
   const float* evaluate(const double* state, const double* drive, std::int64_t rows,
                         Workspace& workspace) const;
@@ -93,6 +100,7 @@ class FoldedDynamics {
   int action_size_;
   bool predicts_change_;
   bool sine_cosine_;
+  bool sees_an_eighth_;
   MixtureLayout mixture_;  // no components: a single value
   std::vector<LinearLayer> layers_;
   DenseNetwork network_;
