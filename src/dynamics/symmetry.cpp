@@ -10,6 +10,7 @@
 
 #include "lodestone/common/config.h"
 #include "lodestone/common/error.h"
+#include "lodestone/common/log.h"
 #include "lodestone/dynamics/network.h"
 #include "lodestone/geometry/angle.h"
 #include "lodestone/physics/rig_description.h"
@@ -44,8 +45,11 @@ std::string why_not_square(const data::DatasetInfo& info) {
 Symmetry symmetry_of(Symmetry asked, const data::DatasetInfo& info, const std::string& key) {
   if (asked == Symmetry::kNone) return asked;
   const bool known = info.rig.is_object() && !info.rig.empty();
-  if (asked == Symmetry::kDescribed)
-    return known && why_not_square(info).empty() ? Symmetry::kSquare : Symmetry::kNone;
+  if (asked == Symmetry::kDescribed) {
+    const std::string why_not = known ? why_not_square(info) : "the recording carries no rig.json";
+    common::log_info(key + " = \"described\": " + (why_not.empty() ? "square" : "none, as " + why_not));
+    return why_not.empty() ? Symmetry::kSquare : Symmetry::kNone;
+  }
   // Where nobody has described the rig, it is believed.
   const std::string why_not = known || info.action_size != 2 ? why_not_square(info) : "";
   if (!why_not.empty())

@@ -15,9 +15,10 @@ namespace {
 
 using inference::DynamicsForm;
 
-Model sample_model(data::StateLayout layout) {
+Model sample_model(data::StateLayout layout, inference::Symmetry symmetry = inference::Symmetry::kNone) {
   Model model;
   model.config = tests::config_of(DynamicsForm::kDelta, true);
+  model.config.symmetry = symmetry;
   model.config.members = 3;
   model.info.layout = layout;
   model.info.source = "test";
@@ -34,9 +35,10 @@ Model sample_model(data::StateLayout layout) {
 }
 
 TEST_CASE("a saved ensemble predicts the same after loading", "[unit]") {
+  const auto symmetry = GENERATE(inference::Symmetry::kNone, inference::Symmetry::kSquare);
   for (const auto layout : {data::StateLayout::kPose, data::StateLayout::kPosition}) {
     const ::lodestone::tests::TemporaryFolder temporary;
-    Model model = sample_model(layout);
+    Model model = sample_model(layout, symmetry);
     save_model(temporary / "model", model, common::Json::object(), common::Json::object());
     Model loaded = load_model(temporary / "model");
     const tests::Rows rows = tests::sample_rows(layout, 33, 7);

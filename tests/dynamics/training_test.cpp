@@ -119,7 +119,7 @@ TEST_CASE("a stopped training goes on bitwise", "[unit]") {
     const ::lodestone::tests::TemporaryFolder temporary;
     TrainDynamicsConfig config = small_config(form);
     config.model.members = 2;
-    if (form == DynamicsForm::kDelta) config.training.symmetry = Symmetry::kSquare;
+    (form == DynamicsForm::kDelta ? config.training.symmetry : config.model.symmetry) = Symmetry::kSquare;
     const TrainingResult whole = train(dataset, config);
     TrainDynamicsConfig stopped = config;
     stopped.training.max_seconds = 1e-9;  // after one epoch

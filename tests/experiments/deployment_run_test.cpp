@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "experiments/oblique.h"
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
@@ -152,4 +153,42 @@ TEST_CASE("trials of another run in the journal are refused") {
   what.sources[0].name = "policy";
   experiments::DeploymentRun work(how, what, folder / "run", fake_driver());
   CHECK_THROWS_AS(work.load(folder / "run"), common::DataError);
+}
+
+TEST_CASE("stitches are rehearsed once for a run, and aimed at alike after it was killed") {
+  const tests::TemporaryFolder folder;
+  experiments::DeploymentJob sewn;
+  sewn.tasks = {"suture"};
+  sewn.rigs = {experiments::RigKind::kExplored};
+  sewn.sources = {tests::oblique()};
+  int made = 0;
+  sewn.sources[0].make = [&made](std::uint64_t) {
+    ++made;
+    return std::make_unique<tests::Oblique>();
+  };
+  const auto how = config();
+  std::vector<experiments::TrialPlan> driven;
+  const auto drive = [&](int dies_at) {
+    experiments::TrialDriver driver = fake_driver(dies_at);
+    driver.drive = [&driven, inner = driver.drive](const std::vector<experiments::TrialPlan>& plans,
+                                                   auto kind, const auto& source, const auto& watch) {
+      auto results = inner(plans, kind, source, watch);
+      driven.insert(driven.end(), plans.begin(), plans.end());
+      return results;
+    };
+    runs::RunFolder run(request(folder / "run"));
+    run.begin();
+    experiments::DeploymentRun work(how, sewn, folder / "run", std::move(driver));
+    runs::run_resumably(run, work, {"deploy", "trials", 0.0});
+  };
+  CHECK_THROWS_WITH(drive(2), "killed");
+  CHECK(made == 1);  // what is rehearsed by; the fake driver makes none
+  drive(-1);
+  CHECK(made == 2);
+  REQUIRE(driven.size() == 3);
+  for (const experiments::TrialPlan& plan : driven) {
+    REQUIRE(plan.aims.size() == plan.stitches.size());
+    CHECK(plan.aims[0].entry.x_m == driven[0].aims[0].entry.x_m);
+    CHECK(plan.aims[0].entry.x_m - plan.stitches[0].entry.x_m == Approx(0.0003).margin(1e-6));
+  }
 }

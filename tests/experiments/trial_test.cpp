@@ -205,6 +205,19 @@ TEST_CASE("a needle is led through stitches, and each is scored by where it was 
   CHECK_FALSE(result.truth->heading_error_deg);
 }
 
+TEST_CASE("a needle is led to where is aimed, and scored by the stitches themselves") {
+  Bench bench = before_stitches();
+  bench.plan.aims = bench.plan.stitches;
+  for (geometry::Stitch& aim : bench.plan.aims) aim.entry.y_m += 0.0004;
+  int seen = 0;
+  const auto result = bench.run([&] {
+    return geometry::Pose2{0.015 - 0.003 * std::min(4, seen++), 0.0, geometry::kPi};
+  });
+  CHECK(result.samples[0].step.target_m.y() == Approx(0.0004));
+  CHECK(result.truth->stitch_figures->at(0).entry_error_mm == Approx(0.0).margin(1e-6));
+  CHECK(result.plan.stitches[0].entry.y_m == 0.0);
+}
+
 TEST_CASE("a trial that is stopped in its suture is scored to the end of the schedule, and has failed") {
   Bench bench = before_stitches();
   bench.plan.stitches.pop_back();

@@ -17,6 +17,7 @@ enum class Schedule { kConstant, kCosine };
 inline std::vector<std::string> names_of(Schedule) { return {"constant", "cosine"}; }
 enum class Loss { kL2, kHuber };
 inline std::vector<std::string> names_of(Loss) { return {"l2", "huber"}; }
+
 /// How the dynamics networks learn. The defaults are the paper's (section IV-B1) where it says, plain
 /// otherwise.
 struct TrainingConfig {
