@@ -185,6 +185,7 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
         observation.drive_gain = identifier_->gain();
         observation.drift_m = identifier_->drifts_m(due_s, config_.period_s(), kStepsAhead);
       }
+      observation.awaited = reference.awaits();
       observation.ahead = reference.ahead(due_s, config_.period_s(), kStepsAhead);
       return observation;
     };

@@ -364,8 +364,13 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
       add_distances(observation, t, fraction);
   }
   if (!learned) return;
-  for (std::size_t c = 0; c < count; ++c)
-    if (is_nothing(candidates_[c])) cost_[c] = cost_to_go_->cost().of_staying(observation.pose, goal_);
+  const inference::PoseCost& cost = cost_to_go_->cost();
+  for (std::size_t c = 0; c < count; ++c) {
+    if (observation.awaited && candidates_[c].front().isZero(0.0))
+      cost_[c] = cost.most();
+    else if (is_nothing(candidates_[c]))
+      cost_[c] = cost.of_staying(observation.pose, goal_);
+  }
 }
 
 }  // namespace lodestone::control

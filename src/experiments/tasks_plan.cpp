@@ -105,9 +105,10 @@ TaskSettings controller_settings(const std::string& controller, const TaskVarian
   if (!plans) return settings;
   const bool along_path = variant.name.rfind(kTangentPath, 0) == 0 || variant.task == "suture";
   if (headed) settings.emplace_back("planner.horizon=2");
-  if (along_path)  // where there are corners, degrees are lost whatever is done
-    settings.emplace_back(variant.task == "square" ? "planner.heading_cost_mm=3.4"
-                                                   : "planner.heading_cost_mm=4.2");
+  if (along_path)  // degrees are lost at corners whatever is done, and matter most at the ends of a stitch
+    settings.emplace_back(variant.task == "square"   ? "planner.heading_cost_mm=3.4"
+                          : variant.task == "suture" ? "planner.heading_cost_mm=5"
+                                                     : "planner.heading_cost_mm=4.2");
   if (controller == runs::kOracle)  // what can be computed of physics
     return with_more(settings, {"planner.candidates=96", "planner.particles=4"});
   if (along_path)  // as best/deploy_headed_path.json has it

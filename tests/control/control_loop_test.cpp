@@ -9,6 +9,7 @@
 #include "control/fakes.h"
 #include "env/linear_model.h"
 #include "lodestone/common/realtime.h"
+#include "lodestone/control/suture_reference.h"
 #include "lodestone/rig/virtual_rig.h"
 #include "lodestone/safety/supervisor.h"
 #include "paper_rig.h"
@@ -114,6 +115,22 @@ TEST_CASE("a controller is told how the needle shall lie along a path, and so is
   CHECK(*controller.seen[1].target_heading_rad == Approx(0.3));
   CHECK(*controller.seen[1].ahead[0].heading_rad == Approx(0.6));
   CHECK(*outcome.steps[1].target_heading_rad == Approx(0.3));
+}
+
+TEST_CASE("a controller is told that its needle is waited for") {
+  Bench bench;
+  for (int step = 0; step < 8; ++step) bench.sensor.push(0.0, 0.0);
+  tests::FunctionController controller([](const task::Observation&) { return Vector2(0.1, 0.0); });
+  safety::Supervisor coils(bench.device, bench.safety, tests::paper_rig(), bench.clock);
+  control::ControlLoop loop(bench.config, bench.action, coils, bench.sensor, bench.clock);
+  control::SutureReferenceConfig config;
+  config.arrive_limit_s = 0.5;
+  control::SutureReference reference(geometry::running_stitch(1, 0.006, 0.004), config);
+  loop.run(controller, reference);
+  REQUIRE(controller.seen.size() >= 3);
+  CHECK(controller.seen[0].awaited);
+  CHECK(controller.seen[1].awaited);
+  CHECK_FALSE(controller.seen[2].awaited);
 }
 
 TEST_CASE("every fault stops the coils and is the reason of the outcome") {

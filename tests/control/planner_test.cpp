@@ -19,6 +19,20 @@ std::shared_ptr<const control::LearnedSimulator> model() {
       env::tests::linear_model(data::StateLayout::kPose, {kGain_m, kGain_m}, {0.0, 0.0}));
 }
 
+/// A cost-to-go that says: nowhere is better than anywhere else.
+std::shared_ptr<const inference::CostToGo> flat_cost() {
+  inference::PoseCost cost;
+  cost.dish_radius_m = 0.0425;
+  const inference::Arrays weights = {
+      {"l1.weight",
+       {std::vector<float>(static_cast<std::size_t>(inference::CostToGo::kFeatures)),
+        {1, inference::CostToGo::kFeatures}}},
+      {"l1.bias", {std::vector<float>{0.0F}, {1}}},
+      {"l2.weight", {std::vector<float>{0.0F}, {1, 1}}},
+      {"l2.bias", {std::vector<float>{0.3F}, {1}}}};
+  return std::make_shared<const inference::CostToGo>(weights, std::vector<std::int64_t>{1}, cost);
+}
+
 }  // namespace
 
 TEST_CASE("the planner keeps the promises of a controller") {
@@ -163,19 +177,8 @@ TEST_CASE("the planner goes by a cost-to-go to poses, and to points the distance
 
 TEST_CASE("the planner leaves a hollow of the cost-to-go that pulses too weak to move the needle lie in",
           "[unit]") {
-  // One that says: nowhere is better than anywhere else. So the weakest pulse costs least, and in a world
-  // with friction it moves nothing, again and again.
-  inference::PoseCost cost;
-  cost.dish_radius_m = 0.0425;
-  const inference::Arrays weights = {
-      {"l1.weight",
-       {std::vector<float>(static_cast<std::size_t>(inference::CostToGo::kFeatures)),
-        {1, inference::CostToGo::kFeatures}}},
-      {"l1.bias", {std::vector<float>{0.0F}, {1}}},
-      {"l2.weight", {std::vector<float>{0.0F}, {1, 1}}},
-      {"l2.bias", {std::vector<float>{0.3F}, {1}}}};
-  const auto flat = std::make_shared<const inference::CostToGo>(weights, std::vector<std::int64_t>{1}, cost);
-  control::Planner planner(model(), {}, 1, flat);
+  // The weakest pulse costs least, and in a world with friction it moves nothing, again and again.
+  control::Planner planner(model(), {}, 1, flat_cost());
   planner.reset();
   task::Observation observation;
   observation.pose = {0.01, 0.0, 0.3};
@@ -190,6 +193,21 @@ TEST_CASE("the planner leaves a hollow of the cost-to-go that pulses too weak to
   }
   CHECK(pulses > 0);
   CHECK(pulses < 20);
+}
+
+TEST_CASE("a needle that is waited for is not left lying where it could rest", "[unit]") {
+  task::Observation observation;
+  observation.pose = {0.01, 0.0, 0.3};
+  observation.target_m = {0.01, 0.0};
+  observation.target_heading_rad = 0.3;
+  const auto rests = [&] {
+    control::Planner planner(model(), {}, 1, flat_cost());
+    planner.reset();
+    return planner.act(observation).isZero(0.0);
+  };
+  CHECK(rests());
+  observation.awaited = true;
+  CHECK_FALSE(rests());
 }
 
 TEST_CASE("the planner steers against a flow that it is told of, and rests where it is", "[unit]") {

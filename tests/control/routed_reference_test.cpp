@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "lodestone/common/error.h"
+#include "lodestone/control/suture_reference.h"
 
 using namespace lodestone;
 using control::RoutedReference;
@@ -55,6 +56,21 @@ TEST_CASE("a needle that follows its targets is led around a zone to its goal, a
   CHECK(way.reference.target_heading_rad() == 0.5);
   CHECK_FALSE(way.reference.finished(59.9));
   CHECK(way.reference.finished(60.0));
+}
+
+TEST_CASE("a needle is waited for at its goal, not on the way there") {
+  Way way;
+  RoutedReference reference(std::make_shared<control::SutureReference>(
+                                std::vector<geometry::Stitch>{
+                                    {{0.025, 0.0, 0.5 * geometry::kPi}, {0.025, 0.006, 0.5 * geometry::kPi}}},
+                                control::SutureReferenceConfig()),
+                            way.map, disc_between(), 0.004);
+  reference.reset();
+  reference.target(0.0, {kStart.x(), kStart.y(), 0.0});
+  CHECK_FALSE(reference.awaits());
+  reference.move_zones({});
+  reference.target(0.3, {kStart.x(), kStart.y(), 0.0});
+  CHECK(reference.awaits());
 }
 
 TEST_CASE("without anything in the way the needle is sent to its goal at once") {

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "lodestone/control/held_drive.h"
+#include "lodestone/control/suture_reference.h"
 
 using namespace lodestone;
 using control::PointReference;
@@ -47,6 +48,16 @@ TEST_CASE("a steered reference has the headings of what it follows") {
   CHECK(steered.target_heading_rad() == 0.5);
   REQUIRE(steered.ahead(0.0, 0.3, 2).size() == 2);
   CHECK(steered.ahead(0.0, 0.3, 2)[1].heading_rad == 0.5);
+}
+
+TEST_CASE("a steered reference waits for the needle where what it follows does") {
+  SteeredReference steered(std::make_shared<PointReference>(geometry::Vector2(0.01, 0.0), 5.0));
+  steered.reset();
+  CHECK_FALSE(steered.awaits());
+  steered.steer(std::make_shared<control::SutureReference>(geometry::running_stitch(1, 0.006, 0.004),
+                                                           control::SutureReferenceConfig()));
+  steered.target(0.3, {0.01, 0.01});
+  CHECK(steered.awaits());
 }
 
 TEST_CASE("a held drive is given until another is held") {

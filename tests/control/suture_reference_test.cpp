@@ -40,6 +40,7 @@ TEST_CASE("a needle is waited for before its stitch until it has come there and 
   CHECK(is_at(reference.target(0.0, kElsewhere), kBefore.position_m()));
   CHECK(*reference.target_heading_rad() == Approx(0.5 * kPi));
   CHECK(reference.approaching());
+  CHECK(reference.awaits());
   CHECK(reference.stitch() == 0);
   CHECK(reference.ahead(0.0, 0.3, 5).empty());  // a pose to stay at
   Pose2 needle = kBefore;
@@ -54,6 +55,7 @@ TEST_CASE("a needle is waited for before its stitch until it has come there and 
   needle.heading_rad += 2.0 * kPi - 4.0 * geometry::kRadPerDeg;
   CHECK(is_at(reference.target(0.9, needle), kBefore.position_m()));
   CHECK_FALSE(reference.approaching());
+  CHECK_FALSE(reference.awaits());
 }
 
 TEST_CASE("it is pushed through along its way, told what comes, and sent to the next stitch") {

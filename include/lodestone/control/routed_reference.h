@@ -30,6 +30,7 @@ class RoutedReference final : public Reference {
   std::optional<double> target_heading_rad() const override;
   /// Likewise.
   std::vector<task::TargetAhead> ahead(double time_s, double step_s, int count) const override;
+  bool awaits() const override { return arriving() && inner_->awaits(); }
   bool finished(double time_s) const override { return inner_->finished(time_s); }
 
   /// The way as it was searched last, from where the needle was then.

@@ -26,6 +26,7 @@ class SteeredReference final : public Reference {
   std::vector<task::TargetAhead> ahead(double time_s, double step_s, int count) const override {
     return followed_->ahead(time_s - began_s_, step_s, count);
   }
+  bool awaits() const override { return followed_->awaits(); }
   bool finished(double time_s) const override;
 
  private:

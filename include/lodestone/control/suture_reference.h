@@ -18,7 +18,7 @@ struct SutureReferenceConfig {
   double speed_m_s = 0.002;
   double arrive_m = 0.0005;
   double arrive_deg = 5.0;
-  double arrive_limit_s = 60.0;
+  double arrive_limit_s = 120.0;
   std::int64_t rehearsals = 8;
   double aside_m = 0.0005;
 
@@ -61,6 +61,7 @@ class SutureReference final : public Reference {
   std::optional<double> target_heading_rad() const override { return heading_rad_; }
   /// Empty while the needle is waited for: that is a pose to stay at.
   std::vector<task::TargetAhead> ahead(double time_s, double step_s, int count) const override;
+  bool awaits() const override { return approaching(); }
   bool finished(double time_s) const override;
 
   /// The stitch that it is at, from 0; when all are done the last one.

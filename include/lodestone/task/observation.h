@@ -37,7 +37,8 @@ struct Observation {
   geometry::Vector2 target_m = geometry::Vector2::Zero();
   std::vector<TargetAhead>
       ahead;  ///< of a target that moves, one for each of the next steps; empty: it stays
-  std::optional<double> target_heading_rad;                           ///< where the task wants one
+  std::optional<double> target_heading_rad;  ///< where the task wants one
+  bool awaited = false;  ///< the task goes on only once the needle has come nearer: lying still leads nowhere
   geometry::Drive last_action = geometry::Drive::Zero(2);             ///< in [-1, 1]^k; zero after a reset
   geometry::Vector2 last_displacement_m = geometry::Vector2::Zero();  ///< sensed motion since the last action
   std::optional<DriveGain> drive_gain;                                ///< where the rig is identified
