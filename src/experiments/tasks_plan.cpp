@@ -111,7 +111,7 @@ TaskSettings controller_settings(const std::string& controller, const TaskVarian
                                                      : "planner.heading_cost_mm=4.2");
   if (controller == runs::kOracle)  // what can be computed of physics
     return with_more(settings, {"planner.candidates=96", "planner.particles=4"});
-  if (along_path)  // as best/deploy_headed_path.json has it
+  if (along_path)  // as best/deploy_headed_path.json and deploy_suture.json have it
     return with_more(settings, {"planner.candidates=192", "planner.iterations=4", "planner.particles=32"});
   if (headed)  // as best/deploy_any_pose.json has it
     return with_more(settings,

@@ -290,6 +290,7 @@ for preset in sorted((source / "configs").glob("*/*.json")):
     of_verb = {"deploy": "--policy", "train-dynamics": "data=FILE", "train-policy": "dynamics=DIR"}
     first_missing = {("best", "collect.json"): "--policy", ("best", "deploy_planner.json"): "dynamics=DIR",
                      ("best", "deploy_any_pose.json"): "dynamics=DIR", ("best", "deploy_headed_path.json"): "dynamics=DIR",
+                     ("best", "deploy_suture.json"): "dynamics=DIR",
                      ("quickstart", "deploy_planner.json"): "dynamics=DIR",
                      ("best", "policy_offline.json"): "recorded"}
     expected = first_missing.get(preset.parts[-2:], "--out" if preset.parent.name == "simulator" else of_verb.get(verb, "--out"))

@@ -109,7 +109,7 @@ TEST_CASE("what the planner is set to is what the presets for users say") {
   for (const auto& [id, preset] : {std::pair{"pose", "deploy_any_pose"},
                                    {"tangent_path/circle", "deploy_headed_path"},
                                    {"tangent_path/eight", "deploy_headed_path"},
-                                   {"suture", "deploy_headed_path"}}) {
+                                   {"suture", "deploy_suture"}}) {
     const common::Json planner =
         common::read_json_file(std::string(LODESTONE_SOURCE_DIR) + "/configs/best/" + preset + ".json")
             .at("planner");
