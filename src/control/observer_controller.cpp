@@ -79,7 +79,7 @@ geometry::Drive ObserverController::decide(const task::Observation& observation)
   const bool there = (observation.target_after_m(1) - resting_m).norm() <= config_.boundary_m;
   const bool lies_well = !heading_rad || turn_between_rad(pose.heading_rad, *heading_rad) <=
                                              config_.heading_deg * geometry::kRadPerDeg;
-  if (there && lies_well) return observation.rest();
+  if (there && lies_well && !observation.awaited) return observation.rest();
   return inverse(aim(observation, heading_rad), pose);
 }
 

@@ -366,10 +366,8 @@ void Planner::evaluate_candidates(const task::Observation& observation) {
   if (!learned) return;
   const inference::PoseCost& cost = cost_to_go_->cost();
   for (std::size_t c = 0; c < count; ++c) {
-    if (observation.awaited && candidates_[c].front().isZero(0.0))
-      cost_[c] = cost.most();
-    else if (is_nothing(candidates_[c]))
-      cost_[c] = cost.of_staying(observation.pose, goal_);
+    if (is_nothing(candidates_[c]))
+      cost_[c] = observation.awaited ? cost.most() : cost.of_staying(observation.pose, goal_);
   }
 }
 

@@ -73,7 +73,6 @@ class ImaginedNeedle {
     observation_.pose = lies_;
     observation_.target_m = target_m;
     observation_.target_heading_rad = reference.target_heading_rad();
-    observation_.awaited = reference.awaits();
     observation_.ahead = reference.ahead(time_s, with_.period_s, kStepsAhead);
     const geometry::Drive action = geometry::saturated(with_.controller.act(observation_));
     pulse(with_.drive_per_A * task::drive_of(action, with_.action));

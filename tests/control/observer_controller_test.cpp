@@ -97,8 +97,11 @@ TEST_CASE("in a steady drift the observer holds its target more closely than wit
 
 TEST_CASE("within the boundary layer there is no pulse, which goes for where the target will be") {
   control::ObserverController controller = controller_of(tests::observing());
-  CHECK(controller.act(asked_at({0.0, 0.0, 0.5}, {0.5e-3, 0.0})).isZero(0.0));
-  task::Observation observation = asked_at({0.0, 0.0, 0.5}, {3e-3, 0.0});
+  task::Observation observation = asked_at({0.0, 0.0, 0.5}, {0.5e-3, 0.0});
+  CHECK(controller.act(observation).isZero(0.0));
+  observation.awaited = true;
+  CHECK_FALSE(controller.act(observation).isZero(0.0));
+  observation = asked_at({0.0, 0.0, 0.5}, {3e-3, 0.0});
   CHECK_FALSE(controller.act(observation).isZero(0.0));
   observation.ahead = {{{0.4e-3, 0.0}, 0.3}};
   CHECK(controller.act(observation).isZero(0.0));

@@ -96,9 +96,9 @@ TEST_CASE("the oracle drives every task bare, by the planner's settings where th
     REQUIRE(oracle != nullptr);
     CHECK(oracle->seed == cell.seed);
     CHECK(sets(*oracle, "trials.count=7"));
-    for (const char* setting :
-         {"policy=/models/any_pose", "planner.horizon=2", "trials.path_heading=tangent",
-          "planner.heading_cost_mm=4.2", "planner.heading_cost_mm=3.4", "trials.obstacles.count=3"})
+    for (const char* setting : {"policy=/models/any_pose", "planner.horizon=2", "trials.path_heading=tangent",
+                                "planner.heading_cost_mm=4.2", "planner.heading_cost_mm=3.4",
+                                "planner.heading_cost_mm=5", "trials.obstacles.count=3"})
       CHECK(sets(*oracle, setting) == sets(cell, setting));
     CHECK(plan.find(id.substr(0, id.size() - 4) + "decorated") == nullptr);
   }

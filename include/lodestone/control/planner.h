@@ -67,9 +67,11 @@ struct PlannerConfig {
 /// that instead: what lying there costs, pulse by pulse, and at the end all that comes after. The first round
 /// then tries pulses of every strength, as a needle turns at a tenth of what moves it, and later ones look
 /// around each of the best: the mean of two ways to a pose lies on neither. Where its pulses move nothing, a
-/// place becomes dearer. A target without a heading is gone to by the distance until no pulse is found that
-/// brings the needle nearer, from then on by the cost-to-go, to the heading there that costs least; and
-/// wherever it would rest by that, but not well within the tolerance, by the distance again.
+/// place becomes dearer. A needle that is waited for (task::Observation::awaited) is not left lying, unless
+/// every pulse costs as much as never coming near. A target without a heading is gone to by the distance
+/// until no pulse is found that brings the needle nearer, from then on by the cost-to-go, to the heading
+/// there that costs least; and wherever it would rest by that, but not well within the tolerance, by the
+/// distance again.
 class Planner final : public Controller {
  public:
   /// `cost_to_go`: null where none was learned.

@@ -26,7 +26,7 @@ class Reference {
   virtual std::vector<task::TargetAhead> ahead(double /*time_s*/, double /*step_s*/, int /*count*/) const {
     return {};
   }
-  /// True while the needle is waited for: it has not come near enough for the target to go on.
+  /// True while the needle is waited for at a pose nearer to which a controller might not bring it unasked.
   virtual bool awaits() const { return false; }
   /// True once there is nothing left to follow.
   virtual bool finished(double time_s) const = 0;
