@@ -37,9 +37,13 @@ struct Bench {
   double duration_s = 1.5;
 
   control::LoopOutcome run(control::Controller& controller, control::RigIdentifier* identifier = nullptr) {
+    control::PointReference reference({0.01, 0.0}, duration_s);
+    return run(controller, reference, identifier);
+  }
+  control::LoopOutcome run(control::Controller& controller, control::Reference& reference,
+                           control::RigIdentifier* identifier = nullptr) {
     safety::Supervisor coils(device, safety, tests::paper_rig(), clock);
     control::ControlLoop loop(config, action, coils, sensor, clock, nullptr, identifier);
-    control::PointReference reference({0.01, 0.0}, duration_s);
     return loop.run(controller, reference);
   }
 };
@@ -85,13 +89,11 @@ TEST_CASE("a controller is told the next points of a path, and of a point that i
   tests::FunctionController controller([](const task::Observation&) { return Vector2(0.1, 0.0); });
   bench.run(controller);
   CHECK(controller.seen.front().ahead.empty());
-  safety::Supervisor coils(bench.device, bench.safety, tests::paper_rig(), bench.clock);
-  control::ControlLoop loop(bench.config, bench.action, coils, bench.sensor, bench.clock);
   control::PathReferenceConfig config;
   config.speed_m_s = 0.01;
   control::PathReference reference(geometry::Path({{0.0, 0.0}, {0.01, 0.0}}, false), config);
   controller.seen.clear();
-  loop.run(controller, reference);
+  bench.run(controller, reference);
   const auto& ahead = controller.seen.front().ahead;
   REQUIRE(ahead.size() >= 10);
   CHECK(ahead[1].in_s == Approx(0.6));
@@ -103,14 +105,12 @@ TEST_CASE("a controller is told how the needle shall lie along a path, and so is
   Bench bench;
   for (int step = 0; step < 8; ++step) bench.sensor.push(0.0, 0.0);
   tests::FunctionController controller([](const task::Observation&) { return Vector2(0.1, 0.0); });
-  safety::Supervisor coils(bench.device, bench.safety, tests::paper_rig(), bench.clock);
-  control::ControlLoop loop(bench.config, bench.action, coils, bench.sensor, bench.clock);
   control::PathReferenceConfig config;
   config.speed_m_s = 0.01;
   control::PathReference reference(geometry::Path({{0.0, 0.0}, {0.01, 0.0}}, false)
                                        .with_heading(geometry::PathHeading::column({0.0, 1.0})),
                                    config);
-  const auto outcome = loop.run(controller, reference);
+  const auto outcome = bench.run(controller, reference);
   REQUIRE(outcome.steps.size() >= 3);
   CHECK(*controller.seen[1].target_heading_rad == Approx(0.3));
   CHECK(*controller.seen[1].ahead[0].heading_rad == Approx(0.6));
@@ -121,12 +121,10 @@ TEST_CASE("a controller is told that its needle is waited for") {
   Bench bench;
   for (int step = 0; step < 8; ++step) bench.sensor.push(0.0, 0.0);
   tests::FunctionController controller([](const task::Observation&) { return Vector2(0.1, 0.0); });
-  safety::Supervisor coils(bench.device, bench.safety, tests::paper_rig(), bench.clock);
-  control::ControlLoop loop(bench.config, bench.action, coils, bench.sensor, bench.clock);
   control::SutureReferenceConfig config;
   config.arrive_limit_s = 0.5;
   control::SutureReference reference(geometry::running_stitch(1, 0.006, 0.004), config);
-  loop.run(controller, reference);
+  bench.run(controller, reference);
   REQUIRE(controller.seen.size() >= 3);
   CHECK(controller.seen[0].awaited);
   CHECK(controller.seen[1].awaited);
