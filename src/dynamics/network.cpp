@@ -60,6 +60,8 @@ class EighthViews {
     if (rows.size(1) == 2) return at::cat({x, y}, 1);
     return at::cat({x, y, wrap_angles(mirror_ * rows.narrow(1, kHeading, 1) + quarter_turns_rad_)}, 1);
   }
+  /// Which view a row is seen in: geometry::SquareView::write_way, row by row.
+  at::Tensor ways() const { return at::cat({cosine_, sine_, mirror_}, 1); }
 
  private:
   at::Tensor cosine_, sine_, quarter_turns_rad_, mirror_;  // [N, 1]
@@ -107,15 +109,30 @@ at::Tensor Network::layers(const at::Tensor& input) const {
 }
 
 at::Tensor Network::features(const at::Tensor& state, const at::Tensor& action) const {
-  if (!config_.sees_an_eighth()) return seen_features(state, action);
+  if (!config_.sees_an_eighth()) return seen_features(state, action, {});
   const EighthViews views(state);
-  return seen_features(views.enter(state), views.enter(action));
+  return seen_features(views.enter(state), views.enter(action),
+                       config_.tells_its_way() ? views.ways() : at::Tensor());
 }
 
-at::Tensor Network::seen_features(const at::Tensor& state, const at::Tensor& action) const {
-  if (!config_.sine_cosine(layout_)) return at::cat({state, action}, 1);
-  const at::Tensor heading = state.narrow(1, kHeading, 1);
-  return at::cat({state.narrow(1, 0, kHeading), heading.sin(), heading.cos(), action}, 1);
+at::Tensor Network::seen_features(const at::Tensor& state, const at::Tensor& action,
+                                  const at::Tensor& ways) const {
+  std::vector<at::Tensor> columns = {state};
+  at::Tensor sine, cosine;
+  if (config_.sine_cosine(layout_)) {
+    const at::Tensor heading = state.narrow(1, kHeading, 1);
+    sine = heading.sin();
+    cosine = heading.cos();
+    columns = {state.narrow(1, 0, kHeading), sine, cosine};
+  }
+  if (ways.defined()) columns.push_back(ways);
+  if (config_.drive_by_needle(rows())) {
+    const at::Tensor x = action.narrow(1, 0, 1), y = action.narrow(1, 1, 1);
+    columns.push_back(x * cosine + y * sine);
+    columns.push_back(y * cosine - x * sine);
+  }
+  columns.push_back(action);
+  return at::cat(columns, 1);
 }
 
 at::Tensor Network::normalised_input(const at::Tensor& state, const at::Tensor& action) const {
@@ -166,7 +183,8 @@ void Network::fit_normalisers(const at::Tensor& state, const at::Tensor& action,
 void Network::scale_drive(double gain) {
   const at::NoGradGuard no_grad;
   for (at::Tensor* numbers : {&input_mean, &input_std})
-    numbers->narrow(-1, numbers->size(-1) - action_size_, action_size_).div_(gain);
+    numbers->narrow(-1, numbers->size(-1) - config_.drive_inputs(rows()), config_.drive_inputs(rows()))
+        .div_(gain);
 }
 
 Members make_members(const DynamicsConfig& config, const data::RowLayout& rows, std::uint64_t seed) {

@@ -35,6 +35,13 @@ void SquareView::leave(double* xy) const {
   turn(quarters_, xy);
 }
 
+void SquareView::write_way(float* way) const {
+  constexpr float kCosine[4] = {1.0F, 0.0F, -1.0F, 0.0F};
+  way[0] = kCosine[quarters_];
+  way[1] = kCosine[(quarters_ + 3) % 4];
+  way[2] = mirrored_ ? -1.0F : 1.0F;
+}
+
 double SquareView::entered_rad(double heading_rad) const {
   const double turned_rad = heading_rad - 0.5 * kPi * quarters_;
   return wrap_angle(mirrored_ ? -turned_rad : turned_rad);

@@ -165,6 +165,8 @@ FoldedDynamics::FoldedDynamics(const Arrays& weights, const DynamicsConfig& conf
       predicts_change_(config.predicts_change()),
       sine_cosine_(config.sine_cosine(rows.state)),
       sees_an_eighth_(can_be_turned(config, rows, what)),
+      tells_its_way_(config.tells_its_way()),
+      drive_by_needle_(config.drive_by_needle(rows)),
       mixture_(config.mixture(rows.state)),
       layers_(fold(weights, config, rows, what)),
       network_(layers_),
@@ -181,23 +183,48 @@ void FoldedDynamics::write_features(const double* state, const double* drive, st
   for (std::int64_t row = 0; row < rows; ++row, state += state_size_, drive += action_size_) {
     const double* from = state;
     const double* by = drive;
+    const geometry::SquareView seen_in = view(state);
     if (sees_an_eighth_) {
-      enter(view(state), state, seen);
+      enter(seen_in, state, seen);
       std::copy_n(drive, 2, drive_seen);
-      view(state).enter(drive_seen);
+      seen_in.enter(drive_seen);
       from = seen;
       by = drive_seen;
     }
     *out++ = static_cast<float>(from[0]);
     *out++ = static_cast<float>(from[1]);
+    float sine = 0.0F, cosine = 0.0F;
     if (sine_cosine_) {
-      *out++ = std::sin(static_cast<float>(from[2]));
-      *out++ = std::cos(static_cast<float>(from[2]));
+      *out++ = sine = std::sin(static_cast<float>(from[2]));
+      *out++ = cosine = std::cos(static_cast<float>(from[2]));
     } else if (state_size_ == 3) {
       *out++ = static_cast<float>(from[2]);
     }
+    if (tells_its_way_) {
+      seen_in.write_way(out);
+      out += geometry::SquareView::kWayNumbers;
+    }
+    if (drive_by_needle_) {
+      const auto x = static_cast<float>(by[0]), y = static_cast<float>(by[1]);
+      *out++ = x * cosine + y * sine;
+      *out++ = y * cosine - x * sine;
+    }
     for (int i = 0; i < action_size_; ++i) *out++ = static_cast<float>(by[i]);
   }
+}
+
+void FoldedDynamics::feature_slope_by_drive(const double* state, const float* by_feature,
+                                            double* by_drive) const {
+  const float* of_drive = by_feature + network_.inputs() - action_size_;
+  for (int i = 0; i < action_size_; ++i) by_drive[i] = static_cast<double>(of_drive[i]);
+  if (drive_by_needle_) {
+    const double heading_rad = sees_an_eighth_ ? view(state).entered_rad(state[2]) : state[2];
+    const double sine = std::sin(heading_rad), cosine = std::cos(heading_rad);
+    const double along = static_cast<double>(of_drive[-2]), across = static_cast<double>(of_drive[-1]);
+    by_drive[0] += along * cosine - across * sine;
+    by_drive[1] += along * sine + across * cosine;
+  }
+  if (sees_an_eighth_) view(state).leave(by_drive);
 }
 
 void FoldedDynamics::enter(const geometry::SquareView& view, const double* state, double* seen) const {

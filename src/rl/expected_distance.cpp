@@ -125,11 +125,8 @@ void ExpectedDistance::evaluate(const double* state, const double* drive, const 
                     FlatNetwork<float>::Wanted::kInput);
   const float* by_feature = workspace.network.input_gradient.data_ptr<float>();
   const std::int64_t features = workspace.network.input_gradient.size(1);
-  for (std::int64_t row = 0; row < rows; ++row) {
-    for (std::int64_t i = 0; i < 2; ++i)
-      gradient[2 * row + i] = static_cast<double>(by_feature[row * features + features - 2 + i]);
-    member_.view(state + row * size).leave(gradient + 2 * row);
-  }
+  for (std::int64_t row = 0; row < rows; ++row)
+    member_.feature_slope_by_drive(state + row * size, by_feature + row * features, gradient + 2 * row);
 }
 
 void ExpectedDistance::draw(std::int64_t row, const double* state, common::RandomStream& random, double* next,

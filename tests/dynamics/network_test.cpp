@@ -52,6 +52,8 @@ TEST_CASE("the folded network agrees with the network", "[unit]") {
         DynamicsConfig config = config_of(form, batch_norm);
         config.input_relu = input_relu;
         if (input_relu == batch_norm) config.symmetry = inference::Symmetry::kSquare;
+        config.symmetry_exact = !batch_norm;
+        config.needle_frame = input_relu;
         const auto network = exercised(config, layout);
         const Rows rows = sample_rows(layout, 77, 3);
         const at::Tensor expected = network->forward(rows.state, rows.action);
@@ -94,6 +96,33 @@ TEST_CASE("a network takes as many numbers of drive as the rig has", "[unit]") {
   network->scale_drive(2.0);
   CHECK(at::equal(network->input_std.narrow(0, 4, 6) * 2.0, before.narrow(0, 4, 6)));
   CHECK(at::equal(network->input_std.narrow(0, 0, 4), before.narrow(0, 0, 4)));
+}
+
+TEST_CASE("what tells of the drive goes in last and grows with it, after the eighth of the dish", "[unit]") {
+  const at::NoGradGuard no_grad;
+  DynamicsConfig config = config_of(DynamicsForm::kDelta, false);
+  config.symmetry = inference::Symmetry::kSquare;
+  config.needle_frame = true;
+  const data::RowLayout layout(data::StateLayout::kPose);
+  CHECK(config.inputs(layout) == 4 + 2 + 2);
+  config.symmetry_exact = false;
+  CHECK(config.inputs(layout) == 4 + 3 + 2 + 2);
+  CHECK(config.inputs({data::StateLayout::kPose, 6}) == 4 + 3 + 6);
+  CHECK(config.inputs({data::StateLayout::kPosition, 2}) == 2 + 3 + 2);
+  const auto network = make_members(config, layout, 5).front();
+  const double state[3] = {-0.001, 0.02, 0.5 * geometry::kPi};  // in the north, heading there
+  const double drive[2] = {-1.0, 3.0};
+  std::vector<float> features(11);
+  fold(*network).write_features(state, drive, 1, features.data());
+  const std::vector<float> wanted = {0.02F, 0.001F, 0.0F, 1.0F, 0.0F, 1.0F, 1.0F, 3.0F, 1.0F, 3.0F, 1.0F};
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    CAPTURE(i);
+    CHECK(features[i] == Approx(wanted[i]).margin(1e-6));
+  }
+  const at::Tensor before = network->input_std.clone();
+  network->scale_drive(2.0);
+  CHECK(at::equal(network->input_std.narrow(0, 7, 4) * 2.0, before.narrow(0, 7, 4)));
+  CHECK(at::equal(network->input_std.narrow(0, 0, 7), before.narrow(0, 0, 7)));
 }
 
 TEST_CASE("normalisers are part of the network", "[unit]") {

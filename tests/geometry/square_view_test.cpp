@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <set>
+#include <vector>
 
 #include "lodestone/geometry/angle.h"
 
@@ -40,6 +42,24 @@ TEST_CASE("headings are seen as the vectors along them are") {
       CHECK(view.left_rad(seen_rad) == Approx(heading_rad));
     }
   }
+}
+
+TEST_CASE("each of the eight views tells that it is that one") {
+  std::set<std::vector<float>> told;
+  for (int i = 0; i < 8; ++i) {
+    const double angle_rad = (45.0 * i + 10.0) * kPi / 180.0;
+    const SquareView view = SquareView::of(std::cos(angle_rad), std::sin(angle_rad));
+    std::vector<float> way(SquareView::kWayNumbers);
+    view.write_way(way.data());
+    CAPTURE(i);
+    double east[2] = {1.0, 0.0};
+    view.leave(east);
+    CHECK(static_cast<double>(way[0]) == east[0]);
+    CHECK(static_cast<double>(way[1]) == east[1]);
+    CHECK(way[2] == (i % 2 == 0 ? 1.0F : -1.0F));
+    told.insert(way);
+  }
+  CHECK(told.size() == 8);
 }
 
 TEST_CASE("places on the edges of the eighths are seen in it, too") {

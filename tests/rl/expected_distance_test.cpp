@@ -15,7 +15,8 @@ namespace {
 
 /// A mixture of two whose weights, means and spreads all depend on everything, by a random network.
 lodestone::inference::DynamicsModel random_simulator(
-    lodestone::inference::Symmetry symmetry = lodestone::inference::Symmetry::kNone) {
+    lodestone::inference::Symmetry symmetry = lodestone::inference::Symmetry::kNone,
+    bool needle_frame = false) {
   namespace inference = lodestone::inference;
   constexpr auto kLayout = lodestone::data::StateLayout::kPose;
   constexpr std::int64_t kHidden = 12;
@@ -23,6 +24,8 @@ lodestone::inference::DynamicsModel random_simulator(
   model.config.hidden = {kHidden};
   model.config.components = 2;
   model.config.symmetry = symmetry;
+  model.config.symmetry_exact = !needle_frame;
+  model.config.needle_frame = needle_frame;
   const std::int64_t inputs = model.config.inputs(kLayout);
   const std::int64_t outputs = model.config.mixture(kLayout).outputs();
   RandomStream random(7, "random simulator");
@@ -58,7 +61,7 @@ TEST_CASE("A distance costs nothing less within the goal, and more outside the d
 
 TEST_CASE("The gradient by the drive is the slope of the expected distance", "[rl]") {
   using lodestone::inference::Symmetry;
-  const auto model = random_simulator(GENERATE(Symmetry::kNone, Symmetry::kSquare));
+  const auto model = random_simulator(GENERATE(Symmetry::kNone, Symmetry::kSquare), GENERATE(false, true));
   const ExpectedDistance expected(model.members.front(), {0.0003, 0.0425});
   constexpr std::int64_t kRows = 64;
   RandomStream random(3, "expected distance");

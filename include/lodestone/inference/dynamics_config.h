@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lodestone/data/dataset.h"
+#include "lodestone/geometry/square_view.h"
 #include "lodestone/inference/dense_network.h"
 #include "lodestone/inference/mixture.h"
 
@@ -32,6 +33,8 @@ struct DynamicsConfig {
   std::int64_t components =
       0;  ///< Gaussians of the predicted distribution; 0: a single value, as in the paper
   Symmetry symmetry = Symmetry::kNone;
+  bool symmetry_exact = true;  ///< false: in which of the eight ways a row is seen goes in, too
+  bool needle_frame = false;   ///< the drive along and across the needle goes in, too
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -53,6 +56,15 @@ struct DynamicsConfig {
             "dish, so every pulse is seen turned and mirrored into the same eighth of it; described: square "
             "where the recording's rig.json says so, else none. Where pulses are few, training.symmetry does "
             "better");
+    v.field(
+        "symmetry_exact", symmetry_exact, "",
+        "what looks the same happens the same to the letter. false: in which of the eight ways a pulse is "
+        "seen goes into the network, too, so that pulses which are many can tell what of the rig differs "
+        "from side to side; foretells the recorded rig better, not others of its kind");
+    v.field(
+        "needle_frame", needle_frame, "",
+        "the drive goes in as the needle sees it, too, along and across it, where form is delta, a heading "
+        "is recorded, and drives are two numbers along x and y");
   }
 
   void validate() const {
@@ -67,8 +79,19 @@ struct DynamicsConfig {
   bool sine_cosine(data::StateLayout layout) const {
     return predicts_change() && layout == data::StateLayout::kPose;
   }
+  /// In which of the eight ways a row is seen goes in, as geometry::SquareView::kWayNumbers numbers.
+  bool tells_its_way() const { return sees_an_eighth() && !symmetry_exact; }
+  /// A drive goes in as the needle sees it, too.
+  bool drive_by_needle(const data::RowLayout& rows) const {
+    return needle_frame && sine_cosine(rows.state) && rows.action_size == 2;
+  }
+  /// Inputs that tell of the drive; they come last.
+  std::int64_t drive_inputs(const data::RowLayout& rows) const {
+    return rows.action_size + (drive_by_needle(rows) ? 2 : 0);
+  }
   std::int64_t inputs(const data::RowLayout& rows) const {
-    return data::state_size(rows.state) + rows.action_size + (sine_cosine(rows.state) ? 1 : 0);
+    return data::state_size(rows.state) + (sine_cosine(rows.state) ? 1 : 0) +
+           (tells_its_way() ? geometry::SquareView::kWayNumbers : 0) + drive_inputs(rows);
   }
   MixtureLayout mixture(data::StateLayout layout) const { return {components, data::state_size(layout)}; }
 };
