@@ -60,8 +60,8 @@ class EighthViews {
     if (rows.size(1) == 2) return at::cat({x, y}, 1);
     return at::cat({x, y, wrap_angles(mirror_ * rows.narrow(1, kHeading, 1) + quarter_turns_rad_)}, 1);
   }
-  /// Which view a row is seen in: geometry::SquareView::write_way, row by row.
-  at::Tensor ways() const { return at::cat({cosine_, sine_, mirror_}, 1); }
+  /// Which view a row is seen in: geometry::SquareView::write_view, row by row.
+  at::Tensor numbers() const { return at::cat({cosine_, sine_, mirror_}, 1); }
 
  private:
   at::Tensor cosine_, sine_, quarter_turns_rad_, mirror_;  // [N, 1]
@@ -95,6 +95,8 @@ Network::Network(const DynamicsConfig& config, const data::RowLayout& rows)
 
 void Network::initialise(common::RandomStream& random) {
   for (nets::Linear& linear : linear_) linear.initialise(random);
+  const at::NoGradGuard no_grad;
+  view_columns(linear_.front().weight).zero_();
 }
 
 at::Tensor Network::layers(const at::Tensor& input) const {
@@ -112,11 +114,11 @@ at::Tensor Network::features(const at::Tensor& state, const at::Tensor& action) 
   if (!config_.sees_an_eighth()) return seen_features(state, action, {});
   const EighthViews views(state);
   return seen_features(views.enter(state), views.enter(action),
-                       config_.tells_its_way() ? views.ways() : at::Tensor());
+                       config_.tells_view() ? views.numbers() : at::Tensor());
 }
 
 at::Tensor Network::seen_features(const at::Tensor& state, const at::Tensor& action,
-                                  const at::Tensor& ways) const {
+                                  const at::Tensor& views) const {
   std::vector<at::Tensor> columns = {state};
   at::Tensor sine, cosine;
   if (config_.sine_cosine(layout_)) {
@@ -125,8 +127,8 @@ at::Tensor Network::seen_features(const at::Tensor& state, const at::Tensor& act
     cosine = heading.cos();
     columns = {state.narrow(1, 0, kHeading), sine, cosine};
   }
-  if (ways.defined()) columns.push_back(ways);
-  if (config_.drive_by_needle(rows())) {
+  if (views.defined()) columns.push_back(views);
+  if (config_.sees_drive_by_needle(rows())) {
     const at::Tensor x = action.narrow(1, 0, 1), y = action.narrow(1, 1, 1);
     columns.push_back(x * cosine + y * sine);
     columns.push_back(y * cosine - x * sine);
@@ -175,9 +177,15 @@ at::Tensor Network::forward(const at::Tensor& state, const at::Tensor& action) c
 void Network::fit_normalisers(const at::Tensor& state, const at::Tensor& action,
                               const at::Tensor& next_state) {
   fit(input_mean, input_std, features(state, action));
+  view_columns(input_mean).zero_();  // numbers from -1 to 1 already, some of which may never vary
+  view_columns(input_std).fill_(1.0);
   output_mean.zero_();
   output_std.fill_(1.0);
   fit(output_mean, output_std, target(state.to(at::kDouble), next_state.to(at::kDouble)));
+}
+
+at::Tensor Network::view_columns(const at::Tensor& by_input) const {
+  return by_input.narrow(-1, config_.state_inputs(layout_), config_.view_inputs());
 }
 
 void Network::scale_drive(double gain) {

@@ -9,9 +9,10 @@
 
 namespace lodestone::dynamics {
 
-/// What `asked` means for a recording: none or square. Throws ConfigError that names `key` where square is
-/// asked for, and the recording's rig is not described so, or its drives are not vectors along x and y.
-inference::Symmetry symmetry_of(inference::Symmetry asked, const data::DatasetInfo& info,
+/// What `asked` means for a recording: none or square, of which coils must be alike only where it is `exact`.
+/// Throws ConfigError that names `key` where square is asked for, and the recording's rig is not described
+/// so, or its drives are not vectors along x and y.
+inference::Symmetry symmetry_of(inference::Symmetry asked, bool exact, const data::DatasetInfo& info,
                                 const std::string& key);
 
 /// Ways to see a recording that belong to it (data augmentation by the dihedral group of the square), the

@@ -83,10 +83,15 @@ class Training : public runs::ResumableWork {
   Training(const data::Dataset& dataset, const TrainDynamicsConfig& config)
       : config_(config), pool_(static_cast<std::size_t>(config.threads)) {
     TrainingConfig training = config.training;
-    training.symmetry = symmetry_of(training.symmetry, dataset.info, "training.symmetry");
+    training.symmetry = symmetry_of(training.symmetry, /*exact=*/true, dataset.info, "training.symmetry");
     const auto seed = static_cast<std::uint64_t>(config.seed);
     model_.config = config.model;
-    model_.config.symmetry = symmetry_of(config.model.symmetry, dataset.info, "model.symmetry");
+    model_.config.symmetry =
+        symmetry_of(config.model.symmetry, config.model.symmetry_exact, dataset.info, "model.symmetry");
+    if (training.symmetry != inference::Symmetry::kNone && model_.config.tells_view())
+      throw common::ConfigError(
+          "training.symmetry shows every pulse from all sides alike, from which model.symmetry_exact = false "
+          "cannot learn what differs between them; leave out one of the two");
     model_.info = dataset.info;
     model_.split = split_of(config);
     const data::Split split = data::split_by_episode(dataset, training.validation_fraction,

@@ -35,11 +35,11 @@ void SquareView::leave(double* xy) const {
   turn(quarters_, xy);
 }
 
-void SquareView::write_way(float* way) const {
+void SquareView::write_view(float* out) const {
   constexpr float kCosine[4] = {1.0F, 0.0F, -1.0F, 0.0F};
-  way[0] = kCosine[quarters_];
-  way[1] = kCosine[(quarters_ + 3) % 4];
-  way[2] = mirrored_ ? -1.0F : 1.0F;
+  out[0] = kCosine[quarters_];
+  out[1] = kCosine[(quarters_ + 3) % 4];
+  out[2] = mirrored_ ? -1.0F : 1.0F;
 }
 
 double SquareView::entered_rad(double heading_rad) const {

@@ -165,8 +165,8 @@ FoldedDynamics::FoldedDynamics(const Arrays& weights, const DynamicsConfig& conf
       predicts_change_(config.predicts_change()),
       sine_cosine_(config.sine_cosine(rows.state)),
       sees_an_eighth_(can_be_turned(config, rows, what)),
-      tells_its_way_(config.tells_its_way()),
-      drive_by_needle_(config.drive_by_needle(rows)),
+      tells_view_(config.tells_view()),
+      sees_drive_by_needle_(config.sees_drive_by_needle(rows)),
       mixture_(config.mixture(rows.state)),
       layers_(fold(weights, config, rows, what)),
       network_(layers_),
@@ -200,11 +200,11 @@ void FoldedDynamics::write_features(const double* state, const double* drive, st
     } else if (state_size_ == 3) {
       *out++ = static_cast<float>(from[2]);
     }
-    if (tells_its_way_) {
-      seen_in.write_way(out);
-      out += geometry::SquareView::kWayNumbers;
+    if (tells_view_) {
+      seen_in.write_view(out);
+      out += geometry::SquareView::kViewNumbers;
     }
-    if (drive_by_needle_) {
+    if (sees_drive_by_needle_) {
       const auto x = static_cast<float>(by[0]), y = static_cast<float>(by[1]);
       *out++ = x * cosine + y * sine;
       *out++ = y * cosine - x * sine;
@@ -213,11 +213,10 @@ void FoldedDynamics::write_features(const double* state, const double* drive, st
   }
 }
 
-void FoldedDynamics::feature_slope_by_drive(const double* state, const float* by_feature,
-                                            double* by_drive) const {
+void FoldedDynamics::slope_by_drive(const double* state, const float* by_feature, double* by_drive) const {
   const float* of_drive = by_feature + network_.inputs() - action_size_;
   for (int i = 0; i < action_size_; ++i) by_drive[i] = static_cast<double>(of_drive[i]);
-  if (drive_by_needle_) {
+  if (sees_drive_by_needle_) {
     const double heading_rad = sees_an_eighth_ ? view(state).entered_rad(state[2]) : state[2];
     const double sine = std::sin(heading_rad), cosine = std::cos(heading_rad);
     const double along = static_cast<double>(of_drive[-2]), across = static_cast<double>(of_drive[-1]);

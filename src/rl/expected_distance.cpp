@@ -126,7 +126,7 @@ void ExpectedDistance::evaluate(const double* state, const double* drive, const 
   const float* by_feature = workspace.network.input_gradient.data_ptr<float>();
   const std::int64_t features = workspace.network.input_gradient.size(1);
   for (std::int64_t row = 0; row < rows; ++row)
-    member_.feature_slope_by_drive(state + row * size, by_feature + row * features, gradient + 2 * row);
+    member_.slope_by_drive(state + row * size, by_feature + row * features, gradient + 2 * row);
 }
 
 void ExpectedDistance::draw(std::int64_t row, const double* state, common::RandomStream& random, double* next,

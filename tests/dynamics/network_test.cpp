@@ -110,15 +110,24 @@ TEST_CASE("what tells of the drive goes in last and grows with it, after the eig
   CHECK(config.inputs({data::StateLayout::kPose, 6}) == 4 + 3 + 6);
   CHECK(config.inputs({data::StateLayout::kPosition, 2}) == 2 + 3 + 2);
   const auto network = make_members(config, layout, 5).front();
-  const double state[3] = {-0.001, 0.02, 0.5 * geometry::kPi};  // in the north, heading there
+  const double state[3] = {0.001, 0.02, geometry::kPi};  // in the north, heading west
   const double drive[2] = {-1.0, 3.0};
   std::vector<float> features(11);
   fold(*network).write_features(state, drive, 1, features.data());
-  const std::vector<float> wanted = {0.02F, 0.001F, 0.0F, 1.0F, 0.0F, 1.0F, 1.0F, 3.0F, 1.0F, 3.0F, 1.0F};
+  const std::vector<float> wanted = {0.02F, 0.001F, -1.0F, 0.0F, 0.0F, 1.0F, -1.0F, 1.0F, 3.0F, 3.0F, -1.0F};
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     CAPTURE(i);
     CHECK(features[i] == Approx(wanted[i]).margin(1e-6));
   }
+  // Until it has learned, what looks the same comes out the same.
+  network->train(false);
+  const at::Tensor there =
+      nets::tensor_from(std::vector<double>{0.02, 0.01, 0.4, -0.02, 0.01, geometry::kPi - 0.4}, {2, 3});
+  const at::Tensor pulses = nets::tensor_from(std::vector<double>{5.0, 2.0, -5.0, 2.0}, {2, 2});
+  const at::Tensor next = network->forward(there, pulses);
+  CHECK(next[0][0].item<double>() == Approx(-next[1][0].item<double>()).margin(1e-7));
+  CHECK(next[0][1].item<double>() == Approx(next[1][1].item<double>()).margin(1e-7));
+
   const at::Tensor before = network->input_std.clone();
   network->scale_drive(2.0);
   CHECK(at::equal(network->input_std.narrow(0, 7, 4) * 2.0, before.narrow(0, 7, 4)));

@@ -61,10 +61,10 @@ TEST_CASE("a rig has the symmetry that its description says, and square is refus
           "[unit]") {
   data::DatasetInfo info;
   physics::RigDescription rig;
-  const auto of = [&](Symmetry asked) {
+  const auto of = [&](Symmetry asked, bool exact = true) {
     info.rig = common::config_to_json(rig);
     info.action_size = rig.drive_size();
-    return dynamics::symmetry_of(asked, info, "model.symmetry");
+    return dynamics::symmetry_of(asked, exact, info, "model.symmetry");
   };
   CHECK(of(Symmetry::kDescribed) == Symmetry::kSquare);  // the paper's
   CHECK(of(Symmetry::kSquare) == Symmetry::kSquare);
@@ -72,13 +72,15 @@ TEST_CASE("a rig has the symmetry that its description says, and square is refus
   rig.coils.resistance_20C_ohm[2] = 2.5;
   CHECK(of(Symmetry::kDescribed) == Symmetry::kNone);
   CHECK_THROWS_WITH(of(Symmetry::kSquare), Catch::Contains("model.symmetry") && Catch::Contains("differ"));
+  CHECK(of(Symmetry::kDescribed, false) == Symmetry::kSquare);  // coils that differ can be learned
   rig = {};
   rig.drive.kind = physics::DriveKind::kIndependent;  // four numbers, each a coil's
   CHECK(of(Symmetry::kDescribed) == Symmetry::kNone);
   CHECK_THROWS_WITH(of(Symmetry::kSquare), Catch::Contains("numbers do not turn"));
+  CHECK(of(Symmetry::kDescribed, false) == Symmetry::kNone);
   rig.drive.kind = physics::DriveKind::kField;
   CHECK_THROWS_WITH(of(Symmetry::kSquare), Catch::Contains("drive.kind"));
   info.rig = common::Json::object();  // imported: nobody has said what it is
-  CHECK(dynamics::symmetry_of(Symmetry::kDescribed, info, "model.symmetry") == Symmetry::kNone);
-  CHECK(dynamics::symmetry_of(Symmetry::kSquare, info, "model.symmetry") == Symmetry::kSquare);
+  CHECK(dynamics::symmetry_of(Symmetry::kDescribed, true, info, "model.symmetry") == Symmetry::kNone);
+  CHECK(dynamics::symmetry_of(Symmetry::kSquare, true, info, "model.symmetry") == Symmetry::kSquare);
 }

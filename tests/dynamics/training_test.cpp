@@ -210,6 +210,14 @@ TEST_CASE("what of a rig differs from side to side is learned where its symmetry
   CHECK(error_mm(false) < 0.75 * error_mm(true));
 }
 
+TEST_CASE("pulses that are shown from all sides alike tell nothing of what differs between them", "[unit]") {
+  TrainDynamicsConfig config = small_config(DynamicsForm::kDelta);
+  config.training.symmetry = config.model.symmetry = Symmetry::kSquare;
+  config.model.symmetry_exact = false;
+  CHECK_THROWS_WITH(train(known_dataset(data::StateLayout::kPose, 20, 10, 1), config),
+                    Contains("training.symmetry") && Contains("model.symmetry_exact"));
+}
+
 TEST_CASE("drives that are no vectors are not turned", "[unit]") {
   data::Dataset dataset = known_dataset(data::StateLayout::kPose, 40, 20, 1);
   dataset.info.action_size = 1;

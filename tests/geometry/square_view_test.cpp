@@ -49,8 +49,8 @@ TEST_CASE("each of the eight views tells that it is that one") {
   for (int i = 0; i < 8; ++i) {
     const double angle_rad = (45.0 * i + 10.0) * kPi / 180.0;
     const SquareView view = SquareView::of(std::cos(angle_rad), std::sin(angle_rad));
-    std::vector<float> way(SquareView::kWayNumbers);
-    view.write_way(way.data());
+    std::vector<float> way(SquareView::kViewNumbers);
+    view.write_view(way.data());
     CAPTURE(i);
     double east[2] = {1.0, 0.0};
     view.leave(east);

@@ -19,9 +19,10 @@ using inference::DynamicsConfig;
 /// `input_relu` says so), then for each hidden layer linear, batch normalisation and ReLU, then linear. Where
 /// the rig has a symmetry (`symmetry`) rows are first turned and mirrored into the same eighth of the dish,
 /// and what comes out is turned and mirrored back: equivariance by canonicalisation (Kaba et al., ICML,
-/// 2023), or nearly so where the view goes in, too (`symmetry_exact`; Wang, Walters and Yu, ICML, 2022).
-/// Parameters and buffers are float32. Input [N, S] state (x_m, y_m[, heading_rad]) and [N, A] drives in the
-/// dataset's unit; output [N, S] next state: the mean where a distribution is predicted. Section IV-B1.
+/// 2023). Where `symmetry_exact` is false the view goes in, too, at first without weight: what looks the same
+/// comes out the same until pulses tell otherwise. Parameters and buffers are float32. Input [N, S] state
+/// (x_m, y_m[, heading_rad]) and [N, A] drives in the dataset's unit; output [N, S] next state: the mean
+/// where a distribution is predicted. Section IV-B1.
 class Network {
  public:
   /// Weights are zero until initialise() or tensors().load().
@@ -62,10 +63,13 @@ class Network {
  private:
   /// Raw network input from physical quantities, [N, inputs],
   at::Tensor features(const at::Tensor& state, const at::Tensor& action) const;
-  /// once they are seen as the symmetry has it, in these `ways` [N, 3] where those go in,
-  at::Tensor seen_features(const at::Tensor& state, const at::Tensor& action, const at::Tensor& ways) const;
+  /// once they are seen as the symmetry has it, in these `views` [N, 3] where those go in,
+  at::Tensor seen_features(const at::Tensor& state, const at::Tensor& action, const at::Tensor& views) const;
   /// and what should come out, [N, S], in the same view.
   at::Tensor target(const at::Tensor& state, const at::Tensor& next_state) const;
+
+  /// Of [..., inputs], a number for each input, those that tell the view; none where it does not go in.
+  at::Tensor view_columns(const at::Tensor& by_input) const;
 
   DynamicsConfig config_;
   data::StateLayout layout_;

@@ -61,8 +61,8 @@ struct TrainingConfig {
         "symmetry", symmetry, "",
         "of the rig, as in model.symmetry, learned from data: every epoch sees each row in one of the ways "
         "that look the same, and the network may come to differ between them");
-    v.field("validation_fraction", validation_fraction, "", "fraction of the episodes to choose weights by",
-            {0.01, 0.9});
+    v.field("validation_fraction", validation_fraction, "",
+            "fraction of the episodes to choose weights by (keep_best, patience)", {0.01, 0.9});
     v.field("test_fraction", test_fraction, "", "fraction of the episodes set aside for the final figures",
             {0.01, 0.9});
     v.field("keep_best", keep_best, "", "keep the weights of the best validation loss");
@@ -129,7 +129,8 @@ DataSplit split_of(const TrainDynamicsConfig& config);
 struct TrainingResult {
   Model model;
   /// Losses are normalised: of training the mean of the members' last epoch; of validation squared error
-  /// (negative log-likelihood of mixtures), mean of the members' kept weights.
+  /// (of mixtures what they learn: negative log-likelihood, and training.mean_weight), mean of the members'
+  /// kept weights.
   runs::TrainingFacts facts;
 };
 

@@ -17,10 +17,10 @@ class SquareView {
   /// A heading in rad likewise, in (-pi, pi].
   double entered_rad(double heading_rad) const;
   double left_rad(double heading_rad) const;
-  /// Which of the eight it is, as numbers from -1 to 1: `way` [kWayNumbers], cosine and sine of the turn, and
-  /// 1, or -1 where it is mirrored.
-  static constexpr int kWayNumbers = 3;
-  void write_way(float* way) const;
+  /// Which of the eight it is, as numbers from -1 to 1: `out` [kViewNumbers], cosine and sine of the turn,
+  /// and 1, or -1 where it is mirrored.
+  static constexpr int kViewNumbers = 3;
+  void write_view(float* out) const;
   /// Whether what lies along x is seen along y.
   bool swaps_axes() const { return quarters_ % 2 == 1; }
 

@@ -56,15 +56,15 @@ struct DynamicsConfig {
             "dish, so every pulse is seen turned and mirrored into the same eighth of it; described: square "
             "where the recording's rig.json says so, else none. Where pulses are few, training.symmetry does "
             "better");
-    v.field(
-        "symmetry_exact", symmetry_exact, "",
-        "what looks the same happens the same to the letter. false: in which of the eight ways a pulse is "
-        "seen goes into the network, too, so that pulses which are many can tell what of the rig differs "
-        "from side to side; foretells the recorded rig better, not others of its kind");
+    v.field("symmetry_exact", symmetry_exact, "",
+            "of model.symmetry: what looks the same happens the same to the letter. false: in which of the "
+            "eight ways a pulse is seen goes into the network, too, so that many pulses can tell what of the "
+            "rig differs from side to side, its coils among it; foretells the recorded rig better, others of "
+            "its kind no better");
     v.field(
         "needle_frame", needle_frame, "",
         "the drive goes in as the needle sees it, too, along and across it, where form is delta, a heading "
-        "is recorded, and drives are two numbers along x and y");
+        "is recorded, and drives are two numbers, taken to lie along x and y");
   }
 
   void validate() const {
@@ -79,19 +79,23 @@ struct DynamicsConfig {
   bool sine_cosine(data::StateLayout layout) const {
     return predicts_change() && layout == data::StateLayout::kPose;
   }
-  /// In which of the eight ways a row is seen goes in, as geometry::SquareView::kWayNumbers numbers.
-  bool tells_its_way() const { return sees_an_eighth() && !symmetry_exact; }
+  /// In which of the eight ways a row is seen goes in, as geometry::SquareView::kViewNumbers numbers, after
+  /// what tells of the state.
+  bool tells_view() const { return sees_an_eighth() && !symmetry_exact; }
   /// A drive goes in as the needle sees it, too.
-  bool drive_by_needle(const data::RowLayout& rows) const {
+  bool sees_drive_by_needle(const data::RowLayout& rows) const {
     return needle_frame && sine_cosine(rows.state) && rows.action_size == 2;
   }
   /// Inputs that tell of the drive; they come last.
   std::int64_t drive_inputs(const data::RowLayout& rows) const {
-    return rows.action_size + (drive_by_needle(rows) ? 2 : 0);
+    return rows.action_size + (sees_drive_by_needle(rows) ? 2 : 0);
   }
+  std::int64_t state_inputs(data::StateLayout layout) const {
+    return data::state_size(layout) + (sine_cosine(layout) ? 1 : 0);
+  }
+  std::int64_t view_inputs() const { return tells_view() ? geometry::SquareView::kViewNumbers : 0; }
   std::int64_t inputs(const data::RowLayout& rows) const {
-    return data::state_size(rows.state) + (sine_cosine(rows.state) ? 1 : 0) +
-           (tells_its_way() ? geometry::SquareView::kWayNumbers : 0) + drive_inputs(rows);
+    return state_inputs(rows.state) + view_inputs() + drive_inputs(rows);
   }
   MixtureLayout mixture(data::StateLayout layout) const { return {components, data::state_size(layout)}; }
 };

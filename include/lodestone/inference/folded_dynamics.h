@@ -83,9 +83,9 @@ class FoldedDynamics {
   /// What the layers take of `state` [rows, S] and `drive` [rows, A]: [rows, inputs], what tells of the drive
   /// last.
   void write_features(const double* state, const double* drive, std::int64_t rows, float* out) const;
-  /// Slope by the drive, `by_drive` [A] in the unit of the dataset, of what has the slope `by_feature`
-  /// [inputs] by the features of one state.
-  void feature_slope_by_drive(const double* state, const float* by_feature, double* by_drive) const;
+  /// Slope by the drive, `by_drive` [A] in the unit of the dataset, of a number whose slope by the features
+  /// of one state is `by_feature` [inputs].
+  void slope_by_drive(const double* state, const float* by_feature, double* by_drive) const;
   /// Next states from rows of normalised numbers (already in physical units where no mixture is predicted).
   void write_next(const double* state, const float* output, std::int64_t rows, double* next) const;
 
@@ -105,8 +105,8 @@ class FoldedDynamics {
   bool predicts_change_;
   bool sine_cosine_;
   bool sees_an_eighth_;
-  bool tells_its_way_;
-  bool drive_by_needle_;
+  bool tells_view_;
+  bool sees_drive_by_needle_;
   MixtureLayout mixture_;  // no components: a single value
   std::vector<LinearLayer> layers_;
   DenseNetwork network_;
