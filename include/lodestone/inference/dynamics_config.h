@@ -60,7 +60,7 @@ struct DynamicsConfig {
             "of model.symmetry: what looks the same happens the same to the letter. false: in which of the "
             "eight ways a pulse is seen goes into the network, too, so that many pulses can tell what of the "
             "rig differs from side to side, its coils among it; foretells the recorded rig better, others of "
-            "its kind no better");
+            "its kind worse");
     v.field(
         "needle_frame", needle_frame, "",
         "the drive goes in as the needle sees it, too, along and across it, where form is delta, a heading "
