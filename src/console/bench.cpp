@@ -13,6 +13,7 @@ namespace lodestone::console {
 
 Bench::State::State(Parts given) : parts(std::move(given)), hand(physics::CoilDrive(parts.config.rig)) {
   shown.controller = parts.sources.front().name;
+  shown.keep_out = parts.config.safety.keeps_out(parts.config.rig);
   shown.reason = "connecting";
   bench = std::thread([this] { drive_bench(); });
   switch_thread = std::thread([this] { watch(); });

@@ -82,9 +82,20 @@ void Bench::State::idle() {
     look = now_s - looked_s >= kLook_s && (now_s - watched_s < kWatched_s || shown.mode == Mode::kArmed);
     stopped = shown.mode == Mode::kStopped;
   }
+  if (look && !parts.config.safety.keep_out_file.empty()) read_zones();
   if (look && !this->look()) return;
   if (now_s - asked_s >= kAskTheCoils_s && !ask_the_coils(stopped)) return;
   session->clock().wait_until(session->clock().now_s() + 0.02, &wake);
+}
+
+void Bench::State::read_zones() {
+  try {
+    geometry::KeepOut now = parts.config.safety.keeps_out(parts.config.rig);
+    const std::lock_guard<common::PriorityMutex> lock(mutex);
+    note_zones(std::move(now.zones));
+  } catch (const common::ConfigError&) {
+    // The supervisor says so.
+  }
 }
 
 bool Bench::State::look() {

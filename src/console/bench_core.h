@@ -21,6 +21,7 @@
 #include "lodestone/console/pulse_log.h"
 #include "lodestone/control/control_loop.h"
 #include "lodestone/control/held_drive.h"
+#include "lodestone/control/routed_reference.h"
 #include "lodestone/control/steered_reference.h"
 #include "lodestone/physics/per_coil.h"
 
@@ -50,6 +51,7 @@ struct Bench::State {
   std::shared_ptr<session::RigSession> session;
   std::shared_ptr<control::ControlLoop> loop;
   std::shared_ptr<control::SteeredReference> reference;
+  std::shared_ptr<control::RoutedReference> routed;  // that it follows; null: it goes straight
   std::shared_ptr<PulseLog> pulses;
   Attendance attendance;
   std::optional<std::string> stop_wanted, end_wanted;
@@ -93,6 +95,8 @@ struct Bench::State {
   /// Under the mutex, in the bench's thread.
   void note_camera();
   void idle();
+  /// What a file tells of zones meanwhile. One that cannot be read stops the run that comes.
+  void read_zones();
   /// Whether the rig is still there.
   bool look();
   bool ask_the_coils(bool stopped);
@@ -100,13 +104,16 @@ struct Bench::State {
   std::string cause();
 
   // A run (bench_run.cpp).
-  std::shared_ptr<control::Reference> reference_of(const Goal& to, bool unattended) const;
+  /// Under the mutex.
+  std::shared_ptr<control::Reference> reference_of(const Goal& to, bool unattended);
   const experiments::ControllerSource& source(const std::string& name) const;
   void follow(const Goal& to);
   /// Under the mutex.
   void aim(const Goal& to);
   void show(const std::optional<geometry::Path>& path);
   void note(const control::StepRecord& step);
+  /// Under the mutex.
+  void note_zones(std::vector<geometry::Zone> zones);
   void finish(const control::LoopOutcome& outcome);
   /// Under the mutex.
   void remember(const geometry::Vector2& position_m);

@@ -6,7 +6,6 @@
 
 #include "lodestone/common/random.h"
 #include "lodestone/console/drawn_path.h"
-#include "lodestone/control/routed_reference.h"
 #include "lodestone/control/suture_reference.h"
 #include "lodestone/experiments/suture.h"
 
@@ -18,7 +17,8 @@ constexpr std::size_t kTrail = 200;  // poses
 constexpr double kForGood_s = 1e9;   // a target is held until somebody ends the run
 }  // namespace
 
-std::shared_ptr<control::Reference> Bench::State::reference_of(const Goal& to, bool unattended) const {
+std::shared_ptr<control::Reference> Bench::State::reference_of(const Goal& to, bool unattended) {
+  routed.reset();
   if (!to.stitches.empty())
     return std::make_shared<control::SutureReference>(to.stitches,
                                                       experiments::suture_reference(parts.config));
@@ -26,9 +26,10 @@ std::shared_ptr<control::Reference> Bench::State::reference_of(const Goal& to, b
   const auto point = std::make_shared<control::PointReference>(
       to.target_m, unattended ? parts.config.trials.point_seconds : kForGood_s, to.heading_rad);
   if (!parts.routes || to.task == kHand) return point;
-  return std::make_shared<control::RoutedReference>(
-      point, parts.routes, parts.config.safety.keeps_out(parts.config.rig),
+  routed = std::make_shared<control::RoutedReference>(
+      point, parts.routes, shown.keep_out,
       std::max(parts.config.route.waypoint_radius_m, parts.config.decorators.hold_radius_m));
+  return routed;
 }
 
 const experiments::ControllerSource& Bench::State::source(const std::string& name) const {
@@ -114,7 +115,14 @@ void Bench::State::note(const control::StepRecord& step) {
   ++shown.run->steps;
   last_A = step.current_A;
   reported = session->coils().reported();
+  if (step.estimate.valid) note_zones(session->coils().keep_out());
   add_sample(step.estimate, shown.target_m);
+}
+
+void Bench::State::note_zones(std::vector<geometry::Zone> zones) {
+  if (zones == shown.keep_out.zones) return;
+  if (routed) routed->move_zones(zones);
+  shown.keep_out.zones = std::move(zones);
 }
 
 void Bench::State::finish(const control::LoopOutcome& outcome) {
@@ -126,6 +134,7 @@ void Bench::State::finish(const control::LoopOutcome& outcome) {
     attendance.end();
     loop.reset();
     reference.reset();
+    routed.reset();
     shown.run.reset();
     shown.unattended = shown.attended = false;
     shown.target_m.reset();

@@ -391,7 +391,7 @@ struct Console::State {
   Reachable reachable() const {
     const experiments::DeploymentConfig& config = parts.bench.config;
     return {config.rig, config.safety.geofence * config.rig.dish.radius_m, parts.region,
-            config.safety.keeps_out(config.rig)};
+            bench->state().keep_out};
   }
 
   void obey(PageId page, const DrawnStroke& stroke) {

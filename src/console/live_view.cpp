@@ -153,7 +153,7 @@ void LiveView::draw(const BenchState& state, const ImageMap& map, Json& view) co
         std::vector<Vector2>{lies.position_m(), lies.position_m() + kTick_m * unit(lies.heading_rad)}));
   view["fence"] =
       map.json(ring(Vector2::Zero(), safety_.geofence * rig_.dish.radius_m * Eigen::Matrix2d::Identity()));
-  for (const geometry::Zone& zone : safety_.keep_out) {
+  for (const geometry::Zone& zone : state.keep_out.zones) {
     const std::vector<Vector2> corners_m = zone.points_m();
     for (std::size_t i = 0; i < corners_m.size(); ++i)
       view["keep_out"].push_back(

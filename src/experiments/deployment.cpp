@@ -111,6 +111,20 @@ rig::RigConfig warmed(rig::RigConfig config, double temperature_C) {
   return config;
 }
 
+std::vector<geometry::Zone> zones_of(const std::vector<physics::ObstacleConfig>& obstacles) {
+  std::vector<geometry::Zone> zones;
+  for (const physics::ObstacleConfig& each : obstacles)
+    zones.push_back(zone_of(each, "obstacle " + std::to_string(zones.size() + 1)));
+  return zones;
+}
+
+BenchReport report_of(const safety::Supervisor& coils, const safety::SafetyConfig& config) {
+  BenchReport report;
+  report.coils = [&coils] { return coils.reported(); };
+  if (!config.keep_out_file.empty()) report.keep_out = [&coils] { return coils.keep_out(); };
+  return report;
+}
+
 /// Draws what a trial has of its own, and says whether there is a way past it.
 void add_obstacles(const DeploymentConfig& config, TrialPlan& plan) {
   const TrialObstaclesConfig& wanted = config.trials.obstacles;
@@ -118,8 +132,7 @@ void add_obstacles(const DeploymentConfig& config, TrialPlan& plan) {
   if (wanted.count == 0) return;
   plan.obstacles = draw_obstacles(wanted, config.rig, plan, config.route.clearance_m,
                                   common::RandomStream(trial_seed(config, plan), "obstacles"));
-  for (std::size_t i = 0; i < plan.obstacles.size(); ++i)
-    plan.keep_out.zones.push_back(zone_of(plan.obstacles[i], "obstacle " + std::to_string(i + 1)));
+  for (const geometry::Zone& zone : zones_of(plan.obstacles)) plan.keep_out.zones.push_back(zone);
   plan.unreachable =
       plan.routes && plan.routes->route(plan.start.position_m(), plan.target_m, plan.keep_out).empty();
 }
@@ -356,8 +369,8 @@ TrialResult run_on_session(session::RigSession& bench, const DeploymentConfig& c
   control::ControlLoop loop(config.loop, source.action, bench.coils(), bench.sensor(), bench.clock(),
                             &config.rig, identifier.get());
   const std::unique_ptr<control::Controller> controller = source.make(trial_seed(config, plan));
-  TrialResult result = run_trial(plan, loop, *controller, truth, config.score, watch,
-                                 [&bench] { return bench.coils().reported(); });
+  TrialResult result =
+      run_trial(plan, loop, *controller, truth, config.score, watch, report_of(bench.coils(), config.safety));
   note_effort(config.loop, config.rig, result);
   if (!result.samples.empty() && result.samples.front().step.estimate.valid)
     result.plan.start = result.samples.front().step.estimate.pose;
@@ -411,7 +424,7 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
   if (realtime) rig.keep_pace_with(wall);
   common::Clock& clock = *drive.clock;
   safety::SafetyConfig limits = config_.safety;
-  limits.keep_out = plan.keep_out.zones;
+  for (const geometry::Zone& zone : zones_of(plan.obstacles)) limits.keep_out.push_back(zone);
   safety::Supervisor coils(*drive.coils, limits, config_.rig, clock);
   const std::shared_ptr<control::RigIdentifier> identifier = identifier_of(source);
   control::ControlLoop loop(config_.loop, source.action, coils, *sensor, clock, &config_.rig,
@@ -428,8 +441,7 @@ TrialResult Deployment::run_one(const TrialPlan& plan, RigKind kind, const Contr
                             true});
   TrialResult result = run_trial(
       plan, loop, *controller, [&rig] { return rig.true_pose(); }, config_.score,
-      [&recording](const TrialSample& sample) { recording.show(sample); },
-      [&coils] { return coils.reported(); });
+      [&recording](const TrialSample& sample) { recording.show(sample); }, report_of(coils, config_.safety));
   note_effort(config_.loop, config_.rig, result);
   recording.finish(result);
   result.rig = to_string(kind);

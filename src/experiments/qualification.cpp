@@ -68,7 +68,7 @@ std::vector<geometry::Vector2> weak_places_m(double radius_m) {
 
 void QualificationConfig::validate() const {
   rig.validate();
-  if (!safety.keep_out.empty())
+  if (safety.has_zones())
     throw common::ConfigError(
         "safety.keep_out: a qualification drives all over the dish, and knows no way around zones; take away "
         "what stands there, and leave the zones out");

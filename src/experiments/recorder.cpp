@@ -170,6 +170,18 @@ runs::TrialRecord record_of(const TrialResult& result) {
                                       geometry::kMmPerM * disc.radius_m});
     if (plan.routes) record.unreachable = plan.unreachable;
   }
+  if (!result.told_zones.empty()) record.told_zones.emplace();
+  for (const ToldZones& told : result.told_zones) {
+    runs::ToldZonesRecord& since = record.told_zones->emplace_back();
+    since.time_s = told.time_s;
+    for (const geometry::Zone& zone : told.zones) {
+      runs::ZoneRecord& written = since.zones.emplace_back();
+      written.name = zone.called();
+      written.radius_mm = geometry::kMmPerM * zone.radius_m;
+      for (const geometry::Vector2& corner_m : zone.points_m())
+        written.corners_mm.push_back(point_mm(corner_m));
+    }
+  }
   if (result.truth) record.trajectory.emplace();
   record.current_A.emplace();
   const bool temperatures = !result.samples.empty() && result.samples.back().temperature_C;

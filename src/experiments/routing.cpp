@@ -57,7 +57,7 @@ std::shared_ptr<const task::RouteMap> route_map(const DeploymentConfig& config,
                                                 const SimulatorSource* simulator,
                                                 const inference::Policy* policy) {
   const task::RouteConfig& route = config.route;
-  const bool zones = !config.safety.keep_out.empty() || config.trials.obstacles.count > 0;
+  const bool zones = config.safety.has_zones() || config.trials.obstacles.count > 0;
   const bool wanted = route.use == task::RouteUse::kAlways || (route.use == task::RouteUse::kZones && zones);
   if (!wanted) return nullptr;
   const bool simulated = route.moves == task::MovesFrom::kSimulated;

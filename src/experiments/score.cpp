@@ -156,19 +156,18 @@ runs::TrialFigures score_path(const std::vector<ScoredSample>& samples, const ge
   return score;
 }
 
-void score_keep_out(const std::vector<geometry::Pose2>& poses, const geometry::KeepOut& keep_out,
-                    runs::TrialFigures& score) {
-  if (keep_out.empty() || poses.empty()) return;
-  double least_m = std::numeric_limits<double>::infinity();
+void score_keep_out(const std::vector<double>& clearances_m, runs::TrialFigures& score) {
+  constexpr double kNone_m = std::numeric_limits<double>::infinity();
+  double least_m = kNone_m;
   std::int64_t touches = 0;
   bool touched = false;
-  for (const geometry::Pose2& pose : poses) {
-    const double clearance_m = keep_out.clearance_m(pose);
+  for (const double clearance_m : clearances_m) {
     least_m = std::min(least_m, clearance_m);
     const bool touching = clearance_m <= 0.0;
     if (touching && !touched) ++touches;
     touched = touching;
   }
+  if (least_m == kNone_m) return;
   score.clearance_mm = geometry::kMmPerM * least_m;
   score.touches = touches;
   score.success = score.success && touches == 0;

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <utility>
 
 #include "lodestone/common/error.h"
 #include "lodestone/control/routed_reference.h"
@@ -47,6 +48,10 @@ class Lead {
   }
   /// and what it follows.
   control::Reference& followed() { return routed_ ? *routed_ : reference(); }
+  /// Around these zones from the next step on, where ways are searched.
+  void move_zones(const std::vector<geometry::Zone>& zones) {
+    if (routed_) routed_->move_zones(zones);
+  }
 
   /// Whether the needle is still on its way to what is scored.
   bool approach() const { return (path_ && path_->approaching()) || (suture_ && suture_->approaching()); }
@@ -115,13 +120,18 @@ void note_heading(const TrialResult& result, const Aftermath& after, double targ
   score.success = score.success && error_rad <= config.success_heading_deg / geometry::kDegPerRad;
 }
 
-/// Every pose that one source had, to where the needle lay at last.
-std::vector<geometry::Pose2> known_poses(const TrialResult& result, const Aftermath& after, bool truth) {
-  std::vector<geometry::Pose2> poses;
-  for (const TrialSample& sample : result.samples)
-    if (const auto pose = pose_of(sample, truth)) poses.push_back(*pose);
-  if (truth && after.truly_lies) poses.push_back(*after.truly_lies);
-  return poses;
+/// Of every pose that one source had, to where the needle lay at last, from the zones of that moment.
+std::vector<double> clearances_m(const TrialResult& result, const Aftermath& after, bool truth) {
+  geometry::KeepOut keep_out = result.plan.keep_out;
+  auto moved = result.told_zones.begin();
+  std::vector<double> clearances;
+  for (const TrialSample& sample : result.samples) {
+    for (; moved != result.told_zones.end() && moved->time_s <= sample.step.time_s; ++moved)
+      keep_out.zones = moved->zones;
+    if (const auto pose = pose_of(sample, truth)) clearances.push_back(keep_out.clearance_m(*pose));
+  }
+  if (truth && after.truly_lies) clearances.push_back(keep_out.clearance_m(*after.truly_lies));
+  return clearances;
 }
 
 /// What became of a trial to whose target no way leads.
@@ -133,6 +143,15 @@ control::LoopOutcome not_driven(const TrialPlan& plan) {
       geometry::kMmPerM * plan.start.x_m, geometry::kMmPerM * plan.start.y_m,
       geometry::kMmPerM * plan.target_m.x(), geometry::kMmPerM * plan.target_m.y());
   return outcome;
+}
+
+/// Leads around zones that are no longer those of before, and keeps them.
+void note_zones(std::vector<geometry::Zone> zones, double time_s, Lead& lead, TrialResult& result) {
+  const bool first = result.told_zones.empty();
+  const bool moved = zones != (first ? result.plan.keep_out.zones : result.told_zones.back().zones);
+  if (!first && !moved) return;
+  if (moved) lead.move_zones(zones);
+  result.told_zones.push_back({time_s, std::move(zones)});
 }
 
 runs::TrialFigures score_task(const TrialPlan& plan, const std::vector<ScoredSample>& samples,
@@ -147,7 +166,7 @@ runs::TrialFigures score_trial(const TrialResult& result, const Aftermath& after
   const TrialPlan& plan = result.plan;
   runs::TrialFigures score = score_task(plan, scored(result, after, truth), config);
   if (plan.target_heading_rad) note_heading(result, after, *plan.target_heading_rad, truth, config, score);
-  score_keep_out(known_poses(result, after, truth), plan.keep_out, score);
+  score_keep_out(clearances_m(result, after, truth), score);
   score.success = score.success && result.completed;
   return score;
 }
@@ -156,15 +175,16 @@ runs::TrialFigures score_trial(const TrialResult& result, const Aftermath& after
 
 TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control::Controller& controller,
                       const TruePose& true_pose, const ScoreConfig& score, const TrialWatch& watch,
-                      const CoilReport& report) {
+                      const BenchReport& report) {
   TrialResult result;
   result.plan = plan;
   Lead lead(plan);
   const auto truth = [&true_pose] { return true_pose ? std::optional(true_pose()) : std::nullopt; };
   const auto observe = [&](const control::StepRecord& step) {
     result.samples.push_back({step, truth(), lead.approach(), {}, lead.stitch()});
-    if (const auto reported = report ? report() : std::nullopt)
+    if (const auto reported = report.coils ? report.coils() : std::nullopt)
       result.samples.back().temperature_C = reported->temperature_C;
+    if (report.keep_out && step.estimate.valid) note_zones(report.keep_out(), step.time_s, lead, result);
     if (watch) watch(result.samples.back());
   };
   const control::LoopOutcome outcome =

@@ -42,6 +42,10 @@ Trial read_trial(const runs::TrialRecord& record) {
   if (record.obstacles_mm)
     for (const runs::DiscMm& disc : *record.obstacles_mm)
       trial.obstacles.push_back({{{disc[0], disc[1]}}, disc[2]});
+  if (record.told_zones)
+    for (const runs::ToldZonesRecord& told : *record.told_zones)
+      for (const runs::ZoneRecord& zone : told.zones)
+        trial.obstacles.push_back({points_of(zone.corners_mm), zone.radius_mm});
   if (record.target_mm) trial.target_mm = point(*record.target_mm);
   trial.track_is_true = record.trajectory.has_value();
   trial.track_mm = track_of(record);

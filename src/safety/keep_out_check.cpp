@@ -11,6 +11,13 @@ namespace lodestone::safety {
 
 void KeepOutCheck::observe(const control::PoseEstimate& estimate, double) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  keep_out_.zones = zones_;
+  try {
+    const std::vector<geometry::Zone>& moving = file_.zones();
+    keep_out_.zones.insert(keep_out_.zones.end(), moving.begin(), moving.end());
+  } catch (const common::ConfigError& error) {
+    throw Distrust(error.what());
+  }
   // With the 2 sigma by which its middle may lie nearer, and those by which its ends may.
   const double turn_rad = std::min(2.0 * estimate.heading_sigma_rad, 0.5 * geometry::kPi);
   const double unsure_m = 2.0 * estimate.position_sigma_m + 0.5 * keep_out_.needle_length_m * turn_rad;
@@ -26,7 +33,12 @@ void KeepOutCheck::observe(const control::PoseEstimate& estimate, double) {
 
 void KeepOutCheck::move_zones(std::vector<geometry::Zone> zones) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  keep_out_.zones = std::move(zones);
+  zones_ = std::move(zones);
+}
+
+std::vector<geometry::Zone> KeepOutCheck::zones() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return keep_out_.zones;
 }
 
 }  // namespace lodestone::safety

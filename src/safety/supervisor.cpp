@@ -12,6 +12,22 @@
 #include "lodestone/safety/temperature_check.h"
 
 namespace lodestone::safety {
+namespace {
+
+/// But for what moves.
+geometry::KeepOut keeps_out_fixed(const SafetyConfig& config, const physics::RigDescription& rig) {
+  const double length_m = rig.needle.is_sphere() ? 0.0 : rig.needle.length_m;
+  return {config.keep_out, length_m, rig.needle.diameter_m, config.keep_out_margin_m};
+}
+
+}  // namespace
+
+geometry::KeepOut SafetyConfig::keeps_out(const physics::RigDescription& rig) const {
+  geometry::KeepOut now = keeps_out_fixed(*this, rig);
+  ZonesFile file(keep_out_file);
+  now.zones.insert(now.zones.end(), file.zones().begin(), file.zones().end());
+  return now;
+}
 
 Supervisor::Supervisor(rig::Coils& coils, const SafetyConfig& config, const physics::RigDescription& rig,
                        const common::Clock& clock, Poses poses, bool keys)
@@ -25,7 +41,7 @@ Supervisor::Supervisor(rig::Coils& coils, const SafetyConfig& config, const phys
   step_checks_.push_back(std::make_unique<DeadlineCheck>(config.max_late_s, config.max_late_steps));
   pose_checks_.push_back(std::make_unique<PoseAgeCheck>(config.max_pose_age_s));
   pose_checks_.push_back(std::make_unique<FenceCheck>(config.geofence * rig.dish.radius_m));
-  auto keep_out = std::make_unique<KeepOutCheck>(config.keeps_out(rig));
+  auto keep_out = std::make_unique<KeepOutCheck>(keeps_out_fixed(config, rig), config.keep_out_file);
   keep_out_ = keep_out.get();
   pose_checks_.push_back(std::move(keep_out));
   pulse_checks_.push_back(

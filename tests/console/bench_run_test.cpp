@@ -1,4 +1,6 @@
 #include "console/laboratory.h"
+#include "lodestone/common/files.h"
+#include "temporary_folder.h"
 
 using namespace lodestone;
 using console::Bench;
@@ -106,6 +108,35 @@ TEST_CASE("a point that the needle is led to by a way stays the target that is s
   const BenchState shown = lab.bench->state();
   REQUIRE(shown.target_m);
   CHECK((*shown.target_m - geometry::Vector2(0.035, 0.0)).norm() < 1e-12);
+}
+
+TEST_CASE("zones of a file move while the bench is idle and while it drives, and no zones stop it") {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "moving.json";
+  const auto tell = [&path](const std::string& name) {
+    common::write_file_atomically(
+        path, R"({"keep_out": [{"name": ")" + name + R"(", "corners_m": [-0.03, 0.0], "radius_m": 0.002}]})");
+  };
+  const auto shows = [](const std::string& name) {
+    return [name](const BenchState& state) {
+      return state.keep_out.zones.size() == 1 && state.keep_out.zones.front().name == name;
+    };
+  };
+  tell("first");
+  Laboratory lab({}, path);
+  CHECK(shows("first")(lab.bench->state()));
+  REQUIRE(lab.reach(Mode::kDisarmed));
+  REQUIRE(lab.arm().empty());
+  tell("second");
+  CHECK(lab.reach(shows("second")));
+  REQUIRE(lab.bench->drive(point(0.01, 0.0)).empty());
+  REQUIRE(lab.reach([](const BenchState& state) { return state.run && state.run->steps > 2; }));
+  tell("third");
+  CHECK(lab.reach(shows("third")));
+  CHECK(lab.bench->state().mode == Mode::kRunning);
+  common::write_file_atomically(path, "{}");
+  REQUIRE(lab.reach(Mode::kStopped));
+  CHECK_THAT(lab.bench->state().reason, Catch::Contains(path));
 }
 
 TEST_CASE("an unattended run needs no page, and ends with its task") {

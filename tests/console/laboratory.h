@@ -26,8 +26,9 @@ using console::Mode;
 /// A virtual bench in real time, seen by the simulated sensor, under the baseline; and an operator whose page
 /// beats as long as it is there.
 struct Laboratory {
-  explicit Laboratory(std::vector<geometry::Zone> keep_out = {}) {
+  explicit Laboratory(std::vector<geometry::Zone> keep_out = {}, const std::string& keep_out_file = {}) {
     config.safety.keep_out = std::move(keep_out);
+    config.safety.keep_out_file = keep_out_file;
     config.loop.rest_s = 0.1;
     config.sensor.kind = "simulated";
     config.trials.point_seconds = 1.0;

@@ -24,7 +24,7 @@ TEST_CASE("zones to keep out of are shown side by side") {
   console::BenchState state;
   state.camera = imaging::CameraModel{};
   CHECK_FALSE(LiveView(tests::paper_rig(), safety).json(state).contains("keep_out"));
-  safety.keep_out = {{"disc", {0.01, 0.0}, 0.004}, {"triangle", {0.0, 0.0, 0.01, 0.0, 0.0, 0.01}, 0.0}};
+  state.keep_out.zones = {{"disc", {0.01, 0.0}, 0.004}, {"triangle", {0.0, 0.0, 0.01, 0.0, 0.0, 0.01}, 0.0}};
   const common::Json json = LiveView(tests::paper_rig(), safety).json(state);
   REQUIRE(json["keep_out"].size() == 4);
   const ImageMap map{imaging::CameraModel{}};

@@ -47,6 +47,7 @@ ON_THE_VIRTUAL_RIG = {
 FILES = {
     ("docs/bring-your-own-rig.md", '{\n  "drive"'): "my-rig.json",
     ("docs/deploy-safely.md", '{\n  "safety"'): "zones.json",
+    ("docs/deploy-safely.md", '{\n  "keep_out"'): "moving.json",
     ("docs/deploy-safely.md", '{\n  "task"'): "suture.json",
     ("docs/driver-protocol.md", '{\n  "backend"'): "my-bench.json",
     ("docs/sweep.md", '{\n  "verb"'): "rate.json",

@@ -84,6 +84,22 @@ TEST_CASE("the points that a needle was led over are recorded once each, where a
   CHECK(record.target_mm->at(0) == Approx(10.0));
 }
 
+TEST_CASE("zones that were told while a needle was driven are recorded with their time") {
+  experiments::TrialResult result = trial(true);
+  CHECK_FALSE(experiments::record_of(result).told_zones);
+  result.told_zones = {{0.0, {}}, {0.3, {{"hand", {0.01, 0.0, 0.02, 0.0}, 0.004}}}};
+  const auto record = experiments::record_of(result);
+  REQUIRE(record.told_zones);
+  REQUIRE(record.told_zones->size() == 2);
+  CHECK(record.told_zones->front().zones.empty());
+  CHECK(record.told_zones->back().time_s == 0.3);
+  const runs::ZoneRecord& zone = record.told_zones->back().zones.at(0);
+  CHECK(zone.name == "hand");
+  CHECK(zone.radius_mm == Approx(4.0));
+  REQUIRE(zone.corners_mm.size() == 2);
+  CHECK(zone.corners_mm[1][0] == Approx(20.0));
+}
+
 TEST_CASE("how strong the rig was taken to be is recorded where it was identified") {
   experiments::TrialResult result = trial(true);
   CHECK_FALSE(experiments::record_of(result).log_drive_gain);

@@ -27,6 +27,9 @@ TEST_CASE("ways are searched where there are zones, unless the configuration say
   experiments::DeploymentConfig config = with_a_zone();
   CHECK(route_map(config, nullptr, nullptr));
   CHECK_FALSE(route_map({}, nullptr, nullptr));
+  experiments::DeploymentConfig may_come;
+  may_come.safety.keep_out_file = "moving.json";
+  CHECK(route_map(may_come, nullptr, nullptr));
   config.route.use = task::RouteUse::kNever;
   CHECK_FALSE(route_map(config, nullptr, nullptr));
   config.safety.keep_out.clear();

@@ -225,7 +225,9 @@ TEST_CASE("a trial that touches a zone has failed, and its touches are counted o
   const auto scored = [&keep_out](const std::vector<geometry::Pose2>& poses) {
     runs::TrialFigures figures;
     figures.success = true;
-    experiments::score_keep_out(poses, keep_out, figures);
+    std::vector<double> clearances_m;
+    for (const geometry::Pose2& pose : poses) clearances_m.push_back(keep_out.clearance_m(pose));
+    experiments::score_keep_out(clearances_m, figures);
     return figures;
   };
   const auto clear = scored({{-0.02, 0.0, 0.0}, {0.0, 0.0, 0.0}, {-0.01, 0.0, 0.0}});
@@ -239,7 +241,7 @@ TEST_CASE("a trial that touches a zone has failed, and its touches are counted o
   CHECK_FALSE(scored({}).clearance_mm);
   runs::TrialFigures without;
   without.success = true;
-  experiments::score_keep_out({{0.006, 0.0, 0.0}}, {}, without);
+  experiments::score_keep_out({geometry::KeepOut{}.clearance_m({0.006, 0.0, 0.0})}, without);
   CHECK_FALSE(without.touches);
   CHECK(without.success);
 

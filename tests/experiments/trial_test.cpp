@@ -4,8 +4,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "lodestone/common/files.h"
 #include "lodestone/control/dipole_pull.h"
 #include "lodestone/session/rig_session.h"
+#include "temporary_folder.h"
 
 using namespace lodestone;
 
@@ -13,10 +15,10 @@ namespace {
 
 /// A trial by the baseline on a virtual rig; `true_pose` may be empty.
 struct Bench {
-  Bench() {
+  explicit Bench(const safety::SafetyConfig& safety = {}) {
     session::SensingConfig sensing;
     sensing.kind = "simulated";
-    session = session::make_virtual_session(rig, sensing, {}, {});
+    session = session::make_virtual_session(rig, sensing, safety, {});
     plan.task = "point";
     plan.start = {0.015, 0.0, 0.0};
     plan.duration_s = 3.0;
@@ -28,8 +30,9 @@ struct Bench {
     control::ControlLoop loop({}, action, session->coils(), session->sensor(), session->clock());
     control::DipolePullController controller(rig, {});
     return experiments::run_trial(plan, loop, controller, true_pose, {}, {},
-                                  [this] { return session->coils().reported(); });
+                                  {[this] { return session->coils().reported(); }, zones});
   }
+  std::function<std::vector<geometry::Zone>()> zones;
   rig::RigConfig rig;
   std::unique_ptr<session::RigSession> session;
   experiments::TrialPlan plan;
@@ -147,6 +150,73 @@ TEST_CASE("a needle is led to a point by a way, and scored by its distance to th
   CHECK_FALSE(blocked.completed);
   CHECK_THAT(blocked.stop_reason, Catch::Contains("no way leads"));
   CHECK_FALSE(blocked.truth->success);
+}
+
+TEST_CASE("zones that move are led around, kept, and scored by the moment") {
+  Bench bench;
+  bench.plan.start = {-0.02, 0.0, 0.0};
+  bench.plan.target_m = {0.02, 0.0};
+  const std::vector<geometry::Zone> above = {{"wall", {0.0, -0.002, 0.0, 0.05}, 0.001}};
+  const std::vector<geometry::Zone> below = {{"wall", {0.0, 0.002, 0.0, -0.05}, 0.001}};
+  bench.plan.keep_out = {above, 0.01, 0.001, 0.001};
+  bench.plan.routes = std::make_shared<const task::RouteMap>(task::Region::disc(0.04, 0.004),
+                                                             std::vector<task::Move>(), task::RouteConfig());
+  int told = 0;
+  bench.zones = [&] { return ++told <= 1 ? above : below; };
+  const auto result = bench.run([&] { return bench.plan.start; });
+  REQUIRE(result.completed);
+  REQUIRE(result.told_zones.size() == 2);
+  CHECK(result.told_zones.front().time_s == 0.0);
+  CHECK(result.told_zones.back().time_s == result.samples[1].step.time_s);
+  CHECK(result.told_zones.back().zones == below);
+  CHECK(result.samples[0].step.target_m.y() < -1e-3);  // past its end
+  CHECK(std::any_of(result.samples.begin() + 2, result.samples.end(), [](const auto& sample) {
+    return sample.step.target_m.y() > 1e-3;  // past the other's
+  }));
+  // A needle that lies where the disc comes to touches it then, and not before.
+  bench.plan.target_m = {-0.02, 0.004};
+  const std::vector<geometry::Zone> here = {{"disc", {-0.02, 0.0}, 0.001}};
+  told = 0;
+  bench.zones = [&] { return ++told <= 3 ? above : told <= 5 ? here : above; };
+  bench.plan.routes.reset();
+  const auto touched = bench.run([&] { return bench.plan.start; });
+  CHECK(touched.told_zones.size() == 3);
+  CHECK(*touched.truth->touches == 1);
+  CHECK(*touched.truth->clearance_mm <= 0.0);
+  told = 0;
+  bench.zones = [&] { return ++told, above; };
+  CHECK(*bench.run([&] { return bench.plan.start; }).truth->touches == 0);
+  CHECK(told > 5);
+}
+
+TEST_CASE("the supervisor keeps a needle out of zones that a file tells while it is driven") {
+  const tests::TemporaryFolder folder;
+  safety::SafetyConfig safety;
+  safety.keep_out_file = folder / "moving.json";
+  const auto tell = [&](const std::string& text) {
+    common::write_file_atomically(safety.keep_out_file, text);
+  };
+  tell(R"({"keep_out": []})");
+  Bench bench(safety);
+  bench.zones = [&bench] { return bench.session->coils().keep_out(); };
+  bench.plan.keep_out = safety.keeps_out(bench.rig);
+  int seen = 0;
+  std::string then = R"({"keep_out": [{"name": "hand", "corners_m": [0.015, 0.0], "radius_m": 0.01}]})";
+  const auto truth = [&] {
+    if (++seen == 3) tell(then);
+    return bench.session->truth()->true_pose();
+  };
+  const auto result = bench.run(truth);
+  CHECK_FALSE(result.completed);
+  CHECK_THAT(result.stop_reason, Catch::Contains("keep-out zone hand"));
+  CHECK(result.samples.size() >= 3);
+  tell(R"({"keep_out": []})");
+  bench.session->coils().rearm();
+  seen = 0;
+  then = "nonsense";
+  const auto unreadable = bench.run(truth);
+  CHECK_FALSE(unreadable.completed);
+  CHECK_THAT(unreadable.stop_reason, Catch::Contains(safety.keep_out_file));
 }
 
 TEST_CASE("a heading that is off fails a trial of a pose") {

@@ -3,6 +3,9 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
+#include "lodestone/common/files.h"
+#include "temporary_folder.h"
+
 using namespace lodestone;
 
 namespace {
@@ -45,4 +48,25 @@ TEST_CASE("zones move, and without any nothing is kept out of") {
   CHECK_THROWS_WITH(check.observe(estimate, 0.0), Catch::Contains("wall"));
   check.move_zones({});
   check.observe(estimate, 0.0);
+}
+
+TEST_CASE("zones of a file are kept out of beside the others, and one that cannot be read is not trusted") {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "moving.json";
+  common::write_file_atomically(path, R"({"keep_out": []})");
+  safety::KeepOutCheck check(one_disc(), path);
+  control::PoseEstimate estimate;
+  estimate.pose = {-0.02, 0.0, 0.0};
+  check.observe(estimate, 0.0);
+  CHECK(check.zones().size() == 1);
+  common::write_file_atomically(
+      path, R"({"keep_out": [{"name": "hand", "corners_m": [-0.02, 0.005], "radius_m": 0.004}]})");
+  CHECK_THROWS_WITH(check.observe(estimate, 0.0), Catch::Contains("keep-out zone hand"));
+  CHECK(check.zones().size() == 2);
+  estimate.pose.x_m = 0.01;
+  CHECK_THROWS_WITH(check.observe(estimate, 0.0), Catch::Contains("keep-out zone disc"));
+  common::write_file_atomically(path, "half a fi");
+  estimate.pose.x_m = 0.0;
+  CHECK_THROWS_AS(check.observe(estimate, 0.0), safety::Distrust);
+  CHECK_THROWS_WITH(check.observe(estimate, 0.0), Catch::Contains(path));
 }

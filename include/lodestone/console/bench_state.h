@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lodestone/control/pose_sensor.h"
+#include "lodestone/geometry/keep_out.h"
 #include "lodestone/geometry/pose2.h"
 #include "lodestone/imaging/camera_model.h"
 #include "lodestone/physics/per_coil.h"
@@ -72,6 +73,7 @@ struct BenchState {
   physics::PerCoil on_A;                   ///< what the coils have been asked for and still hold
   /// How the needle shall lie along that path, where it has headings, at some places.
   std::vector<geometry::Pose2> plan_headings;
+  geometry::KeepOut keep_out;  ///< what the needle must keep out of, as far as is known
   std::optional<imaging::CameraModel> camera;
   std::optional<BenchSample> sample;  ///< the last one,
   std::int64_t samples = 0;           ///< of so many

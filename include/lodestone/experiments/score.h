@@ -75,10 +75,10 @@ runs::TrialFigures score_path(const std::vector<ScoredSample>& samples, const ge
 /// Moments may serve several points.
 double completion(const std::vector<ScoredSample>& samples, const ScoreConfig& config);
 
-/// How near the needle came to a zone that it must keep out of, lying as in these poses one after the other,
-/// and how often it came to touch one, which is no success. Without zones or poses nothing is noted.
-void score_keep_out(const std::vector<geometry::Pose2>& poses, const geometry::KeepOut& keep_out,
-                    runs::TrialFigures& score);
+/// How near the needle came to a zone that it must keep out of, by its distances from the nearest one at one
+/// moment after another (infinite: there was none), and how often it came to touch one, which is no success.
+/// Without any zone nothing is noted.
+void score_keep_out(const std::vector<double>& clearances_m, runs::TrialFigures& score);
 
 /// Throws LogicFault when there are no trials.
 runs::ErrorStatistics summarise_trials(const std::vector<const runs::TrialFigures*>& trials);

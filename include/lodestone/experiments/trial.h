@@ -51,11 +51,18 @@ struct TrialSample {
   std::size_t stitch = 0;                         ///< of a suture, that it was at
 };
 
+/// All zones that the needle must keep out of, from an observation on.
+struct ToldZones {
+  double time_s = 0.0;  ///< of the observation that was judged by them first
+  std::vector<geometry::Zone> zones;
+};
+
 struct TrialResult {
   TrialPlan plan;
   std::string rig;         ///< "explored", "unseen" or "real"
   std::string controller;  ///< "policy", "planner" or "baseline"
   std::vector<TrialSample> samples;
+  std::vector<ToldZones> told_zones;  ///< whenever others were told; empty: they stay those of the plan
   bool completed = false;
   std::string stop_reason;
   std::optional<runs::TrialFigures> truth;  ///< absent where nobody knows the true pose
@@ -68,13 +75,16 @@ using TrialWatch = std::function<void(const TrialSample&)>;
 /// Where the needle truly is: for scoring only, and empty where nobody knows.
 using TruePose = std::function<geometry::Pose2()>;
 
-/// What the coils reported last; nothing before they did.
-using CoilReport = std::function<std::optional<rig::CoilStatus>()>;
+/// What is asked at every sample of what stands between a trial and its coils, where that is given.
+struct BenchReport {
+  std::function<std::optional<rig::CoilStatus>()> coils = {};  ///< what they told last; nothing before
+  std::function<std::vector<geometry::Zone>()> keep_out = {};  ///< by which the last pose was judged
+};
 
-/// Runs one trial and scores it; one that is unreachable is not driven, and has failed. `report`, when given,
-/// is asked at every sample.
+/// Runs one trial and scores it; one that is unreachable is not driven, and has failed. Where zones move,
+/// the needle is led around them from the next step on, and scored by those of each moment.
 TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control::Controller& controller,
                       const TruePose& true_pose, const ScoreConfig& score, const TrialWatch& watch = {},
-                      const CoilReport& report = {});
+                      const BenchReport& report = {});
 
 }  // namespace lodestone::experiments

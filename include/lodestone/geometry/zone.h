@@ -36,6 +36,11 @@ struct Zone {
   double distance_m(const Vector2& from_m, const Vector2& to_m) const;
   /// Its name, or where it begins.
   std::string called() const;
+
+  bool operator==(const Zone& other) const {
+    return name == other.name && corners_m == other.corners_m && radius_m == other.radius_m;
+  }
+  bool operator!=(const Zone& other) const { return !(*this == other); }
 };
 
 }  // namespace lodestone::geometry

@@ -88,6 +88,32 @@ using PoseMm = std::array<double, 3>;   ///< x, y in mm, heading in rad
 using DiscMm = std::array<double, 3>;   ///< x, y of its middle and its radius, in mm
 using PerCoil = std::vector<double>;    ///< in the order of the rig's coils: +x, -x, +y, -y
 
+/// One zone that the needle must keep out of.
+struct ZoneRecord {
+  std::string name;
+  std::vector<PointMm> corners_mm;
+  double radius_mm = 0.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("name", name);
+    v.field("corners_mm", corners_mm);
+    v.field("radius_mm", radius_mm);
+  }
+};
+
+/// All of them, from an observation on.
+struct ToldZonesRecord {
+  double time_s = 0.0;
+  std::vector<ZoneRecord> zones;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("time_s", time_s);
+    v.field("zones", zones);
+  }
+};
+
 /// One trial, as a line of trials.jsonl while a deployment runs, and in trials.json when it has ended.
 struct TrialRecord {
   std::string task;
@@ -107,6 +133,8 @@ struct TrialRecord {
   std::optional<std::vector<PointMm>> route_mm;  ///< points that the needle was sent to, one after another
   std::optional<std::vector<DiscMm>>
       obstacles_mm;  ///< that were drawn for this trial; absent where none were
+  std::optional<std::vector<ToldZonesRecord>>
+      told_zones;  ///< whenever a file told others (safety.keep_out_file); absent without one
   std::optional<bool>
       unreachable;  ///< no way led past them: it was not driven; absent where none was searched
   std::optional<std::vector<PerCoil>> current_A;  ///< asked of the coils; absent in older runs
@@ -146,6 +174,7 @@ struct TrialRecord {
     v.field("approach", approach);
     v.field("route_mm", route_mm);
     v.field("obstacles_mm", obstacles_mm);
+    v.field("told_zones", told_zones);
     v.field("unreachable", unreachable);
     v.field("current_A", current_A);
     v.field("temperature_C", temperature_C);

@@ -1,25 +1,33 @@
 #pragma once
 
 #include <mutex>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "lodestone/geometry/keep_out.h"
 #include "lodestone/safety/check.h"
+#include "lodestone/safety/zones_file.h"
 
 namespace lodestone::safety {
 
 /// A needle that may lie within the margin of a zone that it must keep out of.
 class KeepOutCheck final : public PoseCheck {
  public:
-  explicit KeepOutCheck(geometry::KeepOut keep_out) : keep_out_(std::move(keep_out)) {}
+  /// Its zones, and those that a file holds now, whenever now is. One that cannot be read is not trusted.
+  explicit KeepOutCheck(geometry::KeepOut keep_out, std::string file = {})
+      : zones_(keep_out.zones), file_(std::move(file)), keep_out_(std::move(keep_out)) {}
   void observe(const control::PoseEstimate& estimate, double now_s) override;
 
-  /// From any thread: from the next pose on it is these zones.
+  /// From any thread: from the next pose on it is these zones, beside those of the file.
   void move_zones(std::vector<geometry::Zone> zones);
+  /// From any thread: all that the last pose was judged by.
+  std::vector<geometry::Zone> zones() const;
 
  private:
-  std::mutex mutex_;  // of the zones
+  mutable std::mutex mutex_;           // of all below
+  std::vector<geometry::Zone> zones_;  // but for those of the file
+  ZonesFile file_;
   geometry::KeepOut keep_out_;
 };
 

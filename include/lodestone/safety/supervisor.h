@@ -34,6 +34,7 @@ struct SafetyConfig {
   double temperature_tolerance_K = 30.0;
   double geofence = 1.4;
   std::vector<geometry::Zone> keep_out;
+  std::string keep_out_file;
   double keep_out_margin_m = 0.001;
   double max_pose_age_s = 0.5;
   double max_late_s = 0.1;
@@ -58,6 +59,9 @@ struct SafetyConfig {
     v.list("keep_out", keep_out, geometry::Zone{},
            "zones that the needle must keep out of: ways are planned around them, and it is scored by them, "
            "too");
+    v.field("keep_out_file", keep_out_file, "",
+            "file {\"keep_out\": [...]} of more zones, which may move: it is read again before every pulse; "
+            "empty: no file");
     v.field(
         "keep_out_margin_m", keep_out_margin_m, "m",
         "a needle that may lie nearer to one of them than this stops the run; a pulse that begins outside "
@@ -72,11 +76,11 @@ struct SafetyConfig {
     v.retired("geofence_m", "geofence, in dish radii");
   }
 
-  /// What the needle of this rig must keep out of. A sphere is as thick as one, and has no length.
-  geometry::KeepOut keeps_out(const physics::RigDescription& rig) const {
-    const double length_m = rig.needle.is_sphere() ? 0.0 : rig.needle.length_m;
-    return {keep_out, length_m, rig.needle.diameter_m, keep_out_margin_m};
-  }
+  /// Whether there is anything to keep out of, or may be later.
+  bool has_zones() const { return !keep_out.empty() || !keep_out_file.empty(); }
+  /// What the needle of this rig must keep out of now. A sphere is as thick as one, and has no length. Throws
+  /// ConfigError where the file of zones cannot be read.
+  geometry::KeepOut keeps_out(const physics::RigDescription& rig) const;
 };
 
 /// Stands in front of every Coils, with a list of checks. It stops all coils for good as soon as one of them
@@ -103,8 +107,10 @@ class Supervisor final : public rig::Coils, public control::Guard {
   void stop() noexcept override { coils_.stop(); }
   rig::CoilStatus status() override { return coils_.status(); }
 
-  /// From any thread: the zones that the needle must keep out of have moved.
+  /// From any thread: the zones that the needle must keep out of, but for those of the file, have moved.
   void move_keep_out(std::vector<geometry::Zone> zones) { keep_out_->move_zones(std::move(zones)); }
+  /// From any thread: all that the last pose was judged by.
+  std::vector<geometry::Zone> keep_out() const { return keep_out_->zones(); }
 
   /// Switches off now and for good: whoever drives is told `reason` at its next call.
   void request_stop(const std::string& reason);
