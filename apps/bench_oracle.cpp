@@ -22,6 +22,7 @@ void bench_oracle(const CommonOptions& options) {
                                 "be virtual: of a real rig nobody knows what the oracle knows");
   if (config.controller != "auto" && config.controller != "planner")  // which presets and --models name
     throw common::InvalidConfig("controller", config.controller, "be planner or left out: the oracle is one");
+  config.deployment = experiments::in_flow(config);
   nets::use_one_blas_thread();
   choose_segmenter(config.deployment.sensor);
   const experiments::DeploymentJob job = experiments::plan_job(config, {runs::kOracle});

@@ -43,6 +43,7 @@ void drive(const DeployConfig& config, const DeploymentJob& job, runs::RunFolder
 
 void deploy(const CommonOptions& options) {
   auto config = resolve_config<DeployConfig>(options);
+  config.deployment = experiments::in_flow(config);
   nets::use_one_blas_thread();
   choose_segmenter(config.deployment.sensor);
   const DeploymentJob job = experiments::plan_job(config);

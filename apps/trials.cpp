@@ -102,6 +102,7 @@ void add_trials_options(Verb& verb, CommonOptions& options) {
   add_shorthand(verb, options, "--trials", "trials.count", Shorthand::kValue, "trials per task");
   text("--on", "on_rig", "the rig that was explored, rigs never seen, or both: explored, unseen, both");
   text("--sensor", "sensor.kind", "camera or simulated");
+  text("--flow", "flow", "of a virtual rig's fluid: steady or pulsing, its drag up to half of friction");
   verb.add_option(
       "--target-mm",
       [&options](const std::string& value) {

@@ -136,6 +136,22 @@ void DeployConfig::validate() const {
                               " numbers, must be two: x and y in mm");
 }
 
+DeploymentConfig in_flow(const DeployConfig& config) {
+  DeploymentConfig deployment = config.deployment;
+  if (config.flow == TrialFlow::kAsRig) return deployment;
+  const std::string name = common::name_of(config.flow);
+  if (deployment.rig.real())
+    throw common::InvalidConfig("flow", name, "be as_rig where the rig is real: its fluid moves as it does");
+  const physics::FlowConfig asked = flow_by_drag(config.flow, deployment.rig);
+  physics::FlowConfig& flow = deployment.rig.simulation.flow;
+  const bool other =
+      flow.kind != physics::FlowKind::kNone && common::config_to_json(flow) != common::config_to_json(asked);
+  if (other)
+    throw common::InvalidConfig("flow", name, "be as_rig where rig.simulation.flow tells of another one");
+  flow = asked;
+  return deployment;
+}
+
 DeploymentJob plan_job(const DeployConfig& config) {
   if (config.controller == "auto" && config.policy.empty() && !config.dynamics.empty())
     return plan_job(config, {"planner"});

@@ -21,13 +21,10 @@ struct HandedOn {
   const char* sets;
 };
 constexpr HandedOn kHandedOn[] = {
-    {"target_mm", "target_mm"},
-    {"side_m", "trials.square_side_m"},
-    {"radius_m", "trials.circle_radius_m"},
-    {"speed_m_s", "reference.speed_m_s"},
-    {"laps", "reference.laps"},
-    {"seconds", "trials.point_seconds"},
-    {"length_m", "trials.suture.length_m"},
+    {"target_mm", "target_mm"},           {"flow", "flow"},
+    {"side_m", "trials.square_side_m"},   {"radius_m", "trials.circle_radius_m"},
+    {"speed_m_s", "reference.speed_m_s"}, {"laps", "reference.laps"},
+    {"seconds", "trials.point_seconds"},  {"length_m", "trials.suture.length_m"},
     {"pitch_m", "trials.suture.pitch_m"},
 };
 

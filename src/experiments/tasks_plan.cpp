@@ -14,6 +14,7 @@
 #include "lodestone/common/json.h"
 #include "lodestone/common/random.h"
 #include "lodestone/common/spelling.h"
+#include "lodestone/experiments/trial_flow.h"
 #include "lodestone/runs/tasks_result.h"
 
 namespace lodestone::experiments {
@@ -33,7 +34,6 @@ constexpr const char* kTangentPath = "tangent_path/";
 constexpr const char* kEightFile = "/eight.csv";
 constexpr double kEightHalfWidth_m = 0.015;
 constexpr int kEightPoints = 240;
-constexpr double kShareOfFriction = 0.5;  // that the flow's drag reaches
 
 constexpr const char* kDecoratedPreset = "best/deploy.json";
 constexpr const char* kTurnedPreset = "best/deploy_pose.json";  // for what cannot turn the needle itself
@@ -144,24 +144,6 @@ void write_figure_of_eight(const std::string& folder) {
   common::write_file_atomically(folder + kEightFile, text);
 }
 
-physics::FlowConfig pulsing_flow(const physics::RigDescription& rig) {
-  constexpr double kFastest_m_s = 1.0;  // that a flow may be in the mean
-  const double drag_N = kShareOfFriction * rig.breakaway_N();
-  if (rig.needle.is_sphere() || drag_N <= 0.0 ||
-      physics::broadside_drag_N(rig.needle, rig.fluid, 2.0 * kFastest_m_s) <= drag_N)
-    throw common::ConfigError(
-        "bench tasks: flow needs a rig with a needle on which friction is above 0, and a fluid whose drag "
-        "can be "
-        "half of it; leave flow out (--set tasks=...)");
-  physics::FlowConfig flow;
-  flow.kind = physics::FlowKind::kUniform;
-  flow.waveform = physics::FlowWaveform::kSine;
-  flow.amplitude = 1.0;
-  flow.period_s = 1.0;
-  flow.speed_m_s = physics::broadside_speed_m_s(rig.needle, rig.fluid, drag_N) / (1.0 + flow.amplitude);
-  return flow;
-}
-
 namespace {
 
 /// The tasks that are asked for.
@@ -191,7 +173,7 @@ std::vector<TaskVariant> task_variants(const TasksScale& scale, const physics::R
   if (wants("still") || wants("flow") || wants("square_at_mm_s"))
     all.push_back({"still/square", "square", at_speed(0.002), "square"});
   if (wants("flow")) {
-    const TaskSettings flow = flow_settings(pulsing_flow(rig));
+    const TaskSettings flow = flow_settings(flow_by_drag(TrialFlow::kPulsing, rig));
     all.push_back({"flow/point", "point", flow, "point"});
     all.push_back({"flow/square", "square", with_more(at_speed(0.002), flow), "square"});
   }

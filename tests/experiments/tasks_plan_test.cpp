@@ -149,19 +149,6 @@ TEST_CASE("tasks and controllers are chosen by name, with what they are compared
   CHECK_THROWS_WITH(planned(small("", "magic")), Catch::Contains("\"magic\" is none of planner"));
 }
 
-TEST_CASE("the flow's drag peaks at half of what friction holds") {
-  const physics::RigDescription rig;
-  const physics::FlowConfig flow = experiments::pulsing_flow(rig);
-  const double peak_m_s = flow.speed_m_s * (1.0 + flow.amplitude);
-  CHECK(physics::broadside_drag_N(rig.needle, rig.fluid, peak_m_s) == Approx(0.5 * rig.breakaway_N()));
-  physics::RigDescription smooth = rig;
-  smooth.friction.static_coefficient = smooth.friction.kinetic_coefficient = 0.0;
-  CHECK_THROWS_WITH(experiments::pulsing_flow(smooth), Catch::Contains("friction"));
-  smooth = rig;
-  smooth.needle = tests::sphere();
-  CHECK_THROWS_AS(experiments::pulsing_flow(smooth), common::ConfigError);
-}
-
 TEST_CASE("the figure of eight is closed, lies in the dish and reads back from its file") {
   const tests::TemporaryFolder folder;
   const geometry::Path eight = experiments::figure_of_eight();

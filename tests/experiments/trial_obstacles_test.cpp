@@ -118,15 +118,17 @@ TEST_CASE("they are solid in the trial's rig, and the supervisor keeps the needl
   disc.radius_m = 0.003;
   through.obstacles = {disc};
   through.keep_out.zones = {experiments::zone_of(disc, "obstacle 1")};
-  experiments::TrialPlan unguarded = through;
-  unguarded.keep_out.zones.clear();
-  experiments::TrialPlan empty = unguarded;
-  empty.obstacles.clear();
+  experiments::TrialPlan untold = through;
+  untold.keep_out.zones.clear();
+  untold.obstacles.clear();
+  auto unguarded = config;
+  unguarded.rig.simulation.obstacles = {disc};
   const experiments::Deployment deployment(config);
   const auto source = experiments::baseline_source(config);
   common::ThreadPool pool(2);
-  const auto results =
-      deployment.run({through, unguarded, empty}, experiments::RigKind::kExplored, source, pool);
+  auto results = deployment.run({through, untold}, experiments::RigKind::kExplored, source, pool);
+  results.insert(results.begin() + 1, experiments::Deployment(unguarded).run(
+                                          {untold}, experiments::RigKind::kExplored, source, pool)[0]);
   CHECK_FALSE(results[0].completed);
   CHECK_THAT(results[0].stop_reason, Catch::Contains("keep-out zone obstacle 1"));
   const auto least_m = [&through](const experiments::TrialResult& result) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lodestone/experiments/deployment.h"
+#include "lodestone/experiments/trial_flow.h"
 #include "lodestone/runs/training_results.h"
 
 namespace lodestone::experiments {
@@ -21,6 +22,7 @@ struct DeployConfig {
   std::vector<double> target_mm;
   std::string on_rig = "explored";
   std::string controller = "auto";
+  TrialFlow flow = TrialFlow::kAsRig;
   bool realtime = false;
   McapConfig mcap;
 
@@ -47,12 +49,20 @@ struct DeployConfig {
             "these; observer: sliding mode with a disturbance observer; auto: the planner where a simulator "
             "is named and no policy is, else both",
             {"auto", "planner", "policy", "baseline", "both", "observer"});
+    v.field("flow", flow, "",
+            "of a virtual rig: a fluid that moves towards +x, steady, or pulsing once a second, so fast that "
+            "its drag on a needle that lies across it is at most half of what friction holds; as_rig: "
+            "whatever rig.simulation.flow says");
     v.field("realtime", realtime, "", "wait as long as a real rig would");
     v.group("mcap", mcap, "logs of the trials");
   }
   /// Throws ConfigError where values do not fit each other.
   void validate() const;
 };
+
+/// The deployment, its rig in the flow that is asked for. Throws ConfigError where the rig is real, or is
+/// told of another one already.
+DeploymentConfig in_flow(const DeployConfig& config);
 
 /// What is driven: every task by every controller on every kind of rig.
 struct DeploymentJob {

@@ -15,9 +15,9 @@ bool is_task_file(const std::string& task);
 ///
 /// `task`: one of runs::kTasks. `path`: of the task "path", a CSV file as seen from this one's folder.
 /// `heading`: none, tangent, column, or degrees. `stitches`: of the task "suture", a list of StitchConfig, or
-/// how many there are in a row. And, in the units of the keys that they set: `target_mm`, `side_m`,
-/// `radius_m`, `speed_m_s`, `laps`, `seconds`, `length_m`, `pitch_m`. Throws ConfigError naming the file and
-/// what is wrong in it.
+/// how many there are in a row. `flow`: as_rig, steady or pulsing. And, in the units of the keys that they
+/// set: `target_mm`, `side_m`, `radius_m`, `speed_m_s`, `laps`, `seconds`, `length_m`, `pitch_m`. Throws
+/// ConfigError naming the file and what is wrong in it.
 std::vector<std::string> settings_of_task(const std::string& file);
 
 }  // namespace lodestone::experiments

@@ -52,11 +52,6 @@ geometry::Path figure_of_eight();
 /// Writes it where the plan's cells read it. Throws IoError.
 void write_figure_of_eight(const std::string& folder);
 
-/// A flow over the whole dish that rises and falls as a sine, once a second: to rest, and to the speed at
-/// which its drag on a needle that lies across it is half of what friction holds. Throws ConfigError where
-/// there is no such speed.
-physics::FlowConfig pulsing_flow(const physics::RigDescription& rig);
-
 /// A cell for each task, controller, and what is put around it, in a plan that is run in `folder` on `rig`;
 /// ids are TASK/CONTROLLER/bare and TASK/CONTROLLER/decorated, of the oracle only the former. Every
 /// controller meets the same starts, targets and rigs, and so do tasks that go to the same places. A policy

@@ -32,7 +32,7 @@ struct TrialPlan {
   std::vector<geometry::Stitch> stitches;                  ///< suture
   std::vector<geometry::Stitch> aims;     ///< suture: aimed at instead of `stitches`; empty: at those
   control::SutureReferenceConfig suture;  ///< suture
-  geometry::KeepOut keep_out;             ///< what the needle must keep out of
+  geometry::KeepOut keep_out;             ///< what the needle must keep out of, as it was planned
   std::vector<physics::ObstacleConfig> obstacles;  ///< drawn for it: in its rig, and among those zones
   std::shared_ptr<const task::RouteMap> routes;    ///< by which it is led to a point; null: straight to it
   double waypoint_radius_m = 0.004;                ///< a point of the way is passed within this
