@@ -179,6 +179,7 @@ void console(const ConsoleOptions& given) {
     use_models(options, shipped_folder("models") + "/any_rig");
     config = resolve_config<ConsoleConfig>(options);
   }
+  config.deployment = experiments::in_flow(config);
   nets::use_one_blas_thread();
   choose_segmenter(config.deployment.sensor);
   console::ConsoleParts parts;

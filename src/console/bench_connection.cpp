@@ -93,8 +93,10 @@ void Bench::State::read_zones() {
     geometry::KeepOut now = parts.config.safety.keeps_out(parts.config.rig);
     const std::lock_guard<common::PriorityMutex> lock(mutex);
     note_zones(std::move(now.zones));
-  } catch (const common::ConfigError&) {
-    // The supervisor says so.
+    zones_fault.clear();
+  } catch (const common::ConfigError& error) {
+    if (std::exchange(zones_fault, error.what()) != error.what())
+      tell(Level::kWarning, zones_fault + "; a run will be stopped");
   }
 }
 

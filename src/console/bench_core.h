@@ -68,6 +68,7 @@ struct Bench::State {
   common::Interruption wake;  // the thread of the bench, while it rests
   std::map<std::string, std::shared_ptr<control::RigIdentifier>> identifiers;  // by controller
   double looked_s = -1e9;                                                      // on the wall clock
+  std::string zones_fault;                                                     // told already
   std::optional<double> blind_since_s;  // the sensor has failed since, on the wall clock
   std::atomic<double> asked_s{-1e9};    // likewise; stop() asks for another question
   std::uint64_t runs = 0;

@@ -115,7 +115,7 @@ void Bench::State::note(const control::StepRecord& step) {
   ++shown.run->steps;
   last_A = step.current_A;
   reported = session->coils().reported();
-  if (step.estimate.valid) note_zones(session->coils().keep_out());
+  note_zones(session->coils().keep_out());
   add_sample(step.estimate, shown.target_m);
 }
 

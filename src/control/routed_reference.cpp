@@ -67,7 +67,8 @@ geometry::Vector2 RoutedReference::target(double time_s, const geometry::Pose2& 
       route_m_.clear();  // the old one is none any more
       throw common::DataError(fmt::format(
           "no way leads from ({:.1f}, {:.1f}) mm to ({:.1f}, {:.1f}) mm within the part of the dish that can "
-          "be reached and around its zones (safety.keep_out); choose another target, or smaller zones",
+          "be reached and around its zones (safety.keep_out, safety.keep_out_file); choose another target, "
+          "or smaller zones",
           1e3 * position_m.x(), 1e3 * position_m.y(), 1e3 * goal_m.x(), 1e3 * goal_m.y()));
     }
   } else if (strayed(position_m)) {

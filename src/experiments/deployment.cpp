@@ -132,7 +132,10 @@ void add_obstacles(const DeploymentConfig& config, TrialPlan& plan) {
   if (wanted.count == 0) return;
   plan.obstacles = draw_obstacles(wanted, config.rig, plan, config.route.clearance_m,
                                   common::RandomStream(trial_seed(config, plan), "obstacles"));
-  for (const geometry::Zone& zone : zones_of(plan.obstacles)) plan.keep_out.zones.push_back(zone);
+  const std::vector<geometry::Zone> solid = zones_of(plan.obstacles);
+  std::vector<geometry::Zone>& zones = plan.keep_out.zones;  // those that may move stay the last
+  zones.insert(zones.begin() + static_cast<std::ptrdiff_t>(config.safety.keep_out.size()), solid.begin(),
+               solid.end());
   plan.unreachable =
       plan.routes && plan.routes->route(plan.start.position_m(), plan.target_m, plan.keep_out).empty();
 }
@@ -218,7 +221,8 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
   do {
     if (++draws > kMaxDraws)
       throw common::ConfigError("trials.start_radius = " + std::to_string(config.trials.start_radius) +
-                                ": no start inside the dish and clear of safety.keep_out was found; use a "
+                                ": no start inside the dish and clear of safety.keep_out and of the zones of "
+                                "safety.keep_out_file was found; use a "
                                 "smaller radius, or smaller zones");
     const geometry::Vector2 start_m =
         task::draw_in_disc(config.trials.start_radius * config.rig.dish.radius_m, random);
@@ -238,6 +242,7 @@ TrialPlan plan_trial(const DeploymentConfig& config, const std::string& task, st
     if (++draws > kMaxDraws)
       throw common::ConfigError("trials.goal_radius = " + std::to_string(config.trials.goal_radius) +
                                 ": no target was found at which the needle keeps clear of safety.keep_out "
+                                "and of the zones of safety.keep_out_file "
                                 "whichever way it lies; use a larger radius, or smaller zones");
     drawn_m = draw_target();
   }

@@ -144,9 +144,8 @@ DeploymentConfig in_flow(const DeployConfig& config) {
     throw common::InvalidConfig("flow", name, "be as_rig where the rig is real: its fluid moves as it does");
   const physics::FlowConfig asked = flow_by_drag(config.flow, deployment.rig);
   physics::FlowConfig& flow = deployment.rig.simulation.flow;
-  const bool other =
-      flow.kind != physics::FlowKind::kNone && common::config_to_json(flow) != common::config_to_json(asked);
-  if (other)
+  const common::Json told = common::config_to_json(flow);
+  if (told != common::config_to_json(physics::FlowConfig()) && told != common::config_to_json(asked))
     throw common::InvalidConfig("flow", name, "be as_rig where rig.simulation.flow tells of another one");
   flow = asked;
   return deployment;

@@ -33,6 +33,7 @@ void forget_trajectories(runs::TrialRecord& record) {
   record.reference_heading_rad.reset();
   record.approach.reset();
   record.route_mm.reset();
+  record.told_zones.reset();
   record.time_s.clear();
 }
 

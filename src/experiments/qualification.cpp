@@ -70,7 +70,8 @@ void QualificationConfig::validate() const {
   rig.validate();
   if (safety.has_zones())
     throw common::ConfigError(
-        "safety.keep_out: a qualification drives all over the dish, and knows no way around zones; take away "
+        "safety.keep_out, safety.keep_out_file: a qualification drives all over the dish, and knows no way "
+        "around zones; take away "
         "what stands there, and leave the zones out");
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "lodestone/common/error.h"
@@ -125,11 +126,15 @@ std::vector<double> clearances_m(const TrialResult& result, const Aftermath& aft
   geometry::KeepOut keep_out = result.plan.keep_out;
   auto moved = result.told_zones.begin();
   std::vector<double> clearances;
-  for (const TrialSample& sample : result.samples) {
-    for (; moved != result.told_zones.end() && moved->time_s <= sample.step.time_s; ++moved)
+  const auto move_on = [&](double time_s) {
+    for (; moved != result.told_zones.end() && moved->time_s <= time_s; ++moved)
       keep_out.zones = moved->zones;
+  };
+  for (const TrialSample& sample : result.samples) {
+    move_on(sample.step.time_s);
     if (const auto pose = pose_of(sample, truth)) clearances.push_back(keep_out.clearance_m(*pose));
   }
+  move_on(std::numeric_limits<double>::infinity());
   if (truth && after.truly_lies) clearances.push_back(keep_out.clearance_m(*after.truly_lies));
   return clearances;
 }
@@ -184,9 +189,10 @@ TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control
     result.samples.push_back({step, truth(), lead.approach(), {}, lead.stitch()});
     if (const auto reported = report.coils ? report.coils() : std::nullopt)
       result.samples.back().temperature_C = reported->temperature_C;
-    if (report.keep_out && step.estimate.valid) note_zones(report.keep_out(), step.time_s, lead, result);
+    if (report.keep_out) note_zones(report.keep_out(), step.time_s, lead, result);
     if (watch) watch(result.samples.back());
   };
+  if (report.keep_out) note_zones(report.keep_out(), 0.0, lead, result);  // since it was planned
   const control::LoopOutcome outcome =
       plan.unreachable ? not_driven(plan) : loop.run(controller, lead.followed(), observe);
   result.completed = outcome.completed;
@@ -198,6 +204,8 @@ TrialResult run_trial(const TrialPlan& plan, control::ControlLoop& loop, control
     step.target_heading_rad = lead.way() != nullptr ? lead.way()->heading_rad(0.0) : plan.target_heading_rad;
     result.samples.push_back({step, truth(), plan.moves(), std::nullopt});
   }
+  if (!result.completed && report.keep_out)  // which it may have been stopped by
+    note_zones(report.keep_out(), result.samples.back().step.time_s + loop.period_s(), lead, result);
   Aftermath after;
   if (!result.completed) after = {missed_by(result, lead, loop.period_s()), truth()};
   if (true_pose) result.truth = score_trial(result, after, true, score);

@@ -30,6 +30,12 @@ Points track_of(const runs::TrialRecord& record) {
   return points;
 }
 
+bool contains(const std::vector<DrawnZone>& zones, const DrawnZone& one) {
+  return std::any_of(zones.begin(), zones.end(), [&one](const DrawnZone& each) {
+    return each.corners_mm == one.corners_mm && each.radius_mm == one.radius_mm;
+  });
+}
+
 Trial read_trial(const runs::TrialRecord& record) {
   Trial trial;
   trial.task = record.task;
@@ -42,10 +48,13 @@ Trial read_trial(const runs::TrialRecord& record) {
   if (record.obstacles_mm)
     for (const runs::DiscMm& disc : *record.obstacles_mm)
       trial.obstacles.push_back({{{disc[0], disc[1]}}, disc[2]});
-  if (record.told_zones)
-    for (const runs::ToldZonesRecord& told : *record.told_zones)
-      for (const runs::ZoneRecord& zone : told.zones)
-        trial.obstacles.push_back({points_of(zone.corners_mm), zone.radius_mm});
+  if (record.told_zones && !record.told_zones->empty())
+    for (const runs::ToldZonesRecord* told : {&record.told_zones->front(), &record.told_zones->back()})
+      for (const runs::ZoneRecord& zone : told->zones) {
+        const DrawnZone drawn{points_of(zone.corners_mm), zone.radius_mm};
+        if (!contains(trial.told_zones, drawn) && !contains(trial.obstacles, drawn))
+          trial.told_zones.push_back(drawn);
+      }
   if (record.target_mm) trial.target_mm = point(*record.target_mm);
   trial.track_is_true = record.trajectory.has_value();
   trial.track_mm = track_of(record);

@@ -20,9 +20,10 @@ struct Trial {
   Points path_mm;                                      ///< empty for points
   std::vector<runs::StitchRecord> stitches = {};       ///< of a suture
   std::optional<std::pair<double, double>> target_mm;  ///< none for paths
-  Points route_mm;                        ///< that the needle was led over; empty where no way was searched
-  std::vector<DrawnZone> obstacles = {};  ///< of it alone: drawn for it, or told while it was driven
-  Points track_mm;                        ///< true positions, or as sensed where nobody knows them
+  Points route_mm;                         ///< that the needle was led over; empty where no way was searched
+  std::vector<DrawnZone> obstacles = {};   ///< that were drawn for it alone
+  std::vector<DrawnZone> told_zones = {};  ///< by a file, each once: those at its begin and at its end
+  Points track_mm;                         ///< true positions, or as sensed where nobody knows them
   bool track_is_true = true;
   std::vector<bool> unseen;  ///< whether there was no pose
   Points reference_mm;       ///< where it should have been; the target, or the moving point of a path

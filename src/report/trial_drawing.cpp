@@ -107,8 +107,8 @@ std::string draw_trials(const std::vector<const Trial*>& trials, const DrawnRig&
       trials.begin(), trials.begin() + static_cast<std::ptrdiff_t>(std::min(trials.size(), kDrawnTrials)));
   DrawnRig around = rig;
   if (drawn.size() == 1)
-    around.keep_out.insert(around.keep_out.end(), drawn.front()->obstacles.begin(),
-                           drawn.front()->obstacles.end());
+    for (const std::vector<DrawnZone>* own : {&drawn.front()->obstacles, &drawn.front()->told_zones})
+      around.keep_out.insert(around.keep_out.end(), own->begin(), own->end());
   DishSvg dish(around, true);
   dish.line(drawn.front()->path_mm, kTargetColour, 0.7, 0.9, true);
   if (drawn.front()->stitches.empty()) draw_path_headings(*drawn.front(), dish);
@@ -143,6 +143,8 @@ std::string legend_of(const std::vector<const Trial*>& trials) {
     text += "; green ticks: where the needle's head should point";
   if (any([](const Trial& trial) { return trial.approach > 0; }))
     text += "; grey lines: the way to the start of a path or to a first stitch, which is not scored";
+  if (trials.size() == 1 && !trials.front()->told_zones.empty())
+    text += "; red: zones to keep out of, as they were told at first and at last";
   if (any([](const Trial& trial) { return !trial.route_mm.empty(); }))
     text += "; grey, dashed: the points that it was led over";
   const auto blind = [](const Trial& trial) {

@@ -156,10 +156,14 @@ std::string worst_section(const std::vector<const Trial*>& trials, const DrawnRi
   }
   const bool obstacles =
       std::any_of(drawn.begin(), drawn.end(), [](const Trial* trial) { return !trial->obstacles.empty(); });
+  const bool told = drawn.size() > 1 && std::any_of(drawn.begin(), drawn.end(), [](const Trial* trial) {
+                      return !trial->told_zones.empty();
+                    });
   return table({"task", "controller", "rig", "ended", "trial", "error (mm)", "success"}, rows, 4) +
          figure("<div class=\"panels\">" + panels + "</div>",
                 "<b>The worst trial of each task.</b> " + legend_of(drawn) +
-                    (obstacles ? " Red discs: the obstacles that were drawn for that trial." : ""));
+                    (obstacles ? " Red discs: the obstacles that were drawn for that trial." : "") +
+                    (told ? " Red: zones to keep out of, as they were told at first and at last." : ""));
 }
 
 std::string coil_chart(const Trial& trial, const std::string& id, const std::string& title,

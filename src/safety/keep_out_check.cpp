@@ -11,13 +11,7 @@ namespace lodestone::safety {
 
 void KeepOutCheck::observe(const control::PoseEstimate& estimate, double) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  keep_out_.zones = zones_;
-  try {
-    const std::vector<geometry::Zone>& moving = file_.zones();
-    keep_out_.zones.insert(keep_out_.zones.end(), moving.begin(), moving.end());
-  } catch (const common::ConfigError& error) {
-    throw Distrust(error.what());
-  }
+  put_together(/*anew=*/true);
   // With the 2 sigma by which its middle may lie nearer, and those by which its ends may.
   const double turn_rad = std::min(2.0 * estimate.heading_sigma_rad, 0.5 * geometry::kPi);
   const double unsure_m = 2.0 * estimate.position_sigma_m + 0.5 * keep_out_.needle_length_m * turn_rad;
@@ -31,13 +25,33 @@ void KeepOutCheck::observe(const control::PoseEstimate& estimate, double) {
   }
 }
 
+void KeepOutCheck::put_together(bool anew) {
+  try {
+    if (anew) moving_ = file_.zones();
+  } catch (const common::ConfigError& error) {
+    throw Distrust(error.what());
+  }
+  keep_out_.zones = zones_;
+  keep_out_.zones.insert(keep_out_.zones.end(), moving_.begin(), moving_.end());
+}
+
+void KeepOutCheck::look() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  put_together(/*anew=*/true);
+}
+
 void KeepOutCheck::move_zones(std::vector<geometry::Zone> zones) {
   const std::lock_guard<std::mutex> lock(mutex_);
   zones_ = std::move(zones);
 }
 
-std::vector<geometry::Zone> KeepOutCheck::zones() const {
+std::vector<geometry::Zone> KeepOutCheck::zones() {
   const std::lock_guard<std::mutex> lock(mutex_);
+  try {
+    put_together(/*anew=*/true);
+  } catch (const Distrust&) {
+    put_together(/*anew=*/false);
+  }
   return keep_out_.zones;
 }
 

@@ -96,6 +96,7 @@ void Supervisor::request_stop(const std::string& reason) {
 
 void Supervisor::check_cause_is_gone() {
   operator_.check();
+  keep_out_->look();
   rig::CoilPulse nothing;
   PulseContext asked = context();
   asked.status = coils_.status();

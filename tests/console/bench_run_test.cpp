@@ -127,6 +127,9 @@ TEST_CASE("zones of a file move while the bench is idle and while it drives, and
   CHECK(shows("first")(lab.bench->state()));
   REQUIRE(lab.reach(Mode::kDisarmed));
   REQUIRE(lab.arm().empty());
+  common::write_file_atomically(path, "{}");
+  CHECK(lab.told("a run will be stopped"));
+  CHECK(shows("first")(lab.bench->state()));
   tell("second");
   CHECK(lab.reach(shows("second")));
   REQUIRE(lab.bench->drive(point(0.01, 0.0)).empty());
@@ -137,6 +140,24 @@ TEST_CASE("zones of a file move while the bench is idle and while it drives, and
   common::write_file_atomically(path, "{}");
   REQUIRE(lab.reach(Mode::kStopped));
   CHECK_THAT(lab.bench->state().reason, Catch::Contains(path));
+}
+
+TEST_CASE("no way leads to a target beyond a wall that a file tells of") {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "moving.json";
+  common::write_file_atomically(path, R"({"keep_out": []})");
+  Laboratory lab({}, path);
+  REQUIRE(lab.reach(Mode::kDisarmed));
+  REQUIRE(lab.arm().empty());
+  REQUIRE(lab.bench->drive(point(0.0, 0.0)).empty());
+  REQUIRE(lab.reach([](const BenchState& state) { return state.run && state.run->steps > 2; }));
+  common::write_file_atomically(
+      path,
+      R"({"keep_out": [{"name": "wall", "corners_m": [0.025, -0.05, 0.025, 0.05], "radius_m": 0.001}]})");
+  REQUIRE(lab.reach([](const BenchState& state) { return state.keep_out.zones.size() == 1; }));
+  REQUIRE(lab.bench->drive(point(0.035, 0.0)).empty());
+  REQUIRE(lab.reach(Mode::kStopped));
+  CHECK_THAT(lab.bench->state().reason, Catch::Contains("no way leads"));
 }
 
 TEST_CASE("an unattended run needs no page, and ends with its task") {

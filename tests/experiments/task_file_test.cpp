@@ -40,11 +40,13 @@ TEST_CASE("a task's file sets what the options would") {
   CHECK(config.deployment.trials.square_side_m == 0.02);
   CHECK(config.deployment.reference.speed_m_s == 0.001);
   CHECK(config.deployment.trials.path_heading == geometry::HeadingRule::kTangent);
-  config = described(file, R"({"task": "pose", "target_mm": [5, -3], "heading": 90, "seconds": 10})");
+  config = described(
+      file, R"({"task": "pose", "target_mm": [5, -3], "heading": 90, "seconds": 10, "flow": "pulsing"})");
   CHECK(config.target_mm == std::vector<double>{5.0, -3.0});
   CHECK(config.deployment.trials.path_heading == geometry::HeadingRule::kFixed);
   CHECK(config.deployment.trials.path_heading_deg == 90.0);
   CHECK(config.deployment.trials.point_seconds == 10.0);
+  CHECK(config.flow == experiments::TrialFlow::kPulsing);
   config = described(file, R"({"task": "circle", "radius_m": 0.01})");
   CHECK(config.deployment.trials.circle_radius_m == 0.01);
   CHECK(config.deployment.trials.path_heading == geometry::HeadingRule::kNone);

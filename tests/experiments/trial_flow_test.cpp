@@ -40,6 +40,9 @@ TEST_CASE("trials are asked for in a flow, in which their virtual rig then is, a
   config.flow = TrialFlow::kSteady;
   CHECK_THROWS_WITH(experiments::in_flow(config), Catch::Contains("rig.simulation.flow"));
   config.deployment.rig.simulation.flow = {};
+  config.deployment.rig.simulation.flow.direction_deg = 90.0;
+  CHECK_THROWS_WITH(experiments::in_flow(config), Catch::Contains("rig.simulation.flow"));
+  config.deployment.rig.simulation.flow = {};
   config.deployment.rig.backend = rig::Backend::kSerial;
   CHECK_THROWS_WITH(experiments::in_flow(config), Catch::Contains("flow = \"steady\""));
 }

@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/files.h"
 #include "lodestone/experiments/deployment.h"
 #include "lodestone/experiments/recorder.h"
 #include "lodestone/experiments/routing.h"
 #include "sphere_rig.h"
+#include "temporary_folder.h"
 
 using namespace lodestone;
 using geometry::Vector2;
@@ -140,6 +144,53 @@ TEST_CASE("they are solid in the trial's rig, and the supervisor keeps the needl
   CHECK(results[1].completed);         // it leans on the disc, and nobody minds
   CHECK(least_m(results[1]) > -5e-4);  // its ends are round, and zones are measured as if they were not
   CHECK(least_m(results[2]) < -5e-4);  // where there is none it goes through
+}
+
+namespace {
+
+/// Does something once it is asked for the first time.
+class Telling final : public control::Controller {
+ public:
+  explicit Telling(std::function<void()> tell) : tell_(std::move(tell)) {}
+  void reset() override {}
+  geometry::Drive act(const task::Observation& observation) override {
+    if (tell_) std::exchange(tell_, nullptr)();
+    return observation.rest();
+  }
+
+ private:
+  std::function<void()> tell_;
+};
+
+}  // namespace
+
+TEST_CASE("zones that a file tells stand beside a trial's obstacles, and move while it is driven") {
+  const tests::TemporaryFolder folder;
+  auto config = with_obstacles(1);
+  config.safety.keep_out_file = folder / "moving.json";
+  config.trials.point_seconds = 3.0;
+  const auto tell = [&config](const std::string& name) {
+    common::write_file_atomically(
+        config.safety.keep_out_file,
+        R"({"keep_out": [{"name": ")" + name + R"(", "corners_m": [0.9, 0.0], "radius_m": 0.002}]})");
+  };
+  tell("first");
+  experiments::ControllerSource source = experiments::baseline_source(config);
+  source.make = [&](std::uint64_t) { return std::make_unique<Telling>([&] { tell("second"); }); };
+  common::ThreadPool pool(1);
+  const auto result = experiments::Deployment(config).run(
+      {plan(config, "point", 0, std::nullopt, experiments::route_map(config, nullptr, nullptr))},
+      experiments::RigKind::kExplored, source, pool)[0];
+  CHECK(result.completed);
+  REQUIRE(result.told_zones.size() == 2);
+  for (const experiments::ToldZones& told : result.told_zones) {
+    REQUIRE(told.zones.size() == 2);
+    CHECK(told.zones.front().name == "obstacle 1");
+  }
+  CHECK(result.told_zones.front().zones.back().name == "first");
+  CHECK(result.told_zones.back().zones.back().name == "second");
+  CHECK(result.told_zones.back().time_s < 1.0);
+  CHECK(result.plan.keep_out.zones == result.told_zones.front().zones);
 }
 
 TEST_CASE("a trial whose obstacles leave no way is not driven, failed, and counted as such") {

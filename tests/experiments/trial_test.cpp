@@ -162,13 +162,14 @@ TEST_CASE("zones that move are led around, kept, and scored by the moment") {
   bench.plan.routes = std::make_shared<const task::RouteMap>(task::Region::disc(0.04, 0.004),
                                                              std::vector<task::Move>(), task::RouteConfig());
   int told = 0;
-  bench.zones = [&] { return ++told <= 1 ? above : below; };
+  bench.zones = [&] { return ++told <= 2 ? above : below; };
   const auto result = bench.run([&] { return bench.plan.start; });
   REQUIRE(result.completed);
   REQUIRE(result.told_zones.size() == 2);
   CHECK(result.told_zones.front().time_s == 0.0);
   CHECK(result.told_zones.back().time_s == result.samples[1].step.time_s);
   CHECK(result.told_zones.back().zones == below);
+  CHECK(result.told_zones.front().zones == above);
   CHECK(result.samples[0].step.target_m.y() < -1e-3);  // past its end
   CHECK(std::any_of(result.samples.begin() + 2, result.samples.end(), [](const auto& sample) {
     return sample.step.target_m.y() > 1e-3;  // past the other's
@@ -177,7 +178,7 @@ TEST_CASE("zones that move are led around, kept, and scored by the moment") {
   bench.plan.target_m = {-0.02, 0.004};
   const std::vector<geometry::Zone> here = {{"disc", {-0.02, 0.0}, 0.001}};
   told = 0;
-  bench.zones = [&] { return ++told <= 3 ? above : told <= 5 ? here : above; };
+  bench.zones = [&] { return ++told <= 4 ? above : told <= 6 ? here : above; };
   bench.plan.routes.reset();
   const auto touched = bench.run([&] { return bench.plan.start; });
   CHECK(touched.told_zones.size() == 3);
@@ -210,6 +211,11 @@ TEST_CASE("the supervisor keeps a needle out of zones that a file tells while it
   CHECK_FALSE(result.completed);
   CHECK_THAT(result.stop_reason, Catch::Contains("keep-out zone hand"));
   CHECK(result.samples.size() >= 3);
+  CHECK(*result.truth->touches >= 1);  // it lies in the zone that stopped it
+  REQUIRE(result.told_zones.size() == 2);
+  CHECK(result.told_zones.back().zones.front().name == "hand");
+  CHECK_THROWS_WITH((tell("nonsense"), bench.session->coils().rearm()),
+                    Catch::Contains(safety.keep_out_file));
   tell(R"({"keep_out": []})");
   bench.session->coils().rearm();
   seen = 0;

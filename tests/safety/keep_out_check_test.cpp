@@ -63,10 +63,13 @@ TEST_CASE("zones of a file are kept out of beside the others, and one that canno
       path, R"({"keep_out": [{"name": "hand", "corners_m": [-0.02, 0.005], "radius_m": 0.004}]})");
   CHECK_THROWS_WITH(check.observe(estimate, 0.0), Catch::Contains("keep-out zone hand"));
   CHECK(check.zones().size() == 2);
+  check.look();
   estimate.pose.x_m = 0.01;
   CHECK_THROWS_WITH(check.observe(estimate, 0.0), Catch::Contains("keep-out zone disc"));
   common::write_file_atomically(path, "half a fi");
   estimate.pose.x_m = 0.0;
   CHECK_THROWS_AS(check.observe(estimate, 0.0), safety::Distrust);
   CHECK_THROWS_WITH(check.observe(estimate, 0.0), Catch::Contains(path));
+  CHECK_THROWS_WITH(check.look(), Catch::Contains(path));
+  CHECK(check.zones().size() == 2);  // as it was read last
 }

@@ -51,9 +51,10 @@ struct TrialSample {
   std::size_t stitch = 0;                         ///< of a suture, that it was at
 };
 
-/// All zones that the needle must keep out of, from an observation on.
+/// All zones that the needle must keep out of, from some time on.
 struct ToldZones {
-  double time_s = 0.0;  ///< of the observation that was judged by them first
+  double time_s =
+      0.0;  ///< of the observation at which they were noticed; that after the last: it was stopped
   std::vector<geometry::Zone> zones;
 };
 
@@ -62,7 +63,7 @@ struct TrialResult {
   std::string rig;         ///< "explored", "unseen" or "real"
   std::string controller;  ///< "policy", "planner" or "baseline"
   std::vector<TrialSample> samples;
-  std::vector<ToldZones> told_zones;  ///< whenever others were told; empty: they stay those of the plan
+  std::vector<ToldZones> told_zones;  ///< where a file tells them: at first, and whenever they were others
   bool completed = false;
   std::string stop_reason;
   std::optional<runs::TrialFigures> truth;  ///< absent where nobody knows the true pose
@@ -78,7 +79,7 @@ using TruePose = std::function<geometry::Pose2()>;
 /// What is asked at every sample of what stands between a trial and its coils, where that is given.
 struct BenchReport {
   std::function<std::optional<rig::CoilStatus>()> coils = {};  ///< what they told last; nothing before
-  std::function<std::vector<geometry::Zone>()> keep_out = {};  ///< by which the last pose was judged
+  std::function<std::vector<geometry::Zone>()> keep_out = {};  ///< where a file tells zones: all of them now
 };
 
 /// Runs one trial and scores it; one that is unreachable is not driven, and has failed. Where zones move,

@@ -134,7 +134,8 @@ struct TrialRecord {
   std::optional<std::vector<DiscMm>>
       obstacles_mm;  ///< that were drawn for this trial; absent where none were
   std::optional<std::vector<ToldZonesRecord>>
-      told_zones;  ///< whenever a file told others (safety.keep_out_file); absent without one
+      told_zones;  ///< where a file tells them (safety.keep_out_file): at first, and whenever they were
+                   ///< others
   std::optional<bool>
       unreachable;  ///< no way led past them: it was not driven; absent where none was searched
   std::optional<std::vector<PerCoil>> current_A;  ///< asked of the coils; absent in older runs

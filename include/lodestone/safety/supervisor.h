@@ -60,8 +60,8 @@ struct SafetyConfig {
            "zones that the needle must keep out of: ways are planned around them, and it is scored by them, "
            "too");
     v.field("keep_out_file", keep_out_file, "",
-            "file {\"keep_out\": [...]} of more zones, which may move: it is read again before every pulse; "
-            "empty: no file");
+            "file {\"keep_out\": [...]} of more zones, which may move: it is read again at every pose, "
+            "before its pulse; empty: no file");
     v.field(
         "keep_out_margin_m", keep_out_margin_m, "m",
         "a needle that may lie nearer to one of them than this stops the run; a pulse that begins outside "
@@ -109,14 +109,14 @@ class Supervisor final : public rig::Coils, public control::Guard {
 
   /// From any thread: the zones that the needle must keep out of, but for those of the file, have moved.
   void move_keep_out(std::vector<geometry::Zone> zones) { keep_out_->move_zones(std::move(zones)); }
-  /// From any thread: all that the last pose was judged by.
+  /// From any thread: all of them now; where the file cannot be read, as it was read last.
   std::vector<geometry::Zone> keep_out() const { return keep_out_->zones(); }
 
   /// Switches off now and for good: whoever drives is told `reason` at its next call.
   void request_stop(const std::string& reason);
 
-  /// Throws HardwareError while something that can be asked without a pulse still says stop: the file, a
-  /// device, the temperature of a coil. For the thread that drives.
+  /// Throws HardwareError while something that can be asked without a pulse still says stop: the file, that
+  /// of zones that cannot be read, a device, the temperature of a coil. For the thread that drives.
   void check_cause_is_gone();
   /// Takes pulses again after a stop, on the word of an operator who has seen its reason. Throws as
   /// check_cause_is_gone(), and stays stopped then. What it knows of heat and duty is kept. For the thread
