@@ -29,10 +29,11 @@ struct Bench {
     action.scale = rig.coils.max_current_A;
     control::ControlLoop loop({}, action, session->coils(), session->sensor(), session->clock());
     control::DipolePullController controller(rig, {});
-    return experiments::run_trial(plan, loop, controller, true_pose, {}, {},
+    return experiments::run_trial(plan, loop, controller, true_pose, {}, watch,
                                   {[this] { return session->coils().reported(); }, zones});
   }
   std::function<std::vector<geometry::Zone>()> zones;
+  experiments::TrialWatch watch;
   rig::RigConfig rig;
   std::unique_ptr<session::RigSession> session;
   experiments::TrialPlan plan;
@@ -202,17 +203,18 @@ TEST_CASE("the supervisor keeps a needle out of zones that a file tells while it
   bench.zones = [&bench] { return bench.session->coils().keep_out(); };
   bench.plan.keep_out = safety.keeps_out(bench.rig);
   int seen = 0;
-  std::string then = R"({"keep_out": [{"name": "hand", "corners_m": [0.015, 0.0], "radius_m": 0.01}]})";
-  const auto truth = [&] {
+  std::string then = R"({"keep_out": [{"name": "hand", "corners_m": [0.0, 0.0], "radius_m": 0.04}]})";
+  bench.watch = [&](const experiments::TrialSample&) {
     if (++seen == 3) tell(then);
-    return bench.session->truth()->true_pose();
   };
+  const auto truth = [&bench] { return bench.session->truth()->true_pose(); };
   const auto result = bench.run(truth);
   CHECK_FALSE(result.completed);
   CHECK_THAT(result.stop_reason, Catch::Contains("keep-out zone hand"));
-  CHECK(result.samples.size() >= 3);
-  CHECK(*result.truth->touches >= 1);  // it lies in the zone that stopped it
+  CHECK(result.samples.size() == 3);
+  CHECK(*result.truth->touches == 1);  // it lies in the zone that stopped it
   REQUIRE(result.told_zones.size() == 2);
+  CHECK(result.told_zones.back().time_s > result.samples.back().step.time_s);
   CHECK(result.told_zones.back().zones.front().name == "hand");
   CHECK_THROWS_WITH((tell("nonsense"), bench.session->coils().rearm()),
                     Catch::Contains(safety.keep_out_file));
