@@ -49,6 +49,22 @@ TEST_CASE("a trial brings the obstacles along that were drawn for it") {
   CHECK(trial.obstacles[0].radius_mm == 3.0);
 }
 
+TEST_CASE(
+    "zones that were told are those at the trial's begin and at its end, each once, without its obstacles") {
+  lodestone::runs::TrialRecord record = point_trial("policy", "explored");
+  CHECK(read_trials({record}).front().told_zones.empty());
+  record.obstacles_mm = {{10.0, -5.0, 3.0}};
+  const lodestone::runs::ZoneRecord obstacle{"obstacle 1", {{10.0, -5.0}}, 3.0};
+  const auto at = [](double x_mm) { return lodestone::runs::ZoneRecord{"hand", {{x_mm, 0.0}}, 4.0}; };
+  record.told_zones = {
+      {0.0, {obstacle, at(1.0)}}, {0.3, {obstacle, at(2.0)}}, {0.6, {obstacle, at(3.0), at(1.0)}}};
+  const Trial trial = read_trials({record}).front();
+  CHECK(trial.obstacles.size() == 1);
+  REQUIRE(trial.told_zones.size() == 2);
+  CHECK(trial.told_zones[0].corners_mm.front() == std::pair(1.0, 0.0));
+  CHECK(trial.told_zones[1].corners_mm.front() == std::pair(3.0, 0.0));
+}
+
 TEST_CASE("where nobody knows the true pose, the way is what was seen") {
   lodestone::runs::TrialRecord record = point_trial("policy", "real");
   record.trajectory.reset();

@@ -99,6 +99,16 @@ TEST_CASE("obstacles of a trial's own are drawn where it is alone") {
   CHECK_FALSE(holds(draw_trials({&trials[0], &trials[1]}, 42.5, "some"), "keep-out"));
 }
 
+TEST_CASE("zones that were told are drawn where a trial is alone, and said in the caption") {
+  auto trials = read_trials({point_trial("policy", "explored"), point_trial("policy", "explored")});
+  CHECK_FALSE(holds(legend_of({&trials[0]}), "told"));
+  trials[0].told_zones = {{{{8.5, -4.25}}, 3.0}};
+  CHECK(holds(draw_trials({&trials[0]}, 42.5, "some"), "keep-out"));
+  CHECK(holds(legend_of({&trials[0]}), "told"));
+  CHECK_FALSE(holds(draw_trials({&trials[0], &trials[1]}, 42.5, "some"), "keep-out"));
+  CHECK_FALSE(holds(legend_of({&trials[0], &trials[1]}), "told"));
+}
+
 TEST_CASE("a drawing becomes a file that opens by itself, an empty one none") {
   const lodestone::tests::TemporaryFolder folder;
   const auto trials = read_trials({point_trial("policy", "explored")});
