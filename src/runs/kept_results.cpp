@@ -17,9 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kRecording = "transitions.h5";
 /// What others read of a cell's folder, and what says that it is finished.
-constexpr const char* kNeeded[] = {"transitions.h5", "checkpoint", "config.json", "manifest.json",
-                                   "run.json"};
+constexpr const char* kNeeded[] = {kRecording, "checkpoint", "config.json", "manifest.json", "run.json"};
 
 bool finished_in(const std::string& folder) {
   const auto state = find_run(folder);
@@ -86,12 +86,12 @@ void KeptResults::keep(const Plan& plan, const PlanPlace& place) {
   }
   const std::unordered_set<std::string> wanted = needed(plan, *filed_);
   for (const Cell& cell : plan.cells) {
-    const std::string kept = weights_folder(cell.id);
+    const std::string kept = weights_folder(cell.id), run = cell_folder(plan, place, cell.id);
     const bool holds = filed_->count(cell.id) > 0;
-    if (wanted.count(cell.id) == 0 || !holds) {
+    const bool recording = fs::exists(kept + "/" + kRecording) || fs::exists(run + "/" + kRecording);
+    if (!holds || (wanted.count(cell.id) == 0 && !recording)) {
       fs::remove_all(kept);
-    } else if (const std::string run = cell_folder(plan, place, cell.id);
-               !fs::exists(kept) && finished_in(run)) {
+    } else if (!fs::exists(kept) && finished_in(run)) {
       common::make_folders(fs::path(kept).parent_path().string());
       copy_needed(run, kept);
     }

@@ -3,9 +3,11 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
+#include "data/synthetic.h"
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/data/dataset_file.h"
 #include "runs/cells.h"
 #include "temporary_folder.h"
 
@@ -43,6 +45,29 @@ TEST_CASE("what is kept of a plan is finished anywhere, with the weights that th
   CHECK_FALSE(std::filesystem::exists(folder / "kept/weights/a"));
   CHECK(to_run(made, there).empty());
   CHECK(runs::read_kept_plan(folder / "kept").records.size() == 4);
+}
+
+TEST_CASE("a recording is kept also when nothing needs it any more") {
+  const tests::TemporaryFolder folder;
+  const Plan made = plan({cell("a"), cell("b", {"data={a}/transitions.h5"})});
+  const runs::PlanPlace place{folder / "out", "lodestone", "configs", "", 1, folder / "kept"};
+  runs::KeptResults kept(place.results);
+  finish(made, place, "a");
+  data::write_dataset(folder / "out/a/transitions.h5", tests::random_dataset(2, 3));
+  kept.keep(made, place);
+  finish(made, place, "b");
+  kept.keep(made, place);
+  CHECK(data::read_dataset(folder / "kept/weights/a/transitions.h5").episodes.size() == 2);
+  CHECK_FALSE(std::filesystem::exists(folder / "kept/weights/b"));
+
+  // Also by who has not run it, and no longer than it is this plan's.
+  const runs::PlanPlace there{folder / "there", "lodestone", "configs", "", 1, folder / "kept"};
+  runs::KeptResults(there.results).keep(made, there);
+  CHECK(std::filesystem::exists(folder / "kept/weights/a"));
+  Plan other = made;
+  other.cells[0].seed = 7;
+  runs::KeptResults(there.results).keep(other, there);
+  CHECK_FALSE(std::filesystem::exists(folder / "kept/weights/a"));
 }
 
 TEST_CASE("a record holds no more once the cell, its preset or what it needs is another") {
