@@ -86,8 +86,10 @@ class Training : public runs::ResumableWork {
     training.symmetry = symmetry_of(training.symmetry, /*exact=*/true, dataset.info, "training.symmetry");
     const auto seed = static_cast<std::uint64_t>(config.seed);
     model_.config = config.model;
-    model_.config.symmetry =
-        symmetry_of(config.model.symmetry, config.model.symmetry_exact, dataset.info, "model.symmetry");
+    // The networks of a start are as they are; its windings need not be those of the rig that it goes on
+    // with.
+    const bool exact = config.model.symmetry_exact && config.warm_start.from.empty();
+    model_.config.symmetry = symmetry_of(config.model.symmetry, exact, dataset.info, "model.symmetry");
     if (training.symmetry != inference::Symmetry::kNone && model_.config.tells_view())
       throw common::ConfigError(
           "training.symmetry shows every pulse from all sides alike, from which model.symmetry_exact = false "

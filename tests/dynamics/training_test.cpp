@@ -11,6 +11,7 @@
 #include "lodestone/common/random.h"
 #include "lodestone/dynamics/evaluation.h"
 #include "lodestone/dynamics/network.h"
+#include "lodestone/physics/rig_description.h"
 #include "temporary_folder.h"
 
 namespace lodestone::dynamics {
@@ -341,6 +342,22 @@ TEST_CASE("learning goes on from a model as its rig would be, were it as strong"
   data::Dataset other = strong;
   other.info.action_scale += 1.0;
   CHECK_THROWS_WITH(train(other, config), Contains("warm_start.from"));
+}
+
+TEST_CASE("a model of exact symmetry goes on with a rig whose coils differ", "[unit]") {
+  const ::lodestone::tests::TemporaryFolder temporary;
+  data::Dataset dataset = known_dataset(data::StateLayout::kPose, 20, 20, 1);
+  TrainDynamicsConfig config = small_config(DynamicsForm::kDelta);
+  config.training.epochs = 1;
+  config.model.symmetry = Symmetry::kSquare;
+  const TrainingResult first = train(dataset, config);
+  save_model(temporary / "model", first.model, common::config_to_json(config), {});
+  physics::RigDescription rig;
+  rig.coils.resistance_20C_ohm.back() *= 1.02;
+  dataset.info.rig = common::config_to_json(rig);
+  CHECK_THROWS_WITH(train(dataset, config), Contains("four coils differ"));  // from nothing
+  config.warm_start.from = temporary / "model";
+  CHECK(train(dataset, adopt_start(config)).model.config.symmetry == Symmetry::kSquare);
 }
 
 }  // namespace lodestone::dynamics
