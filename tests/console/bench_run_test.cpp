@@ -160,6 +160,25 @@ TEST_CASE("no way leads to a target beyond a wall that a file tells of") {
   CHECK_THAT(lab.bench->state().reason, Catch::Contains("no way leads"));
 }
 
+TEST_CASE("a way is searched anew when zones move under way") {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "moving.json";
+  common::write_file_atomically(path, R"({"keep_out": []})");
+  Laboratory lab({}, path);
+  REQUIRE(lab.reach(Mode::kDisarmed));
+  REQUIRE(lab.arm().empty());
+  REQUIRE(lab.bench->drive(point(-0.02, 0.0)).empty());
+  REQUIRE(lab.reach([](const BenchState& state) {
+    return state.run && state.pose && state.pose->valid && state.pose->pose.x_m < -0.015;
+  }));
+  REQUIRE(lab.bench->drive(point(0.035, 0.0)).empty());
+  common::write_file_atomically(
+      path,
+      R"({"keep_out": [{"name": "wall", "corners_m": [0.028, -0.05, 0.028, 0.05], "radius_m": 0.001}]})");
+  REQUIRE(lab.reach(Mode::kStopped));
+  CHECK_THAT(lab.bench->state().reason, Catch::Contains("no way leads"));
+}
+
 TEST_CASE("an unattended run needs no page, and ends with its task") {
   Laboratory lab;
   REQUIRE(lab.reach(Mode::kDisarmed));
