@@ -56,6 +56,7 @@ void adapt(const AdaptOptions& options) {
   runs::RunRequest request{options.out, "adapt", common::config_to_json(config), config.collection.seed,
                            options.resume};
   request.free_keys = {"threads", "checkpoint_every_s", "rig.serial.port"};
+  request.inputs = runs::named_inputs(request.config, {"dynamics", "sensor.segmenter"});
   runs::RunFolder run(request);
   const std::string file = run.file(runs::Adaptation::kFile);
   if (run.finished()) {

@@ -30,6 +30,7 @@ void bench_oracle(const CommonOptions& options) {
                            config.deployment.seed, options.resume};
   request.free_keys = experiments::free_mcap_keys();
   request.free_keys.insert(request.free_keys.end(), {"threads", "realtime"});
+  request.inputs = runs::named_inputs(request.config, {"task", "policy", "dynamics", "sensor.segmenter"});
   runs::RunFolder run(request);
   if (!run.finished()) {
     run.begin();

@@ -26,6 +26,7 @@ void bench_rigs(const CommonOptions& options) {
   runs::RunRequest request{options.out, "bench rigs", common::config_to_json(config), config.deployment.seed,
                            options.resume};
   request.free_keys = {"threads"};
+  request.inputs = runs::named_inputs(request.config, {"policy", "dynamics", "sensor.segmenter"});
   runs::RunFolder run(request);
   if (run.finished()) return print_results(run.path());
   run.begin();

@@ -156,6 +156,7 @@ void collect(const CommonOptions& options) {
                            options.resume};
   request.free_keys = experiments::free_mcap_keys();
   request.free_keys.insert(request.free_keys.end(), {"threads", "checkpoint_every_s", "rig.serial.port"});
+  request.inputs = runs::named_inputs(request.config, {"policy", "sensor.segmenter"});
   runs::RunFolder run(request);
   if (run.finished()) {
     common::log_info("collect: " + run.path() + " is finished already");

@@ -51,6 +51,7 @@ void deploy(const CommonOptions& options) {
                            options.resume};
   request.free_keys = experiments::free_mcap_keys();
   request.free_keys.insert(request.free_keys.end(), {"threads", "realtime", "rig.serial.port"});
+  request.inputs = runs::named_inputs(request.config, {"task", "policy", "dynamics", "sensor.segmenter"});
   runs::RunFolder run(request);
   if (!run.finished()) return drive(config, job, run);
   common::log_info("deploy: " + run.path() + " is finished already");

@@ -71,6 +71,8 @@ void qualify(const QualifyOptions& given) {
   runs::RunRequest request{options.out, "qualify", common::config_to_json(config), config.seed,
                            options.resume};
   request.free_keys = {"threads", "rig.serial.port"};
+  request.inputs =
+      runs::named_inputs(request.config, {"points.policy", "points.dynamics", "sensor.segmenter"});
   runs::RunFolder run(request);
   if (!run.finished()) return measure_bench(config, driver, options, run);
   common::log_info("qualify: " + run.path() + " is finished already");

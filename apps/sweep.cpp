@@ -39,6 +39,12 @@ std::string preset_path(const std::string& name) {
                             " nor one of that name below configs/");
 }
 
+std::map<std::string, std::string> preset_inputs(const runs::Sweep& sweep) {
+  std::map<std::string, std::string> inputs;
+  for (const std::string& name : sweep.config) inputs["preset " + name] = preset_path(name);
+  return inputs;
+}
+
 /// The presets as one file in the sweep's folder; empty: there are none.
 std::string write_preset(const runs::Sweep& sweep, const std::string& folder) {
   if (sweep.config.empty()) return "";
@@ -109,8 +115,9 @@ void run_sweep(const SweepOptions& options) {
       plan.cells.push_back(std::move(cell));
     plan.validate();
     const std::unique_ptr<runs::Engine> engine = runs::make_engine(options.engine);
-    runs::run_plan_in_folder(plan, place, *engine, "sweep", common::artefact_to_json(sweep), "",
-                             [&] { write_preset(sweep, options.out); });
+    runs::run_plan_in_folder(
+        plan, place, *engine, "sweep", common::artefact_to_json(sweep), "",
+        [&] { write_preset(sweep, options.out); }, preset_inputs(sweep));
     rungs.push_back(runs::rung_results(sweep, points, rung, plan, place));
   }
   write_result(sweep, rungs, options.out);

@@ -250,6 +250,7 @@ runs::RunRequest run_request(const TrainDynamicsConfig& config, const std::strin
   // Files may be moved; the checkpoint says when they hold other transitions.
   request.free_keys = {"threads", "data", "training.checkpoint_interval_s", "warm_start.from"};
   request.length_keys = {"training.max_seconds"};
+  request.inputs = runs::named_inputs(request.config, {"warm_start.from"});
   return request;
 }
 

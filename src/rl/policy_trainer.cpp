@@ -289,9 +289,10 @@ runs::RunRequest run_request(const TrainPolicyConfig& config, const std::string&
   request.config = common::config_to_json(config);
   request.seed = config.seed;
   request.resume = resume;
-  // Folders may be moved; the environments' state says when the model is another.
+  // Folders may be moved: what they hold counts.
   request.free_keys = {"threads", "recorded", "dynamics", "training.checkpoint_every_s"};
   request.length_keys = {"training.env_steps", "training.max_seconds"};
+  request.inputs = runs::named_inputs(request.config, {"dynamics", "recorded"});
   return request;
 }
 

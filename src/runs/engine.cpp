@@ -162,12 +162,16 @@ void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const st
 }
 
 void run_plan_in_folder(const Plan& plan, const PlanPlace& place, Engine& engine, const std::string& verb,
-                        common::Json settings, const std::string& only,
-                        const std::function<void()>& prepare) {
+                        common::Json settings, const std::string& only, const std::function<void()>& prepare,
+                        std::map<std::string, std::string> inputs) {
   settings["rig_file"] = place.rig_file;
   RunRequest request{place.folder, verb, settings, plan.seed, /*resume=*/true};
   request.free_keys = {"threads", "score",
                        "lower_is_better"};  // the last two: what is told of the runs, not what is run
+  request.inputs = std::move(inputs);
+  if (!place.rig_file.empty()) request.inputs["--rig"] = place.rig_file;
+  for (const Cell& cell : plan.cells)
+    if (!cell.config.empty()) request.inputs["preset " + cell.config] = preset_file(place, cell);
   RunFolder run(std::move(request));
   run.begin();
   prepare();

@@ -13,6 +13,7 @@
 #include "lodestone/common/build_facts.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
+#include "lodestone/common/path_digest.h"
 
 namespace lodestone::runs {
 namespace {
@@ -23,7 +24,9 @@ using common::Json;
 
 constexpr const char* kStateFile = "/run.json";
 constexpr const char* kConfigFile = "/config.json";
-constexpr std::size_t kMostNamed = 8;  // differing keys in a message
+constexpr const char* kManifestFile = "/manifest.json";
+constexpr const char* kInputs = "inputs";  // in the manifest
+constexpr std::size_t kMostNamed = 8;      // differing keys in a message
 
 /// A lock on a folder: it is free as soon as the process that held it has gone, however it went.
 int open_locked(const std::string& folder) {
@@ -90,6 +93,17 @@ std::vector<std::string> differing_keys(const Json& there, const Json& here,
   return keys;
 }
 
+std::map<std::string, std::string> named_inputs(const Json& config, const std::vector<std::string>& keys) {
+  std::map<std::string, std::string> inputs;
+  for (const std::string& key : keys) {
+    std::string pointer = "/" + key;
+    std::replace(pointer.begin(), pointer.end(), '.', '/');
+    const Json value = config.value(Json::json_pointer(pointer), Json());
+    if (value.is_string() && fs::exists(value.get<std::string>())) inputs[key] = value;
+  }
+  return inputs;
+}
+
 RunFolder::RunFolder(RunRequest request) : request_(std::move(request)) {
   const std::string& folder = request_.folder;
   if (folder.empty())
@@ -136,8 +150,20 @@ void RunFolder::find_again() {
   if (!differing.empty())
     throw ConfigError("--resume: the run in " + path() + " has other settings: " + joined(differing) +
                       "; use the same --config and --set as before, or another --out");
+  check_inputs();
   const bool longer = !differing_keys(there, request_.config, request_.free_keys).empty();
   stage_ = state_.finished && !longer ? RunStage::kFinished : RunStage::kResumable;
+}
+
+void RunFolder::check_inputs() const {
+  const Json manifest = common::read_json_if_there(path() + kManifestFile);
+  const Json before = manifest.value(kInputs, Json::object());  // none: begun by an older version
+  for (const auto& [name, input] : request_.inputs) {
+    const std::string now = before.contains(name) ? common::path_digest(input) : "";
+    if (!now.empty() && now != before[name])
+      throw ConfigError("--resume: " + name + ": " + input + " holds something else than when the run in " +
+                        path() + " began; give it what it held, or name another --out");
+  }
 }
 
 void RunFolder::begin() {
@@ -151,8 +177,11 @@ void RunFolder::begin() {
   if (stage_ == RunStage::kFresh) {
     Json manifest = {{"verb", request_.verb}, {"seed", request_.seed}};
     if (request_.config.contains("threads")) manifest["threads"] = request_.config["threads"];
+    for (const auto& [name, input] : request_.inputs)
+      if (const std::string digest = common::path_digest(input); !digest.empty())
+        manifest[kInputs][name] = digest;
     manifest.update(common::build_and_host_facts());
-    common::write_file_atomically(file("manifest.json"), manifest.dump(2) + "\n");
+    common::write_file_atomically(path() + kManifestFile, manifest.dump(2) + "\n");
   }
   common::write_file_atomically(path() + kConfigFile, request_.config.dump(2) + "\n");
 }

@@ -373,6 +373,7 @@ runs::RunRequest run_request(const TrainSegmenterConfig& config, const std::stri
   request.seed = config.seed;
   request.resume = resume;
   request.length_keys = {"training.max_seconds"};
+  request.inputs = runs::named_inputs(request.config, {"frames.source", "frames.from"});
   return request;
 }
 

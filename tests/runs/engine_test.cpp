@@ -88,3 +88,24 @@ TEST_CASE("a plan's folder holds one plan, and is finished when all its cells ar
   run({{"scale", 1}}, "");
   CHECK(runs::find_run(place.folder)->finished);
 }
+
+TEST_CASE("a plan's folder is that of a rig and of presets that stay what they were") {
+  const tests::TemporaryFolder folder;
+  const std::string rig = folder / "rig.json", preset = folder / "preset.json", other = folder / "other.json";
+  const runs::PlanPlace place{folder / "out", "lodestone", folder.path(), rig};
+  Plan made = plan({cell("a")});
+  made.cells[0].config = "preset.json";
+  const auto run = [&] {
+    FakeEngine engine;
+    runs::run_plan_in_folder(made, place, engine, "plan run", {}, "", [] {}, {{"other", other}});
+  };
+  for (const std::string& file : {rig, preset, other}) common::write_file_atomically(file, "{}");
+  run();
+  for (const auto& [name, file] : std::map<std::string, std::string>{
+           {"--rig: ", rig}, {"preset preset.json: ", preset}, {"other: ", other}}) {
+    common::write_file_atomically(file, "{\"changed\": 1}");
+    CHECK_THROWS_WITH(run(), Catch::Contains(name) && Catch::Contains("holds something else"));
+    common::write_file_atomically(file, "{}");
+    CHECK_NOTHROW(run());
+  }
+}

@@ -48,6 +48,34 @@ TEST_CASE("a run is fresh, then resumable, then finished, whatever else lies in 
   CHECK(lodestone::runs::find_run(folder)->finished);
 }
 
+TEST_CASE("a run goes on with what its inputs held when it began, wherever they lie now") {
+  const lodestone::tests::TemporaryFolder root;
+  lodestone::common::make_folders(root / "policy");
+  lodestone::common::write_file_atomically(root / "policy/weights", "1");
+  const auto asked = [&](const std::string& policy) {
+    RunRequest made = request(root / "run", true);
+    made.config["drive"] = {{"policy", policy}, {"by", "policy"}};
+    made.free_keys.push_back("drive.policy");
+    made.inputs =
+        lodestone::runs::named_inputs(made.config, {"drive.policy", "drive.by", "td3.discount", "task"});
+    return made;
+  };
+  CHECK(asked(root / "policy").inputs.size() == 1);
+  CHECK(asked("").inputs.empty());
+  RunFolder(asked(root / "policy")).begin();
+  CHECK(RunFolder(asked(root / "policy")).stage() == RunStage::kResumable);
+  std::filesystem::rename(root / "policy", root / "moved");
+  CHECK(RunFolder(asked(root / "policy")).stage() == RunStage::kResumable);  // gone: whoever reads it says so
+  CHECK(RunFolder(asked(root / "moved")).stage() == RunStage::kResumable);
+  lodestone::common::write_file_atomically(root / "moved/weights", "2");
+  CHECK_THROWS_WITH(RunFolder(asked(root / "moved")),
+                    Catch::Contains("drive.policy") && Catch::Contains("holds something else"));
+  Json manifest = Json::parse(lodestone::common::read_file(root / "run/manifest.json"));
+  manifest.erase("inputs");  // of an older version
+  lodestone::common::write_file_atomically(root / "run/manifest.json", manifest.dump());
+  CHECK(RunFolder(asked(root / "moved")).stage() == RunStage::kResumable);
+}
+
 TEST_CASE("a run that was killed while it began is begun again") {
   const lodestone::tests::TemporaryFolder root;
   RunFolder(request(root / "run", false)).begin();

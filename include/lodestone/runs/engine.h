@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -34,10 +35,12 @@ void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const st
 
 /// The same as a run of `verb` in the plan's folder, which holds one plan with the same `settings` and rig:
 /// the same call goes on where it was. It is finished once all cells are. Throws ConfigError, too, where the
-/// folder holds something else. `prepare` is called once the folder is this run's, before any cell.
+/// folder holds something else, or one of the presets, the rig or the `inputs` (RunRequest) something else
+/// than when it began. `prepare` is called once the folder is this run's, before any cell.
 void run_plan_in_folder(
     const Plan& plan, const PlanPlace& place, Engine& engine, const std::string& verb, common::Json settings,
-    const std::string& only, const std::function<void()>& prepare = [] {});
+    const std::string& only, const std::function<void()>& prepare = [] {},
+    std::map<std::string, std::string> inputs = {});
 
 /// Asks the process that runs a plan in this folder to stop, as Ctrl-C there would; on any machine that
 /// shares the folder. Throws IoError.

@@ -47,17 +47,25 @@ struct RunRequest {
   std::vector<std::string> free_keys = {"threads"};
   /// Dotted keys that say how far to go: where one of them differs, a finished run goes on.
   std::vector<std::string> length_keys = {};
+  /// Files and folders that the results depend on, by what the user knows them as: a resumption must find in
+  /// them what the run began with.
+  std::map<std::string, std::string> inputs = {};
 };
+
+/// The files and folders that these dotted keys of a configuration name; without those that name none.
+std::map<std::string, std::string> named_inputs(const common::Json& config,
+                                                const std::vector<std::string>& keys);
 
 enum class RunStage { kFresh, kResumable, kFinished };
 
-/// The folder of one run: `config.json` (resolved), `manifest.json` (verb, seed, threads, build, host),
-/// `run.json` (RunState), and what the verb writes. Only one process at a time works in it.
+/// The folder of one run: `config.json` (resolved), `manifest.json` (verb, seed, threads, build, host,
+/// digests of its inputs), `run.json` (RunState), and what the verb writes. Only one process at a time works
+/// in it.
 class RunFolder {
  public:
   /// Finds the run again where `resume` is set, and is fresh where there is none yet; writes nothing. Throws
   /// ConfigError when the folder is missing in the request, is not empty and `resume` is false, holds no run,
-  /// one of another verb, or one with other settings (the keys are named); IoError; Error while another
+  /// one of another verb, or one with other settings or inputs (they are named); IoError; Error while another
   /// process works in it.
   explicit RunFolder(RunRequest request);
   ~RunFolder();
@@ -82,6 +90,7 @@ class RunFolder {
  private:
   void lock();
   void find_again();
+  void check_inputs() const;
 
   RunRequest request_;
   RunState state_;
