@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -34,7 +35,10 @@ void print_result(const runs::RunFolder& run, const runs::Adaptation& result) {
   if (result.better_by)
     std::printf("learned less with gain: %.3f (95 %%: %.3f to %.3f): %s\n", *result.better_by,
                 result.better_by_low.value_or(0.0), result.better_by_high.value_or(0.0),
-                result.kept ? "kept" : "not kept, as that may be chance: the simulator is as it was");
+                result.kept ? "kept"
+                : result.better_by_high.value_or(0.0) < 0.0
+                    ? "worse, and not kept: the simulator is as it was"
+                    : "not kept, as that may be chance: the simulator is as it was");
   if (result.rolled_back) std::printf("taken back: the simulator is as it was\n");
   std::printf("next: lodestone deploy --models %s --task point --out DIR\n", run.file("model").c_str());
 }
@@ -46,6 +50,12 @@ void adapt(const AdaptOptions& options) {
     experiments::roll_back(options.out);
     return common::log_info("adapt: " + options.out + "/model is again what it was");
   }
+  const auto given = [&options](const char* option) {
+    return std::any_of(options.overrides.begin(), options.overrides.end(),
+                       [option](const Override& value) { return value.option == option; });
+  };
+  if (given("--pulses") && given("--minutes"))
+    throw common::ConfigError("adapt: --pulses and --minutes both say how long; name one");
   auto config = resolve_config<experiments::AdaptationConfig>(options);
   if (config.from_scratch == !config.dynamics.empty())
     throw common::ConfigError(

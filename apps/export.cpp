@@ -161,9 +161,21 @@ const Format& chosen(const ExportOptions& options) {
                             given.front() + " becomes " + listed(endings));
 }
 
+/// A policy, a run and a recording say themselves what rig they are of; only goals are chosen here.
+void refuse_what_is_not_used(const ExportOptions& options, const Format& format) {
+  if (!options.rig_file.empty())
+    throw common::ConfigError("export takes no --rig: what is exported says what rig it is of; leave it out");
+  const bool goals = format.from == &ExportOptions::data;
+  const std::string unused = goals || options.overrides.empty() ? "" : options.overrides.front().option;
+  if (!unused.empty() || (!goals && !options.config_files.empty()))
+    throw common::ConfigError((unused.empty() ? "--config" : unused) + " is of --data: of " + format.option +
+                              " all is exported as it is; leave it out");
+}
+
 void run_export(const ExportOptions& options) {
   if (!options.out.empty()) throw common::ConfigError("export writes to --to, not to --out");
   const Format& format = chosen(options);
+  refuse_what_is_not_used(options, format);
   if (fs::exists(options.to) && !options.force)
     throw common::ConfigError("--to " + options.to + " exists already: name a new file, or give --force");
   format.write(options);

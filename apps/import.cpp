@@ -108,6 +108,11 @@ void check_out(const ImportOptions& options, bool mapped) {
   if (mapped && page_of(options) == options.out)
     throw common::ConfigError("--out " + options.out + " is the page's name, too: name a .h5, or --page");
   for (const std::string& file : {options.out, mapped ? page_of(options) : options.out})
+    if (std::filesystem::exists(file) && std::filesystem::exists(options.file) &&
+        std::filesystem::equivalent(file, options.file))
+      throw common::ConfigError((file == options.out ? "--out " : "the page ") + file +
+                                " is the recording itself, which stays: name another file");
+  for (const std::string& file : {options.out, mapped ? page_of(options) : options.out})
     if (std::filesystem::exists(file) && !options.force)
       throw common::ConfigError((file == options.out ? "--out " : "the page ") + file +
                                 " exists already: name a new file, or give --force");

@@ -11,8 +11,6 @@
 namespace lodestone::control {
 namespace {
 
-constexpr int kSteps = 20;  // of the grid, to each side of 1
-
 void normalise(std::vector<double>& weights) {
   const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
   for (double& weight : weights) weight /= total;

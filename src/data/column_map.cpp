@@ -184,6 +184,17 @@ std::vector<MapEntry> parse_map(const std::string& text) {
   return map;
 }
 
+std::size_t columns_found(const std::vector<MapEntry>& map, const std::vector<std::string>& header) {
+  std::size_t found = 0;
+  for (const MapEntry& entry : map)
+    for (const std::string& name : entry.columns)
+      found += std::any_of(header.begin(), header.end(), [&](const std::string& cell) {
+        const auto parts = unit_in(cell, entry.quantity);
+        return cell == name || (parts && parts->name == name);
+      });
+  return found;
+}
+
 std::vector<MappedColumn> find_columns(const std::vector<MapEntry>& map, const std::string& units,
                                        const std::vector<std::string>& header, const std::string& place) {
   std::vector<std::string> given(names_of(Quantity{}).size());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "import_rows.h"
 #include "lodestone/common/error.h"
@@ -43,11 +44,11 @@ std::string read_header(const std::string& path, const CsvFormat& format, std::v
   }
 }
 
-/// The format with the separator that gives every column of the map. Throws as find_columns() with the one
-/// that makes the most of the header.
+/// The format with the separator that gives every column of the map, else the most of them, else the most
+/// cells: with that, find_columns() says what is missing.
 CsvFormat find_separator(const std::string& path, const MapConfig& config, const std::vector<MapEntry>& map) {
   CsvFormat best;
-  std::size_t most = 0;
+  std::pair<std::size_t, std::size_t> most;  // columns of the map, cells
   for (const NamedSeparator& known : kSeparators) {
     if (config.separator != Separator::kAuto && config.separator != known.separator) continue;
     const CsvFormat format = {known.character, '.', config.header_line};
@@ -63,12 +64,13 @@ CsvFormat find_separator(const std::string& path, const MapConfig& config, const
       find_columns(map, config.units, header, path);
       return format;
     } catch (const DataError&) {
-      if (header.size() <= most) continue;
-      most = header.size();
+      const std::pair<std::size_t, std::size_t> has = {columns_found(map, header), header.size()};
+      if (has <= most) continue;
+      most = has;
       best = format;
     }
   }
-  if (most == 0) CsvTable{path, best};  // says what is wrong with the file
+  if (most.second == 0) CsvTable{path, best};  // says what is wrong with the file
   return best;
 }
 

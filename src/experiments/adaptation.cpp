@@ -75,7 +75,10 @@ task::DriveGain identify(const SimulatorSource& simulator, const control::Identi
   control::GainFilter filter(motion_model(simulator, config), everywhere);
   for (const data::Episode& episode : recorded.episodes)
     for (const SeenPulse& pulse : pulses_of(episode, recorded.info.rows())) filter.learn(pulse);
-  return filter.gain();
+  task::DriveGain gain = filter.gain();
+  const double step = std::log(control::GainFilter::kMostGain) / control::GainFilter::kSteps;
+  gain.log_sigma = std::hypot(gain.log_sigma, step / std::sqrt(12.0));  // no finer than gains are told apart
+  return gain;
 }
 
 std::vector<std::vector<double>> explain(const SimulatorSource& simulator,

@@ -68,6 +68,14 @@ void choose_tasks(const DeployConfig& config, DeploymentJob& job) {
   if (job.path)
     for (const geometry::Vector2& point_m : job.path->points_m())
       check_in_dish(config.deployment.rig, point_m, config.task + ": point");
+  const auto check_path = [&](const char* task, const geometry::Path& path, const char* key) {
+    if (std::find(job.tasks.begin(), job.tasks.end(), task) == job.tasks.end()) return;
+    for (const geometry::Vector2& point_m : path.points_m())
+      check_in_dish(config.deployment.rig, point_m, std::string(key) + ": point");
+  };
+  const TrialsConfig& trials = config.deployment.trials;
+  check_path("square", geometry::Path::square(trials.square_side_m), "trials.square_side_m");
+  check_path("circle", geometry::Path::circle(trials.circle_radius_m), "trials.circle_radius_m");
   if (config.task == "suture")
     check_stitches(config.deployment);
   else

@@ -48,7 +48,7 @@ std::vector<TrialRecord> trials_in(const std::string& folder) {
   }
   if (!found && fs::exists(folder + "/trials.jsonl"))
     throw common::DataError(folder +
-                            ": its trials have not all been driven; run the same command again, it "
+                            ": its trials have not all been driven; the same command with --resume "
                             "goes on where it was");
   if (!found)
     throw ConfigError("compare: " + folder + " holds no " + kTrialsFile +

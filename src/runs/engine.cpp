@@ -156,6 +156,9 @@ void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const st
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   watch.finish();
+  // The engine may have ended by the same signal before anybody looked.
+  const bool asked = common::interrupted() || fs::exists(place.folder + kStopFile);
+  stopping = stopping || (asked && !watch.left().empty());
   common::remove_file(place.folder + kStopFile);
   if (stopping) throw common::Interrupted(label + ": stopped; the same command goes on where it was");
   if (!watch.left().empty()) throw common::Error(label + ": " + failure(plan, place, watch));

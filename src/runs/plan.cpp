@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "hand_written.h"
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
@@ -49,12 +50,6 @@ Json known_of_plan() {
   Plan plan;
   plan.memory_mb = plan.minutes = 1;
   return common::artefact_to_json(plan);
-}
-
-void refuse_unknown(const Json& object, const Json& known, const std::string& where) {
-  for (const auto& [key, value] : object.items())
-    if (!known.contains(key))
-      throw ConfigError(where + ": unknown key " + key + " = " + common::shown_json(value));
 }
 
 void check_limits(const std::optional<std::int64_t>& memory_mb, const std::optional<std::int64_t>& minutes,
@@ -109,12 +104,12 @@ Plan read_plan(const std::string& path) {
   Json whole = common::artefact_to_json(Plan{});
   if (!json.is_object() || !json.contains("cells") || !json["cells"].is_array())
     throw ConfigError(path + ": a plan is an object with a list \"cells\"");
-  refuse_unknown(json, known_of_plan(), path);
+  check_hand_written(json, known_of_plan(), path);
   const Json known = known_of_cell();
   const Json defaults = common::artefact_to_json(Cell{});
   for (Json& cell : json["cells"]) {
     if (!cell.is_object()) throw ConfigError(path + ": a cell must be a JSON object {...}");
-    refuse_unknown(cell, known, path + ": a cell");
+    check_hand_written(cell, known, path + ": a cell");
     Json completed = defaults;
     completed.update(cell);
     cell = std::move(completed);

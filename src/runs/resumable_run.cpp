@@ -27,12 +27,16 @@ class Loop {
                                folder_.config());
     common::Progress bar(text_.label, work_.progress().total);
     saved_s_ = shown_s_ = clock_.now_s();
+    checkpoint_ = folder_.state().checkpoint;
     Progress now = work_.progress();
     while (!now.finished) {
       try {
         work_.step(metrics);
       } catch (const common::Interrupted&) {
         stop();  // the last checkpoint counts: nobody knows what a step left half-done
+      } catch (const common::ConfigError&) {
+        if (work_.progress().done == 0) folder_.abandon();
+        throw;
       }
       now = work_.progress();
       bar.update(now.done, now.note);
@@ -41,7 +45,7 @@ class Loop {
         save();
         stop();
       }
-      if (clock_.now_s() - saved_s_ >= text_.checkpoint_every_s)
+      if (!checkpoint_ || clock_.now_s() - saved_s_ >= text_.checkpoint_every_s)
         save();
       else if (clock_.now_s() - shown_s_ >= kUpdatePeriod_s)
         show();
@@ -75,7 +79,12 @@ class Loop {
 
   [[noreturn]] void stop() {
     const Progress now = work_.progress();
-    throw common::Interrupted(folder_.verb() + ": stopped after " + std::to_string(now.done) + " of " +
+    RunState state = folder_.state();
+    state.unit = text_.unit;
+    state.total = now.total;
+    state.done = checkpoint_.value_or(0);  // where it goes on
+    folder_.update(state);
+    throw common::Interrupted(folder_.verb() + ": stopped after " + std::to_string(state.done) + " of " +
                               std::to_string(now.total) + " " + text_.unit +
                               "; the same command with --resume goes on in " + folder_.path());
   }

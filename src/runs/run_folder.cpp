@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <system_error>
 #include <utility>
 
 #include "lodestone/common/artefact.h"
@@ -169,6 +170,7 @@ void RunFolder::check_inputs() const {
 void RunFolder::begin() {
   if (begun_) return;
   begun_ = true;
+  made_ = !fs::exists(path());
   common::make_folders(path());
   if (lock_ < 0) lock();
   if (stage_ == RunStage::kFresh && holds_nothing(path()))
@@ -193,6 +195,18 @@ void RunFolder::update(const RunState& state) {
   state_.finished = false;
   state_.updated_utc = common::utc_now();
   common::write_artefact(path() + kStateFile, state_);
+}
+
+void RunFolder::abandon() {
+  if (!begun_ || stage_ != RunStage::kFresh) return;
+  std::error_code error;
+  if (made_) {
+    fs::remove_all(path(), error);
+  } else {
+    for (const auto& entry : fs::directory_iterator(path())) fs::remove_all(entry.path(), error);
+  }
+  if (error) throw common::IoError("cannot empty " + path() + ": " + error.message());
+  begun_ = false;
 }
 
 void RunFolder::finish() {

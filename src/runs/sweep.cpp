@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "hand_written.h"
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/error.h"
 #include "lodestone/common/random.h"
@@ -129,24 +130,28 @@ void Sweep::check(const std::string& source) const {
 }
 
 Sweep read_sweep(const std::string& path) {
-  const Json json = common::read_json_file(path);
+  Json json = common::read_json_file(path);
   Sweep all;
   all.random.emplace();
   all.halving.emplace();
   Json known = common::artefact_to_json(all);
   if (!json.is_object()) throw ConfigError(path + ": a sweep is an object with \"verb\" and \"score\"");
-  const auto refuse_unknown = [&](const Json& given, const Json& allowed, const std::string& where) {
-    for (const auto& [key, value] : given.items())
-      if (!allowed.contains(key))
-        throw ConfigError(path + ": unknown key " + where + key + " = " + common::shown_json(value));
-  };
-  refuse_unknown(json, known, "");
+  if (json.contains("config") && json["config"].is_string()) json["config"] = Json::array({json["config"]});
+  check_hand_written(json, known, path);
+  for (const char* list : {"config", "settings"})
+    for (const Json& item : json.value(list, Json::array()))
+      if (!item.is_string())
+        throw ConfigError(path + ": " + list + " must hold texts, not " + common::shown_json(item));
+  const Json grid = json.value("grid", Json::object());
+  for (const auto& [key, values] : grid.items())
+    if (!values.is_array())
+      throw ConfigError(path + ": grid." + key + " = " + common::shown_json(values) +
+                        " must be a list of the values to try");
   Json whole = common::artefact_to_json(Sweep{});
   whole.update(json);
   for (const char* part : {"random", "halving"}) {
     if (!json.contains(part)) continue;
-    if (!json[part].is_object()) throw ConfigError(path + ": " + part + " must be an object");
-    refuse_unknown(json[part], known[part], std::string(part) + ".");
+    check_hand_written(json[part], known[part], path, std::string(part) + ".");
     Json filled = known[part];
     filled.update(json[part]);
     whole[part] = filled;
@@ -156,12 +161,11 @@ Sweep read_sweep(const std::string& path) {
       const Json defaults = common::artefact_to_json(SweepRange{});
       if (!range.is_object())
         throw ConfigError(path + ": random.ranges." + key + " must have \"from\" and \"to\"");
-      refuse_unknown(range, defaults, "random.ranges." + key + ".");
+      check_hand_written(range, defaults, path, "random.ranges." + key + ".");
       Json filled = defaults;
       filled.update(range);
       range = filled;
     }
-  if (whole["config"].is_string()) whole["config"] = Json::array({whole["config"]});
   const Sweep sweep = common::artefact_from_json<Sweep>(whole, path);
   sweep.check(path);
   return sweep;

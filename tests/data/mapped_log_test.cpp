@@ -174,6 +174,10 @@ TEST_CASE("what a person gets wrong in a file is told with its place") {
   map.separator = data::Separator::kAuto;
   map.decimal = data::Decimal::kComma;
   CHECK_THAT(refusal(kFourHeader + "0.5,1,1,5,0,0,0,a\n", map), Contains("a number with a decimal comma"));
+  map = {};
+  map.columns = "time=T [s],x=Xx,y=Y [mm],currents=E [A]|W [A]|N [A]|S [A]";
+  CHECK_THAT(refusal(kFourHeader + "0,1,1,5,0,0,0,a\n", map),
+             Contains("column \"Xx\" (x) is not in the header") && Contains("X [mm]"));
   CHECK_THAT(refusal("", {}), Contains("empty"));
   CHECK_THAT(refusal("T;X;Y\n1;2;3\n", {}), Contains("\"T [s]\" (time) is not in the header"));
 }

@@ -65,7 +65,7 @@ TEST_CASE("a killed run goes on from its last checkpoint, and its curves repeat 
     {
       runs::RunFolder run(resumable_request(path));
       Counting work;
-      work.dies_at = 4;
+      work.dies_at = checkpointed ? 4 : 1;
       if (checkpointed) {
         work.total = 2;  // up to its first checkpoint
         runs::run_resumably(run, work, {"counting", "numbers", 1e9});
@@ -73,7 +73,7 @@ TEST_CASE("a killed run goes on from its last checkpoint, and its curves repeat 
       }
       CHECK_THROWS_WITH(runs::run_resumably(run, work, {"counting", "numbers", 1e9}), "killed");
     }
-    CHECK(steps(path).back() == 4);
+    CHECK(steps(path).back() == (checkpointed ? 4 : 1));
     runs::RunFolder run(resumable_request(path));
     CHECK(run.stage() == runs::RunStage::kResumable);
     Counting work;
@@ -102,6 +102,38 @@ TEST_CASE("work that is interrupted in a step goes on from its last checkpoint, 
   Counting work;
   runs::run_resumably(run, work, {"counting", "numbers", 1e9});
   CHECK(steps(folder / "run") == std::vector<int>{1, 2, 3, 4, 5, 6});
+}
+
+TEST_CASE("what is said to be done is what a run goes on from") {
+  const tests::TemporaryFolder folder;
+  runs::RunFolder run(resumable_request(folder / "run"));
+  Counting work;
+  work.gives_up_at = 0;
+  CHECK_THROWS_WITH(runs::run_resumably(run, work, {"counting", "numbers", 1e9}),
+                    Catch::Contains("stopped after 0 of 6"));
+  work.gives_up_at = 3;
+  CHECK_THROWS_WITH(runs::run_resumably(run, work, {"counting", "numbers", 1e9}),
+                    Catch::Contains("stopped after 1 of 6"));  // the first is saved at once
+  CHECK(runs::find_run(folder / "run")->done == 1);
+  CHECK(runs::find_run(folder / "run")->total == 6);
+}
+
+TEST_CASE("what is refused before anything is done leaves no run behind") {
+  const tests::TemporaryFolder folder;
+  struct Refused : Counting {
+    std::int64_t after = 0;
+    void step(common::MetricsLog& metrics) override {
+      if (count == after) throw common::ConfigError("no such place");
+      Counting::step(metrics);
+    }
+  };
+  for (const std::int64_t after : {0, 2}) {
+    runs::RunFolder run(resumable_request(folder / "run"));
+    Refused work;
+    work.after = after;
+    CHECK_THROWS_WITH(runs::run_resumably(run, work, {"counting", "numbers", 0.0}), "no such place");
+    CHECK(std::filesystem::exists(folder / "run") == (after > 0));
+  }
 }
 
 TEST_CASE("checkpoints are written as often as asked for") {

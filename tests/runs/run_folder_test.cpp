@@ -76,6 +76,24 @@ TEST_CASE("a run goes on with what its inputs held when it began, wherever they 
   CHECK(RunFolder(asked(root / "moved")).stage() == RunStage::kResumable);
 }
 
+TEST_CASE("a run that is refused after it began leaves nothing behind") {
+  const lodestone::tests::TemporaryFolder root;
+  const auto refused = [&](const std::string& folder) {
+    RunFolder run(request(folder, true));
+    run.begin();
+    lodestone::common::write_file_atomically(folder + "/trials.jsonl", "");
+    run.abandon();
+  };
+  refused(root / "new");
+  CHECK_FALSE(std::filesystem::exists(root / "new"));
+  lodestone::common::make_folders(root / "empty");
+  refused(root / "empty");
+  CHECK(std::filesystem::is_empty(root / "empty"));
+  RunFolder(request(root / "begun", false)).begin();
+  refused(root / "begun");  // that goes on with what was there
+  CHECK(std::filesystem::exists(root / "begun/run.json"));
+}
+
 TEST_CASE("a run that was killed while it began is begun again") {
   const lodestone::tests::TemporaryFolder root;
   RunFolder(request(root / "run", false)).begin();

@@ -36,6 +36,13 @@ TEST_CASE("a sweep has defaults, and says what is wrong with it") {
   CHECK_THROWS_WITH(read(R"({"verb": "deploy", "score": "result"})"), Catch::Contains("result.success_rate"));
   CHECK_THROWS_WITH(read("[]"), Catch::Contains("an object"));
   refused(R"("gird": {})", "unknown key gird");
+  refused(R"("grid": {"td3.learning_rate": 0.001})", "grid.td3.learning_rate = 0.001 must be a list");
+  refused(R"("grid": [1])", "grid = [1] must be an object");
+  refused(R"("settings": {"a": 1})", "must be a list");
+  refused(R"("settings": [1])", "settings must hold texts, not 1");
+  refused(R"("lower_is_better": "yes")", "lower_is_better = \"yes\" must be true or false");
+  refused(R"("seeds": "5")", "must be a whole number");
+  refused(R"("random": {"count": 2, "ranges": {"a": [0, 1]}})", "random.ranges.a");
   refused(R"("seeds": 0)", "seeds = 0");
   refused(R"("grid": {"a": []})", "grid.a holds no value");
   refused(R"("grid": {"a": [1, 1]})", "twice");

@@ -17,6 +17,8 @@ class GainFilter {
  public:
   /// The largest factor, and one over the smallest.
   static constexpr double kMostGain = 3.0;
+  /// Gains that are told apart, to each side of 1.
+  static constexpr int kSteps = 20;
 
   GainFilter(MotionModel model, const IdentificationConfig& config);
 

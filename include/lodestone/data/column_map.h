@@ -41,6 +41,9 @@ struct MapEntry {
 /// of the rig (+x, -x, +y, -y) or with two, for the pairs x and y. Throws ConfigError.
 std::vector<MapEntry> parse_map(const std::string& text);
 
+/// How many of the map's columns the header has.
+std::size_t columns_found(const std::vector<MapEntry>& map, const std::vector<std::string>& header);
+
 /// Finds the columns: by the whole header, or by what it says before its unit where only one does. Units come
 /// from `units` ("time=ms,x=px"), else from the header's end: "X [mm]", "X (mm)" or "X_mm". Throws
 /// ConfigError for `units`, and DataError that begins with `place` for a column or unit that is missing.

@@ -84,6 +84,9 @@ class RunFolder {
   void begin();
   /// Writes `run.json` with what `state` says; verb, time and `finished` are filled in.
   void update(const RunState& state);
+  /// What was asked for has turned out to be refused: a run that began here leaves nothing behind, one that
+  /// goes on stays. Throws IoError.
+  void abandon();
   /// Everything is written: from now on the run is found, and not run again.
   void finish();
 
@@ -97,6 +100,7 @@ class RunFolder {
   RunStage stage_ = RunStage::kFresh;
   int lock_ = -1;
   bool begun_ = false;
+  bool made_ = false;  // the folder itself
 };
 
 /// The state of the run in a folder; nothing where it holds none. Throws DataError when it is damaged.
