@@ -39,6 +39,7 @@ std::string preset_path(const std::string& name) {
                             " nor one of that name below configs/");
 }
 
+/// The presets as files whose content a sweep that goes on must find again.
 std::map<std::string, std::string> preset_inputs(const runs::Sweep& sweep) {
   std::map<std::string, std::string> inputs;
   for (const std::string& name : sweep.config) inputs["preset " + name] = preset_path(name);

@@ -158,7 +158,8 @@ void RunFolder::find_again() {
 
 void RunFolder::check_inputs() const {
   const Json manifest = common::read_json_if_there(path() + kManifestFile);
-  const Json before = manifest.value(kInputs, Json::object());  // none: begun by an older version
+  if (!manifest.contains(kInputs)) return;  // begun by an older version, or without any
+  const Json& before = manifest[kInputs];
   for (const auto& [name, input] : request_.inputs) {
     const std::string now = before.contains(name) ? common::path_digest(input) : "";
     if (!now.empty() && now != before[name])

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -136,6 +137,8 @@ Sweep read_sweep(const std::string& path) {
   all.halving.emplace();
   Json known = common::artefact_to_json(all);
   if (!json.is_object()) throw ConfigError(path + ": a sweep is an object with \"verb\" and \"score\"");
+  for (auto entry = json.begin(); entry != json.end();)
+    entry = entry->is_null() ? json.erase(entry) : std::next(entry);  // as if left out
   if (json.contains("config") && json["config"].is_string()) json["config"] = Json::array({json["config"]});
   check_hand_written(json, known, path);
   for (const char* list : {"config", "settings"})

@@ -74,6 +74,17 @@ TEST_CASE("a run goes on with what its inputs held when it began, wherever they 
   manifest.erase("inputs");  // of an older version
   lodestone::common::write_file_atomically(root / "run/manifest.json", manifest.dump());
   CHECK(RunFolder(asked(root / "moved")).stage() == RunStage::kResumable);
+  for (const char* forged : {"[]", R"({"inputs": 3})", R"({"inputs": {"drive.policy": 3}})"}) {
+    CAPTURE(forged);
+    lodestone::common::write_file_atomically(root / "run/manifest.json", forged);
+    const bool told = std::string(forged).find("policy") != std::string::npos;
+    if (told)
+      CHECK_THROWS_AS(RunFolder(asked(root / "moved")), ConfigError);
+    else
+      CHECK(RunFolder(asked(root / "moved")).stage() == RunStage::kResumable);
+  }
+  std::filesystem::remove(root / "run/manifest.json");
+  CHECK(RunFolder(asked(root / "moved")).stage() == RunStage::kResumable);
 }
 
 TEST_CASE("a run that is refused after it began leaves nothing behind") {

@@ -26,6 +26,7 @@ TEST_CASE("a sweep has defaults, and says what is wrong with it") {
   const Sweep sweep = read(
       R"({"verb": "train-policy", "config": "best/x.json", "grid": {"a.b": [1, 2]}, "score": "result.x"})");
   CHECK(sweep.seeds == 1);
+  CHECK_FALSE(read(R"({"verb": "deploy", "score": "summary.x", "random": null, "grid": null})").random);
   CHECK(sweep.config == std::vector<std::string>{"best/x.json"});
   const auto refused = [](const std::string& body, const std::string& what) {
     CAPTURE(body);
