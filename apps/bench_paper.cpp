@@ -80,7 +80,7 @@ void bench_paper(const PaperOptions& given) {
                         common::thread_count(scale.threads),
                         options.results};
   if (options.list) return list_cells(plan, place);
-  if (!options.only.empty() && plan.find(options.only) == nullptr)
+  if (!options.only.empty() && runs::cells_named(plan, options.only).empty())
     throw common::ConfigError("bench paper: there is no cell \"" + options.only +
                               "\"; --list prints all of them");
   if (options.report) {
@@ -112,7 +112,8 @@ void add_bench_paper(Verb& bench) {
       .named("DIR");
   verb.add_option("--from", &options.from, "run nothing; write the report of results that were kept in DIR")
       .named("DIR");
-  verb.add_option("--only", &options.only, "run this cell, and what it needs").named("ID");
+  verb.add_option("--only", &options.only, "run this cell, or these ('mix/*/2'), and what they need")
+      .named("ID");
   add_engine_option(verb, options.engine);
 }
 

@@ -13,6 +13,7 @@
 #include "lodestone/report/tasks_report.h"
 #include "lodestone/rig/rig_config.h"
 #include "lodestone/runs/engines.h"
+#include "lodestone/runs/open_cells.h"
 #include "models.h"
 #include "verbs.h"
 
@@ -70,7 +71,7 @@ void bench_tasks(const TasksOptions& given) {
   const runs::Plan plan = experiments::tasks_plan(scale, rig, out);
   runs::PlanPlace place{out, own_path(), shipped_folder("configs"), options.rig_file,
                         common::thread_count(scale.threads)};
-  if (!options.only.empty() && plan.find(options.only) == nullptr)
+  if (!options.only.empty() && runs::cells_named(plan, options.only).empty())
     throw common::ConfigError("bench tasks: there is no cell \"" + options.only +
                               "\"; name one as TASK/CONTROLLER/bare or TASK/CONTROLLER/decorated");
   if (!options.report) {
@@ -105,7 +106,7 @@ void add_bench_tasks(Verb& bench) {
   add_shorthand(verb, options, "--models", "models", Shorthand::kText,
                 "folder that holds the policies `any_rig` and `any_pose` and the simulator `dynamics_best`");
   add_shorthand(verb, options, "--sensor", "sensor", Shorthand::kText, "camera or simulated");
-  verb.add_option("--only", &options.only, "run this cell").named("ID");
+  verb.add_option("--only", &options.only, "run this cell, or these ('suture/*')").named("ID");
   verb.add_option("--report", &options.report, "run nothing; write the report of what is done so far");
   add_engine_option(verb, options.engine);
 }

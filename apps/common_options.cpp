@@ -56,6 +56,14 @@ void add_common_options(Verb& verb, CommonOptions& options, bool with_resume) {
   if (with_resume) verb.add_option("--resume", &options.resume, "go on with the interrupted run in --out");
 }
 
+void check_rig(const CommonOptions& options, const physics::RigDescription& rig, const common::Json& made_of,
+               const std::string& what) {
+  if (options.rig_file.empty() || !made_of.is_object() || !made_of.contains("coils")) return;
+  if (physics::completed_rig(made_of) != common::config_to_json(rig))
+    throw common::DataError(what + " of a rig with other figures than " + options.rig_file +
+                            ": leave --rig out, or record that rig");
+}
+
 void add_engine_option(Verb& verb, std::string& engine) {
   verb.add_option("--engine", &engine, "ninja: on this machine; slurm: on a cluster (docs/scale.md)")
       .named("NAME")

@@ -9,6 +9,7 @@
 #include "lodestone/common/config.h"
 #include "lodestone/common/config_layers.h"
 #include "lodestone/common/error.h"
+#include "lodestone/physics/rig_description.h"
 #include "verb.h"
 
 namespace lodestone::apps {
@@ -41,6 +42,11 @@ struct CommonOptions {
 /// Adds --rig, --config, --set, --out, --seed, --threads to a verb (and --resume where asked). `options` must
 /// live as long as the verb, here and below.
 void add_common_options(Verb& verb, CommonOptions& options, bool with_resume = false);
+
+/// Refuses what was made of a rig with other figures than the one of --rig, where both are known. `what`:
+/// "the recordings are". Throws DataError.
+void check_rig(const CommonOptions& options, const physics::RigDescription& rig, const common::Json& made_of,
+               const std::string& what);
 
 /// Adds --engine to a verb that runs a plan.
 void add_engine_option(Verb& verb, std::string& engine);

@@ -8,6 +8,7 @@
 #include "common_options.h"
 #include "lodestone/common/files.h"
 #include "lodestone/common/log.h"
+#include "lodestone/common/named.h"
 #include "lodestone/data/csv_import.h"
 #include "lodestone/data/dataset_file.h"
 #include "lodestone/data/mapped_import.h"
@@ -118,6 +119,15 @@ void check_out(const ImportOptions& options, bool mapped) {
                                 " exists already: name a new file, or give --force");
 }
 
+/// Recordings have a column for each of four coils, or for each of two pairs.
+void check_drive(const rig::RigConfig& rig) {
+  if (rig.drive.kind == physics::DriveKind::kOpposedPairs) return;
+  throw common::ConfigError(
+      "rig.drive.kind = " + common::name_of(rig.drive.kind) +
+      ": import reads recordings of opposed_pairs, whose actions are two currents; name "
+      "such a rig, or record this one with `lodestone collect`");
+}
+
 void warn(const data::CsvImportResult& result) {
   for (const std::string& problem : result.problems) common::log_warning("skipped " + problem);
   const std::int64_t unreported = result.skipped - static_cast<std::int64_t>(result.problems.size());
@@ -156,6 +166,7 @@ void run_import(const ImportOptions& options) {
   auto config = resolve_config<ImportConfig>(resolved);
   const bool mapped = !config.map.columns.empty();
   check_out(options, mapped);
+  check_drive(config.rig);
   config.import.max_current_A = config.rig.coils.max_current_A;
   config.import.full_drive_A = config.rig.full_drive_A;
   config.import.dish_radius_m = config.rig.dish.radius_m;

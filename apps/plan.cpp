@@ -57,7 +57,8 @@ void add_plan(Verb& program) {
   verb.add_option("--threads", &options->threads, "cells at the same time; 0 means one per processor")
       .within(0, 1024);
   verb.add_option("--rig", &options->rig_file, "rig.json of every cell").named("FILE");
-  verb.add_option("--only", &options->only, "run this cell, and what it needs").named("ID");
+  verb.add_option("--only", &options->only, "run this cell, or these ('policy_*'), and what they need")
+      .named("ID");
   add_engine_option(verb, options->engine);
   verb.run = [options] { run_plan(*options); };
 }

@@ -26,14 +26,6 @@ struct DynamicsRunConfig {
   }
 };
 
-/// Recordings say what rig they are of.
-void check_rig(const CommonOptions& options, const rig::RigConfig& rig, const data::DatasetInfo& info) {
-  if (options.rig_file.empty() || !info.rig.contains("coils")) return;
-  if (physics::completed_rig(info.rig) != common::config_to_json<physics::RigDescription>(rig))
-    throw common::DataError("the recordings are of a rig with other figures than " + options.rig_file +
-                            ": leave --rig out, or record that rig");
-}
-
 void print_evaluation(const runs::DynamicsEvaluation& evaluation) {
   char line[256];
   std::snprintf(line, sizeof line,
@@ -59,7 +51,7 @@ void train_dynamics(const CommonOptions& options) {
     return print_evaluation(common::read_artefact<runs::DynamicsEvaluation>(file));
   }
   data::Dataset dataset = data::read_recordings(config.data);
-  check_rig(options, rig, dataset.info);
+  check_rig(options, rig, dataset.info.rig, "the recordings are");
   if (config.transitions > 0) dataset = data::first_transitions(std::move(dataset), config.transitions);
   const runs::DynamicsEvaluation evaluation = dynamics::train_into(run, dataset, config);
   print_evaluation(evaluation);

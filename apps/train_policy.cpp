@@ -34,6 +34,9 @@ void train_policy(const CommonOptions& options) {
   auto config = resolve_config<TrainPolicyConfig>(options);
   nets::use_one_blas_thread();
   const rl::PolicyEnvironments environments = rl::make_policy_environments(config);
+  if (environments.dynamics)
+    check_rig(options, config.rig, environments.dynamics->info.rig,
+              "dynamics = " + config.dynamics + ": it is");
   runs::RunFolder run(rl::run_request(config, options.out, options.resume));
   const std::string file = run.file(runs::PolicyResult::kFile);
   if (run.finished()) {

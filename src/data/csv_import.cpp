@@ -9,9 +9,11 @@
 
 #include "import_rows.h"
 #include "lodestone/common/csv_table.h"
+#include "lodestone/common/named.h"
 #include "lodestone/common/shown.h"
 #include "lodestone/common/spelling.h"
 #include "lodestone/common/statistics.h"
+#include "lodestone/data/plausibility.h"
 #include "lodestone/geometry/angle.h"
 #include "lodestone/geometry/pose2.h"
 
@@ -100,6 +102,7 @@ struct LogRow {
   double frame;
   std::array<double, 3> pose;
   std::array<double, 2> drive;
+  double turned_rad;  // the heading as it stands
 };
 
 class LogReader {
@@ -119,8 +122,21 @@ class LogReader {
     const double farthest = kFarthestGlitch_m / metres;
     row.pose[0] = (number_within(table_, columns_[5], farthest) - config_.centre_x) * metres;
     row.pose[1] = up * (number_within(table_, columns_[6], farthest) - config_.centre_y) * metres;
-    row.pose[2] = geometry::wrap_angle(up * number_within(table_, columns_[7], kLargestAngle) * radians);
+    row.turned_rad = up * number_within(table_, columns_[7], kLargestAngle) * radians;
+    row.pose[2] = geometry::wrap_angle(row.turned_rad);
     return row;
+  }
+
+  /// Of no row yet.
+  LogSizes sizes() const {
+    LogSizes sizes;
+    sizes.largest_drive = config_.max_current_A;
+    sizes.positions = fmt::format("localization_x and localization_y (position_unit = {})",
+                                  common::name_of(config_.position_unit));
+    sizes.heading_unit = common::name_of(config_.angle_unit);
+    sizes.heading = fmt::format("localization_angle (angle_unit = {})", sizes.heading_unit);
+    sizes.currents = "measured_current_filtered_north, _south, _east, _west";
+    return sizes;
   }
 
  private:
@@ -152,6 +168,7 @@ void read_log(CsvTable& table, const CsvImportConfig& config, const std::string&
               CsvImportResult& result) {
   const LogReader reader(table, config);
   Recording recording(result.dataset);
+  LogSizes sizes = reader.sizes();
   std::optional<LogRow> before;
   const auto cut = [&] {
     if (before) ++result.unpaired;
@@ -163,10 +180,14 @@ void read_log(CsvTable& table, const CsvImportConfig& config, const std::string&
     if (before && row.frame - before->frame != static_cast<double>(config.frame_step)) cut();
     if (before) recording.act(before->drive);
     recording.observe(row.pose, table.line());
+    sizes.see({row.pose[0], row.pose[1]}, config.dish_radius_m, table.line());
+    sizes.most_turned_rad = std::max(sizes.most_turned_rad, std::abs(row.turned_rad));
+    sizes.most_drive = std::max({sizes.most_drive, std::abs(row.drive[0]), std::abs(row.drive[1])});
     before = row;
   };
   for_each_row(table, config, result, read, cut);
   cut();
+  if (config.plausible && sizes.rows > 0) check_sizes(sizes, config.dish_radius_m, path);
   if (config.impossible == Impossible::kLeaveOut)
     leave_out_impossible(result, recording, config.dish_radius_m, path, kRemedy);
 
@@ -204,6 +225,7 @@ CsvImportResult import_csv(const std::string& path, const CsvImportConfig& confi
   result.dataset.info.seed = config.seed;
   result.dataset.info.source = path.substr(path.find_last_of('/') + 1);
   check_dataset(result.dataset, path);
+  if (config.plausible) check_directions(result.dataset, path);
   return result;
 }
 

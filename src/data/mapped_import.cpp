@@ -56,7 +56,8 @@ MappedImport import_mapped(const std::string& path, const CsvImportConfig& confi
   CsvImportResult& result = imported.result;
   result.layout = "mapped";
   imported.log = read_mapped_log(path, config, map, result);
-  if (map.plausible && !imported.log.samples.empty()) check_sizes(imported.log, config.dish_radius_m, path);
+  if (config.plausible && !imported.log.samples.empty())
+    check_sizes(sizes_of(imported.log, config.dish_radius_m), config.dish_radius_m, path);
   imported.cut = cut_pulses(imported.log.samples, rule_of(config, map, imported.log), path);
 
   DatasetInfo& info = result.dataset.info;
@@ -82,7 +83,7 @@ MappedImport import_mapped(const std::string& path, const CsvImportConfig& confi
                             " rows: give control_period_s, or widen map.tolerance or map.longest_gap_s");
   check_dataset(result.dataset, path);
   imported.directions = match_directions(result.dataset);
-  if (map.plausible) check_directions(result.dataset, path);
+  if (config.plausible) check_directions(result.dataset, path);
   return imported;
 }
 

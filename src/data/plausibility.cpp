@@ -29,53 +29,39 @@ std::string named(const MappedColumn& column) {
   return "\"" + shown(column.header) + "\" (unit " + column.unit.name + ")";
 }
 
-void check_positions(const MappedLog& log, double dish_radius_m, const std::string& place) {
-  std::size_t outside = 0;
-  double reach_m = 0.0;
-  std::int64_t line = 0;
-  for (const LogSample& sample : log.samples) {
-    const double radius_m = sample.pose.position_m().norm();
-    reach_m = std::max(reach_m, radius_m);
-    if (radius_m <= dish_radius_m) continue;
-    if (++outside == 1) line = sample.line;
-  }
-  const std::string columns =
-      named(log.of(Quantity::kX).front()) + " and " + named(log.of(Quantity::kY).front());
-  if (static_cast<double>(outside) > kMostOutside * static_cast<double>(log.samples.size()))
+void check_positions(const LogSizes& sizes, double dish_radius_m, const std::string& place) {
+  if (static_cast<double>(sizes.outside) > kMostOutside * static_cast<double>(sizes.rows))
     throw DataError(
         fmt::format("{}: {} of {} positions lie outside the dish of {:g} mm radius, the first in line {}: "
                     "correct columns or units "
                     "of {}, centre_x and centre_y, or the rig's dish",
-                    place, outside, log.samples.size(), dish_radius_m * geometry::kMmPerM, line, columns));
-  if (reach_m < kSmallestReach * dish_radius_m)
-    throw DataError(
-        fmt::format("{}: no position is further than {:g} mm from the centre, in a dish of {:g} mm "
-                    "radius: correct columns or units of {}",
-                    place, reach_m * geometry::kMmPerM, dish_radius_m * geometry::kMmPerM, columns));
+                    place, sizes.outside, sizes.rows, dish_radius_m * geometry::kMmPerM, sizes.outside_line,
+                    sizes.positions));
+  if (sizes.reach_m < kSmallestReach * dish_radius_m)
+    throw DataError(fmt::format(
+        "{}: no position is further than {:g} mm from the centre, in a dish of {:g} mm "
+        "radius: correct columns or units of {}",
+        place, sizes.reach_m * geometry::kMmPerM, dish_radius_m * geometry::kMmPerM, sizes.positions));
 }
 
-void check_headings(const MappedLog& log, const std::string& place) {
-  if (!log.heading) return;
-  const MappedColumn column = log.of(Quantity::kHeading).front();
-  const double most_rad = log.most_turned_rad;
-  if (column.unit.name == "rad" && most_rad > kMostTurns_rad)
+void check_headings(const LogSizes& sizes, const std::string& place) {
+  const double most_rad = sizes.most_turned_rad;
+  if (sizes.heading_unit == "rad" && most_rad > kMostTurns_rad)
     throw DataError(fmt::format("{}: headings reach {:g} rad: correct column or unit of {}", place, most_rad,
-                                named(column)));
-  if (column.unit.name == "deg" && log.samples.size() >= kFewestRows &&
+                                sizes.heading));
+  if (sizes.heading_unit == "deg" && sizes.rows >= kFewestRows &&
       most_rad <= 2.0 * geometry::kPi * geometry::kRadPerDeg)
     throw DataError(fmt::format("{}: all headings lie within {:g} degrees: correct column or unit of {}",
-                                place, most_rad * geometry::kDegPerRad, named(column)));
+                                place, most_rad * geometry::kDegPerRad, sizes.heading));
 }
 
-void check_currents(const MappedLog& log, const std::string& place) {
-  double most = 0.0;
-  for (const LogSample& sample : log.samples) most = std::max(most, sample.drive.cwiseAbs().maxCoeff());
-  if (most >= kSmallestTop * log.action_scale) return;
+void check_currents(const LogSizes& sizes, const std::string& place) {
+  if (sizes.most_drive >= kSmallestTop * sizes.largest_drive) return;
   throw DataError(fmt::format(
       "{}: no current is above {:g} {}, of {:g} that the rig can: correct columns or units of {}, "
       "current_noise_A, or "
       "rig.coils.max_current_A",
-      place, most, log.action_unit, log.action_scale, named(log.of(Quantity::kCurrents).front())));
+      place, sizes.most_drive, sizes.action_unit, sizes.largest_drive, sizes.currents));
 }
 
 /// A way in which the axes of the motion may be meant.
@@ -96,10 +82,34 @@ constexpr std::array<Way, 8> kWays = {
 
 }  // namespace
 
-void check_sizes(const MappedLog& log, double dish_radius_m, const std::string& place) {
-  check_positions(log, dish_radius_m, place);
-  check_headings(log, place);
-  check_currents(log, place);
+void LogSizes::see(const geometry::Vector2& position_m, double dish_radius_m, std::int64_t line) {
+  const double radius_m = position_m.norm();
+  ++rows;
+  reach_m = std::max(reach_m, radius_m);
+  if (radius_m > dish_radius_m && ++outside == 1) outside_line = line;
+}
+
+LogSizes sizes_of(const MappedLog& log, double dish_radius_m) {
+  LogSizes sizes;
+  for (const LogSample& sample : log.samples) {
+    sizes.see(sample.pose.position_m(), dish_radius_m, sample.line);
+    sizes.most_drive = std::max(sizes.most_drive, sample.drive.cwiseAbs().maxCoeff());
+  }
+  sizes.most_turned_rad = log.most_turned_rad;
+  sizes.largest_drive = log.action_scale;
+  sizes.action_unit = log.action_unit;
+  sizes.positions = named(log.of(Quantity::kX).front()) + " and " + named(log.of(Quantity::kY).front());
+  sizes.currents = named(log.of(Quantity::kCurrents).front());
+  if (!log.heading) return sizes;
+  sizes.heading_unit = log.of(Quantity::kHeading).front().unit.name;
+  sizes.heading = named(log.of(Quantity::kHeading).front());
+  return sizes;
+}
+
+void check_sizes(const LogSizes& sizes, double dish_radius_m, const std::string& place) {
+  check_positions(sizes, dish_radius_m, place);
+  check_headings(sizes, place);
+  check_currents(sizes, place);
 }
 
 DirectionMatch match_directions(const Dataset& dataset) {
@@ -139,7 +149,7 @@ void check_directions(const Dataset& dataset, const std::string& place) {
   throw DataError(
       fmt::format("{}: the robot does not move towards the coils that are on (match {:.2f}, where {:.2f} is "
                   "possible): it seems "
-                  "that {}; map.plausible=false takes it as it is",
+                  "that {}; plausible=false takes it as it is",
                   place, match.as_is, match.best, match.best_way));
 }
 

@@ -13,6 +13,7 @@
 #include "lodestone/dynamics/region_coverage.h"
 #include "lodestone/geometry/pose2.h"
 #include "lodestone/nets/tensors.h"
+#include "lodestone/physics/rig_description.h"
 #include "open_loop.h"
 
 namespace lodestone::dynamics {
@@ -138,6 +139,14 @@ DynamicsEvaluation evaluate_dynamics(const Model& model, const data::Dataset& da
     throw common::DataError("the data and the model are of different drives: the model knows actions of " +
                             std::to_string(model.info.action_size) + " numbers, the data hold " +
                             std::to_string(dataset.info.action_size));
+  // Recordings of others may not say what they are of.
+  if (dataset.info.rig.contains("drive") && model.info.rig.contains("drive")) {
+    const std::string other = physics::other_drive(physics::completed_rig(model.info.rig),
+                                                   physics::completed_rig(dataset.info.rig));
+    if (!other.empty())
+      throw common::DataError("the data and the model are of different drives: the model is of a rig with " +
+                              other + " as in the data");
+  }
   const data::TransitionTable table = data::flatten(dataset);
   if (table.size() == 0) throw common::DataError("there is no transition with current to evaluate on");
   for (const auto& member : model.members) member->train(false);

@@ -66,11 +66,9 @@ void warn_of_another_rig(const DeploymentConfig& config, const common::Json& tra
   if (!trained_for.is_object()) return;
   const common::Json here = common::config_to_json<physics::RigDescription>(config.rig);
   const common::Json then = physics::completed_rig(trained_for);
-  for (const char* key : {"kind", "field_numbers"})
-    if (then["drive"][key] != here["drive"][key])
-      throw common::ConfigError(what + ": its drives are those of rig.drive." + key + " = " +
-                                then["drive"][key].dump() + ", this rig has " + here["drive"][key].dump() +
-                                "; it was trained for another rig");
+  if (const std::string other = physics::other_drive(then, here); !other.empty())
+    throw common::ConfigError(what + ": its drives are those of a rig with " + other +
+                              "; it was trained for another rig");
   std::string differs;
   for (const char* part : {"coils", "drive", "amplifier", "needle", "dish", "fluid", "friction", "supply_V",
                            "supply_resistance_ohm"})

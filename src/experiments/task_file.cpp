@@ -15,26 +15,39 @@ namespace {
 using common::ConfigError;
 using common::Json;
 
-/// What is handed on as it is.
-struct HandedOn {
-  const char* key;
-  const char* sets;
+/// A member of the file: what it sets, where it is handed on as it is, and the tasks that it is for; none:
+/// all of them.
+struct Member {
+  std::string key;
+  std::string sets;
+  std::vector<std::string> tasks;
 };
-constexpr HandedOn kHandedOn[] = {
-    {"target_mm", "target_mm"},           {"flow", "flow"},
-    {"side_m", "trials.square_side_m"},   {"radius_m", "trials.circle_radius_m"},
-    {"speed_m_s", "reference.speed_m_s"}, {"laps", "reference.laps"},
-    {"seconds", "trials.point_seconds"},  {"length_m", "trials.suture.length_m"},
-    {"pitch_m", "trials.suture.pitch_m"},
-};
+const std::vector<Member>& members() {
+  static const std::vector<Member> all = {
+      {"task", "", {}},
+      {"flow", "flow", {}},
+      {"path", "", {"path"}},
+      {"heading", "", {"pose", "square", "circle", "path"}},
+      {"target_mm", "target_mm", {"point", "pose"}},
+      {"seconds", "trials.point_seconds", {"centre", "point", "pose"}},
+      {"side_m", "trials.square_side_m", {"square"}},
+      {"radius_m", "trials.circle_radius_m", {"circle"}},
+      {"speed_m_s", "reference.speed_m_s", {"square", "circle", "path", "suture"}},
+      {"laps", "reference.laps", {"square", "circle", "path"}},
+      {"stitches", "", {"suture"}},
+      {"length_m", "trials.suture.length_m", {"suture"}},
+      {"pitch_m", "trials.suture.pitch_m", {"suture"}},
+  };
+  return all;
+}
 
-std::string setting(const char* key, const Json& value) { return std::string(key) + "=" + value.dump(); }
+std::string setting(const std::string& key, const Json& value) { return key + "=" + value.dump(); }
 
 void check_keys(const std::string& file, const Json& json) {
   if (!json.is_object())
     throw ConfigError(file + ": a task is a JSON object {\"task\": ...}, not " + common::shown_json(json));
-  std::vector<std::string> known = {"task", "path", "heading", "stitches"};
-  for (const HandedOn& each : kHandedOn) known.emplace_back(each.key);
+  std::vector<std::string> known;
+  for (const Member& member : members()) known.push_back(member.key);
   for (const auto& [key, value] : json.items())
     if (std::find(known.begin(), known.end(), key) == known.end())
       throw ConfigError(file + ": unknown key " + common::shown(key) + " = " + common::shown_json(value) +
@@ -51,15 +64,19 @@ std::string task_of(const std::string& file, const Json& json) {
   return found->get<std::string>();
 }
 
-/// A stitch has headings of its own, and nothing else has stitches.
-void check_suture_keys(const std::string& file, const Json& json, const std::string& task) {
-  const char* const wrong = task == "suture" ? "heading" : "stitches";
-  const auto found = json.find(wrong);
-  if (found == json.end()) return;
-  throw ConfigError(file + ": " + wrong + " = " + common::shown_json(*found) +
-                    (task == "suture"
-                         ? " is not for the task \"suture\": its stitches have entry_deg and exit_deg"
-                         : " belongs to the task \"suture\", not to \"" + task + "\""));
+/// What a task does not use would be passed over.
+void check_members(const std::string& file, const Json& json, const std::string& task) {
+  for (const Member& member : members()) {
+    const auto found = json.find(member.key);
+    if (found == json.end() || member.tasks.empty() ||
+        std::find(member.tasks.begin(), member.tasks.end(), task) != member.tasks.end())
+      continue;
+    const bool stitched = task == "suture" && member.key == "heading";
+    throw ConfigError(
+        file + ": " + member.key + " = " + common::shown_json(*found) +
+        (stitched ? " is not for the task \"suture\": its stitches have entry_deg and exit_deg"
+                  : " belongs to " + common::joined(member.tasks) + ", not to the task \"" + task + "\""));
+  }
 }
 
 /// What `stitches` sets: a list of them, or how many there are in a row.
@@ -77,13 +94,9 @@ std::vector<std::string> stitches_settings(const std::string& file, const Json& 
 /// The value of `task` in a deployment's configuration: a task, or the file of a path.
 std::string named_task(const std::string& file, const Json& json) {
   const std::string task = task_of(file, json);
-  check_suture_keys(file, json, task);
-  const bool has_path = json.contains("path");
-  if (has_path != (task == "path"))
-    throw ConfigError(file + (has_path ? ": path = " + common::shown_json(json["path"]) +
-                                             " belongs to the task \"path\", not to \"" + task + "\""
-                                       : std::string(": path is missing: the CSV file that is followed")));
-  if (!has_path) return task;
+  check_members(file, json, task);
+  if (task != "path") return task;
+  if (!json.contains("path")) throw ConfigError(file + ": path is missing: the CSV file that is followed");
   const Json& path = json["path"];
   if (!path.is_string() || std::filesystem::path(path.get<std::string>()).extension() != ".csv")
     throw ConfigError(file + ": path = " + common::shown_json(path) + " must be the name of a .csv file");
@@ -106,10 +119,10 @@ std::vector<std::string> settings_of_task(const std::string& file) {
   if (const auto stitches = json.find("stitches"); stitches != json.end())
     for (const std::string& each : stitches_settings(file, *stitches)) settings.push_back(each);
   const bool suture = json["task"] == "suture";
-  for (const HandedOn& each : kHandedOn) {
-    const bool through = suture && each.sets == std::string("reference.speed_m_s");
-    if (json.contains(each.key))
-      settings.push_back(setting(through ? "suture.speed_m_s" : each.sets, json[each.key]));
+  for (const Member& member : members()) {
+    const bool through = suture && member.key == "speed_m_s";
+    if (!member.sets.empty() && json.contains(member.key))
+      settings.push_back(setting(through ? "suture.speed_m_s" : member.sets, json[member.key]));
   }
   return settings;
 }

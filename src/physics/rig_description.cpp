@@ -70,6 +70,14 @@ common::Json completed_rig(const common::Json& recorded) {
   return whole;
 }
 
+std::string other_drive(const common::Json& one, const common::Json& other) {
+  for (const char* key : {"kind", "field_numbers"})
+    if (one["drive"][key] != other["drive"][key])
+      return fmt::format("rig.drive.{} = {}, not {}", key, one["drive"][key].dump(),
+                         other["drive"][key].dump());
+  return "";
+}
+
 void RigDescription::validate() const {
   if (needle.length_m >= 2.0 * dish.radius_m)
     throw common::InvalidConfig("needle.length_m", needle.length_m,

@@ -1,5 +1,7 @@
 #include "lodestone/runs/open_cells.h"
 
+#include <fnmatch.h>
+
 #include <algorithm>
 #include <set>
 #include <unordered_map>
@@ -40,13 +42,20 @@ bool finished(const Plan& plan, const PlanPlace& place, const Cell& cell) {
 
 }  // namespace
 
+std::vector<const Cell*> cells_named(const Plan& plan, const std::string& name) {
+  std::vector<const Cell*> found;
+  for (const Cell& cell : plan.cells)
+    if (cell.id == name || fnmatch(name.c_str(), cell.id.c_str(), 0) == 0) found.push_back(&cell);
+  return found;
+}
+
 std::vector<const Cell*> wanted_cells(const Plan& plan, const std::string& only) {
   std::vector<const Cell*> all;
   for (const Cell& cell : plan.cells) all.push_back(&cell);
   if (only.empty()) return all;
-  const Cell* cell = plan.find(only);
-  if (cell == nullptr) throw common::ConfigError("the plan has no cell \"" + only + "\"");
-  return with_needs(plan, {cell}, [](const Cell&) { return true; });
+  const std::vector<const Cell*> cells = cells_named(plan, only);
+  if (cells.empty()) throw common::ConfigError("the plan has no cell \"" + only + "\"");
+  return with_needs(plan, cells, [](const Cell&) { return true; });
 }
 
 std::vector<const Cell*> unfinished_cells(const Plan& plan, const PlanPlace& place,

@@ -101,8 +101,14 @@ void Sweep::check(const std::string& source) const {
     fail("score = \"" + score +
          "\" must name a file of a run and a number in it, such as \"result.success_rate\"");
   if (seeds < 1 || seeds > 100000) fail("seeds = " + std::to_string(seeds) + " must be within [1, 100000]");
+  const auto refuse_seed = [&](const std::string& key) {
+    if (key == "seed") fail("seed is no setting of a sweep: seeds and first_seed say which ones are run");
+  };
+  for (const std::string& each : settings) refuse_seed(each.substr(0, each.find('=')));
+  if (halving) refuse_seed(halving->key);
   if (first_seed < 0) fail("first_seed = " + std::to_string(first_seed) + " must not be below 0");
   for (const auto& [key, values] : grid) {
+    refuse_seed(key);
     if (values.empty()) fail("grid." + key + " holds no value");
     std::set<std::string> seen;
     for (const Json& value : values)
@@ -115,6 +121,7 @@ void Sweep::check(const std::string& source) const {
       fail("random.count = " + std::to_string(random->count) + " must be within [1, 1000000]");
     if (random->ranges.empty()) fail("random.ranges is missing: name keys with \"from\" and \"to\"");
     for (const auto& [key, range] : random->ranges) {
+      refuse_seed(key);
       if (!(range.from < range.to)) fail("random.ranges." + key + ": from must be below to");
       if (range.log && !(range.from > 0.0))
         fail("random.ranges." + key + ": from must be above 0 on a logarithmic scale");

@@ -209,6 +209,8 @@ with tempfile.TemporaryDirectory() as folder:
     check(["import", log, "--map", "tmie=t", "--out", "run.h5"], 2, "did you mean time?")
     check(["import", log, *mapped(columns="time=t,x=X,y=Yy,currents=A|B|C|D")], 1, "odd.csv:1", "\"Yy\" (y) is not in the header")
     check(["import", log, *mapped("currents=A")], 1, "\"t\" (time) has no unit", "--units time=UNIT")
+    check(["import", log, *mapped(), "--rig", str(source / "configs/rigs/six_planar.json")], 2, "rig.drive.kind = ", "import reads recordings of opposed_pairs")
+    check(["import", log, *mapped(), "--set", "map.plausible=false"], 2, "map.plausible", "plausible, for every layout")
     check(["import", log, *mapped("time=h")], 2, "h of time is none of s, ms, us, min")
     check(["import", log, *mapped(), "--set", "map.separator=tab"], 1, "one column only", "map.separator")
     check(["import", log, *mapped(), "--set", "map.decimal=comma"], 1, "odd.csv:2: column 1 (t)", "decimal comma")

@@ -76,7 +76,10 @@ with tempfile.TemporaryDirectory() as name:
     few = ["--set", "training.env_steps=600", "--set", "training.environments=8", "--set", "training.warm_up_steps=100",
            "--set", "training.buffer_size=600", "--set", "training.evaluate_every=300", "--set",
            "training.evaluation_episodes=8", "--set", "td3.hidden=[16,16]", "--set", "td3.batch_size=32"]
-    run("train-policy", "--set", f"dynamics={folder}/dynamics/checkpoint", *few, "--out", folder / "policy")
+    text = run("train-policy", "--rig", source / "configs/rigs/paper.json", "--set", f"dynamics={folder}/dynamics/checkpoint", *few,
+               "--out", folder / "other", code=1)
+    assert "other figures" in text and not (folder / "other").exists(), text
+    run("train-policy", "--rig", rig, "--set", f"dynamics={folder}/dynamics/checkpoint", *few, "--out", folder / "policy")
     run("train-policy", "--rig", rig, "--set", "simulator=physics", *few, "--out", folder / "plain")
     for trained in ("policy", "plain"):
         facts = json.loads((folder / trained / "checkpoint/manifest.json").read_text())["facts"]

@@ -1,5 +1,7 @@
 #include "lodestone/data/csv_import.h"
 
+#include <fmt/core.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
@@ -177,7 +179,7 @@ TEST_CASE("any dataset is read by its ending") {
 TEST_CASE("positions where nothing can be are listed with file and line, and left out") {
   std::string text = kLog;
   for (int i = 0; i < 60; ++i)
-    text += std::to_string(i) + ",5,0,0,0," + (i == 30 ? "61" : std::to_string(0.1 * i)) + ",2,0\n";
+    text += std::to_string(i) + ",0,0,5,0," + (i == 30 ? "61" : std::to_string(0.1 * i)) + ",2,0\n";
   const data::CsvImportResult result = import_text(text);
   REQUIRE(result.impossible.size() == 1);
   CHECK_THAT(result.impossible[0], Contains("log.csv:32: ") && Contains("61."));
@@ -223,4 +225,32 @@ TEST_CASE("a position or an angle that nothing could measure is a malformed row"
   CHECK_THROWS_WITH(import_text(kPulses + "+x,40,+-1,0,1,0\n"), Contains("\"+-1\" must be a number"));
   CHECK_THROWS_WITH(import_text(kLog + "1,5,0,0,0,1,2,1e300\n"), Contains("log.csv:2: column 8"));
   CHECK(import_text(kPulses + "+x,40,0,0,1e303,0\n+x,40,5,0,6,0\n", skipping()).skipped == 1);
+}
+
+TEST_CASE("a lab's log whose sizes or directions cannot be is refused, and taken where that is said") {
+  // A needle that follows its coil; 40 rows.
+  const auto log = [](double unit, double angle, int sign, double current) {
+    std::string text = kLog;
+    for (int i = 0; i < 40; ++i)
+      text += fmt::format("{},0,0,{},{},{},0,{}\n", i, sign > 0 ? current : 0.0, sign > 0 ? 0.0 : current,
+                          unit * i, angle);
+    return text;
+  };
+  CHECK(import_text(log(1.0, 1.0, 1, 5.0)).dataset.transitions() == 39);
+  data::CsvImportConfig taken;
+  taken.plausible = false;
+  const auto [text, fault] = GENERATE_COPY(table<std::string, std::string>({
+      {log(1e-3, 1.0, 1, 5.0), "no position is further than 0.039 mm"},
+      {log(1.0, 90.0, 1, 5.0), "headings reach 90 rad"},
+      {log(1.0, 1.0, 1, 0.5), "no current is above 0.5 A"},
+      {log(1.0, 1.0, -1, 5.0), "x is the other way round"},
+  }));
+  CHECK_THROWS_WITH(import_text(text), Contains("log.csv: ") && Contains(fault));
+  CHECK(import_text(text, taken).dataset.transitions() == 39);
+}
+
+TEST_CASE("pulses that lead away from the coils that are on are refused") {
+  std::string text = kPulses;
+  for (int i = 0; i < 40; ++i) text += "+x,40,5,0,2,0\n-y,30,0,-3,0,1\n";
+  CHECK_THROWS_WITH(import_text(text), Contains("x and y are the other way round"));
 }

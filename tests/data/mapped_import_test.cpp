@@ -122,6 +122,7 @@ TEST_CASE("exchanged columns and wrong units are refused by what they lead to") 
 TEST_CASE("what looks implausible is taken where that is said") {
   data::MapConfig map;
   map.columns = "time=Time,x=X,y=Y,heading=Angle,currents=I_west|I_east|I_north|I_south";
-  map.plausible = false;
-  CHECK(import_log(tests::OddLog().csv, map).directions.best_way.find("x is the other way") == 0);
+  data::CsvImportConfig config;
+  config.plausible = false;
+  CHECK(import_log(tests::OddLog().csv, map, config).directions.best_way.find("x is the other way") == 0);
 }

@@ -31,6 +31,8 @@ data::MappedLog log_within(double radius_m, double turned_rad, const std::string
   return log;
 }
 
+void check(const data::MappedLog& log) { data::check_sizes(data::sizes_of(log, 0.0425), 0.0425, "log.csv"); }
+
 /// Steps whose motion is `turn` of their drive, with as much scatter.
 data::Dataset dataset(const Eigen::Matrix2d& turn, int steps = 200) {
   common::RandomStream random(2, "directions");
@@ -58,24 +60,20 @@ Eigen::Matrix2d matrix(double a, double b, double c, double d) {
 }  // namespace
 
 TEST_CASE("sizes that fit the dish are taken") {
-  CHECK_NOTHROW(data::check_sizes(log_within(0.03, 3.1), 0.0425, "log.csv"));
-  CHECK_NOTHROW(data::check_sizes(log_within(0.03, 30.0), 0.0425, "log.csv"));  // turned round and round
+  CHECK_NOTHROW(check(log_within(0.03, 3.1)));
+  CHECK_NOTHROW(check(log_within(0.03, 30.0)));  // turned round and round
 }
 
 TEST_CASE("sizes that cannot be are refused, with the columns they come from") {
-  CHECK_THROWS_WITH(
-      data::check_sizes(log_within(0.06, 3.1), 0.0425, "log.csv"),
-      Contains("log.csv") && Contains("of 200 positions lie outside") && Contains("\"X\" (unit mm)"));
-  CHECK_THROWS_WITH(data::check_sizes(log_within(3e-4, 3.1), 0.0425, "log.csv"),
-                    Contains("no position is further"));
-  CHECK_THROWS_WITH(data::check_sizes(log_within(0.03, 180.0), 0.0425, "log.csv"),
-                    Contains("headings reach 180 rad"));
-  CHECK_THROWS_WITH(data::check_sizes(log_within(0.03, 0.05, "deg"), 0.0425, "log.csv"),
-                    Contains("all headings lie within 2.86"));
+  CHECK_THROWS_WITH(check(log_within(0.06, 3.1)), Contains("log.csv") &&
+                                                      Contains("of 200 positions lie outside") &&
+                                                      Contains("\"X\" (unit mm)"));
+  CHECK_THROWS_WITH(check(log_within(3e-4, 3.1)), Contains("no position is further"));
+  CHECK_THROWS_WITH(check(log_within(0.03, 180.0)), Contains("headings reach 180 rad"));
+  CHECK_THROWS_WITH(check(log_within(0.03, 0.05, "deg")), Contains("all headings lie within 2.86"));
   data::MappedLog weak = log_within(0.03, 3.1);
   for (data::LogSample& sample : weak.samples) sample.drive *= 1e-3;
-  CHECK_THROWS_WITH(data::check_sizes(weak, 0.0425, "log.csv"),
-                    Contains("no current is above") && Contains("\"I\""));
+  CHECK_THROWS_WITH(check(weak), Contains("no current is above") && Contains("\"I\""));
 }
 
 TEST_CASE("motion towards the coils that are on is taken, any other way is named") {

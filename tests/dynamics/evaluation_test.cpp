@@ -207,5 +207,15 @@ TEST_CASE("the test split is the one of the training, and layouts must agree", "
   CHECK_THROWS_AS(evaluate_dynamics(model, marching(data::StateLayout::kPose, 1, 2)), common::DataError);
 }
 
+TEST_CASE("data of another kind of drive are refused, where both say what they are of", "[unit]") {
+  data::Dataset dataset = marching(data::StateLayout::kPosition, 2, 3);
+  Model model = constant_model(data::StateLayout::kPosition, {0.0, 0.0}, dataset);
+  dataset.info.rig = {{"drive", {{"kind", "opposed_pairs"}}}};
+  CHECK_NOTHROW(evaluate_dynamics(model, dataset));
+  model.info.rig = {{"drive", {{"kind", "field"}}}};
+  CHECK_THROWS_WITH(evaluate_dynamics(model, dataset),
+                    Catch::Contains("rig.drive.kind = \"field\", not \"opposed_pairs\""));
+}
+
 }  // namespace
 }  // namespace lodestone::dynamics

@@ -61,7 +61,7 @@ TEST_CASE("a spoiled log of any layout, or a spoiled map, is imported or refused
         map.columns = spoiler.below(4) == 0 ? spoiler.bytes(columns, units) : columns;
         map.units = spoiler.below(8) == 0 ? spoiler.bytes(units, columns) : units;
         map.header_line = static_cast<std::int64_t>(spoiler.below(8) == 0 ? spoiler.below(4) : 1);
-        map.plausible = spoiler.below(2) == 0;
+        config.plausible = spoiler.below(2) == 0;
         map.negative_current =
             spoiler.below(2) == 0 ? data::NegativeCurrent::kRefuse : data::NegativeCurrent::kOpposite;
         map.opposite_currents =

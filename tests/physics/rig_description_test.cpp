@@ -86,6 +86,16 @@ TEST_CASE("what an earlier version recorded of a rig is completed by what is usu
   CHECK(whole["dish"]["radius_m"] == 0.04);
 }
 
+TEST_CASE("drives are of another kind where their numbers mean something else") {
+  const auto of = [](const char* drive) { return completed_rig({{"drive", common::Json::parse(drive)}}); };
+  CHECK(other_drive(of("{}"), completed_rig({{"dish", {{"radius_m", 0.03}}}})).empty());
+  CHECK(other_drive(of(R"({"kind": "independent"})"), of("{}")) ==
+        "rig.drive.kind = \"independent\", not \"opposed_pairs\"");
+  CHECK(other_drive(of(R"({"kind": "field", "field_numbers": 3})"), of(R"({"kind": "field"})")) ==
+        "rig.drive.field_numbers = 3, not 2");
+  CHECK(other_drive(of(R"({"kind": "field", "field_share": 0.5})"), of(R"({"kind": "field"})")).empty());
+}
+
 TEST_CASE("drivers that cannot be are refused, with the key that says so") {
   CHECK(RigDescription{}.amplifier.ideal());
   CHECK_FALSE(read(R"({"amplifier": {"ramp_s": 0.05}})").amplifier.ideal());

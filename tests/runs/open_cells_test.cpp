@@ -24,6 +24,18 @@ TEST_CASE("wanted is all, or a cell with all that it needs") {
   CHECK(ids(runs::wanted_cells(made, "d")) == Ids{"a", "b", "d"});
   CHECK(ids(runs::wanted_cells(made, "c")) == Ids{"c"});
   CHECK_THROWS_AS(runs::wanted_cells(made, "e"), common::ConfigError);
+  CHECK(ids(runs::wanted_cells(made, "[bc]")) == Ids{"a", "b", "c"});
+  CHECK(ids(runs::wanted_cells(made, "*")) == Ids{"a", "b", "c", "d"});
+  CHECK_THROWS_AS(runs::wanted_cells(made, "e*"), common::ConfigError);
+}
+
+TEST_CASE("a name with stars names cells across slashes, and a cell that is called so is that cell") {
+  const Plan made = plan({cell("mix/0/1"), cell("mix/0/2"), cell("mix/offline/2"), cell("mix[2]")});
+  CHECK(ids(runs::cells_named(made, "mix/*/2")) == Ids{"mix/0/2", "mix/offline/2"});
+  CHECK(ids(runs::cells_named(made, "mix*2")) == Ids{"mix/0/2", "mix/offline/2"});
+  CHECK(ids(runs::cells_named(made, "mix/?/[12]")) == Ids{"mix/0/1", "mix/0/2"});
+  CHECK(ids(runs::cells_named(made, "mix[2]")) == Ids{"mix[2]"});
+  CHECK(ids(runs::cells_named(made, "mix")).empty());
 }
 
 TEST_CASE("what is finished in its folder is not run again, and what it needs is not asked for") {

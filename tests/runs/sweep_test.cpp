@@ -47,6 +47,10 @@ TEST_CASE("a sweep has defaults, and says what is wrong with it") {
   refused(R"("seeds": 0)", "seeds = 0");
   refused(R"("grid": {"a": []})", "grid.a holds no value");
   refused(R"("grid": {"a": [1, 1]})", "twice");
+  for (const char* seed : {R"("grid": {"seed": [1, 2]})", R"("settings": ["seed=3"])",
+                           R"("random": {"count": 3, "ranges": {"seed": {"from": 1, "to": 2}}})",
+                           R"("halving": {"key": "seed", "first": 1})"})
+    refused(seed, "seeds and first_seed say which");
   refused(R"("random": {"count": 3})", "random.ranges is missing");
   refused(R"("random": {"count": 0, "ranges": {"a": {"from": 1, "to": 2}}})", "random.count = 0");
   refused(R"("random": {"count": 3, "ranges": {"a": {"from": 2, "to": 1}}})", "from must be below to");

@@ -35,6 +35,7 @@ struct CsvImportConfig {
   OnError on_error = OnError::kAbort;
   std::int64_t max_reported = 20;
   Impossible impossible = Impossible::kLeaveOut;
+  bool plausible = true;
   double control_period_s = 0.0;
   PositionUnit position_unit = PositionUnit::kMm;
   AngleUnit angle_unit = AngleUnit::kRad;
@@ -55,6 +56,8 @@ struct CsvImportConfig {
         "impossible", impossible, "",
         "what is done with positions where nothing can be, outside the dish or, where that is not known, far "
         "beyond all others: a glitch of the camera");
+    v.field("plausible", plausible, "",
+            "refuse sizes and directions that cannot be; false takes them as they are");
     v.field(
         "control_period_s", control_period_s, "s",
         "time between two rows of a recording, or with --map the length of a pulse; 0: 0.3 s, or with --map "
@@ -95,7 +98,8 @@ struct CsvImportResult {
 
 /// Reads a foreign CSV file (BOM, CRLF, quotes and blank lines are accepted). Throws DataError naming file,
 /// line and column at the first malformed row, or with on_error = skip leaves such rows out; also when the
-/// header fits no known layout or no transition is left.
+/// header fits no known layout, no transition is left, or with `plausible` what is read cannot be
+/// (plausibility.h).
 CsvImportResult import_csv(const std::string& path, const CsvImportConfig& config);
 
 }  // namespace lodestone::data

@@ -37,7 +37,6 @@ struct MapConfig {
   double pulse_s = 0.0;
   double tolerance = 0.2;
   double longest_gap_s = 0.0;
-  bool plausible = true;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -65,8 +64,7 @@ struct MapConfig {
         "longest_gap_s", longest_gap_s, "s",
         "rows that are further apart are not connected; 0: one and a half usual distances, or half a pulse",
         {0.0, 60.0});
-    v.field("plausible", plausible, "",
-            "refuse sizes and directions that cannot be; false takes them as they are");
+    v.retired("plausible", "plausible, for every layout");
   }
   /// Throws ConfigError where pixels have two sizes.
   void validate() const {

@@ -18,7 +18,7 @@ struct MappedImport {
 };
 
 /// Reads a log through `map` (its columns must be set) and cuts it into pulses. Throws as read_mapped_log(),
-/// cut_pulses() and, with map.plausible, check_sizes() and check_directions(); and DataError where no pulse
+/// cut_pulses() and, with `plausible`, check_sizes() and check_directions(); and DataError where no pulse
 /// is left.
 MappedImport import_mapped(const std::string& path, const CsvImportConfig& config, const MapConfig& map);
 

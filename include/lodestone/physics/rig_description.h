@@ -68,4 +68,9 @@ struct RigDescription {
 /// known then stand as they are by default.
 common::Json completed_rig(const common::Json& recorded);
 
+/// Where the numbers of an action mean something else for the coils of two completed descriptions: what the
+/// first says, and the second, as in `rig.drive.kind = "field", not "opposed_pairs"`. Empty where they do
+/// not.
+std::string other_drive(const common::Json& one, const common::Json& other);
+
 }  // namespace lodestone::physics

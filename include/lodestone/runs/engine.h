@@ -26,10 +26,10 @@ class Engine {
 /// Where a cell's output goes.
 std::string log_file(const Plan& plan, const PlanPlace& place, const std::string& id);
 
-/// Runs what is not finished of a plan, or of the cell `only` and what that needs, until it has ended; keeps
-/// results meanwhile where the place says so. Throws Interrupted once all have stopped, Error naming a cell
-/// that failed and how many wait for others after the others have ended, and ConfigError where there is no
-/// such cell.
+/// Runs what is not finished of a plan, or of the cells that `only` names (cells_named) and what they need,
+/// until it has ended; keeps results meanwhile where the place says so. Throws Interrupted once all have
+/// stopped, Error naming a cell that failed and how many wait for others after the others have ended, and
+/// ConfigError where there is no such cell.
 void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const std::string& label,
               const std::string& only = "");
 
