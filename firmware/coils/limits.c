@@ -1,12 +1,13 @@
 #include "limits.h"
 
 enum {
-  kSettle_us = 60000,    /* from the end of a duty's ramp until current and duty tell the resistance, */
-  kFullRamp_us = 50000,  /* which takes so long for the whole duty */
+  kSettle_us = 55000, /* from a change of duty until current and duty tell the resistance, to 1.2 % where L/R is 9 ms, */
+  kMoreOfFull_us = 20000, /* and so much longer for the whole duty, whose ramp takes 50 ms: 75 ms, within any usual pulse */
   kStray_us = 200000,    /* from switching a coil off until its current must be measured gone, */
   kDecay_us = 100000,    /* and until it is gone in a coil that obeys */
   kBlind_us = 300000,    /* without a reading of its currents a controller is not to be trusted with the supply */
   kMinEstimationCurrent_mA = 1000, /* below this a resistance would be too coarse (the controllers give 10 mA) */
+  kLongAgo_us = 1l << 30, /* a quarter of the time in which the clock goes round */
   kStrayCurrent_mA = 300, /* more is a current; less may be the zero of a sensor */
 };
 
@@ -145,8 +146,8 @@ void coils_take_current(struct Coils* coils, uint8_t coil, int16_t measured_mA, 
     }
     return;
   }
-  const uint32_t ramp_us = (uint32_t)coils_magnitude(coils->duty[coil]) * (kFullRamp_us / 100) / kRoboClawFullDuty * 100;
-  if (!coils->pulsing || target_mA < kMinEstimationCurrent_mA || steady_us < kSettle_us + ramp_us) return;
+  const uint32_t more_us = (uint32_t)coils_magnitude(coils->duty[coil]) * (kMoreOfFull_us / 100) / kRoboClawFullDuty * 100;
+  if (!coils->pulsing || target_mA < kMinEstimationCurrent_mA || steady_us < kSettle_us + more_us) return;
   if (size_mA < target_mA / 4) {
     coils_latch(coils, kFaultNoCurrent);
     return;
@@ -175,6 +176,8 @@ void coils_take_resistance(struct Coils* coils, uint8_t coil) {
 
 void coils_take_millisecond(struct Coils* coils) {
   ++coils->uptime_ms;
+  for (uint8_t i = 0; i < coils->outputs; ++i) /* a duty that is older would seem to be one to come */
+    if (coils->now_us - coils->changed_us[i] > kLongAgo_us) coils->changed_us[i] = coils->now_us - kLongAgo_us;
   if (!coils->configured) return;
   const uint32_t capacity = (uint32_t)coils->limits.duty_window_ms * coils->limits.max_duty_permille;
   for (uint8_t i = 0; i < coils->outputs; ++i) {

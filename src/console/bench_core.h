@@ -24,11 +24,12 @@
 #include "lodestone/control/routed_reference.h"
 #include "lodestone/control/steered_reference.h"
 #include "lodestone/physics/per_coil.h"
+#include "lodestone/rig/driver_coils.h"
 
 namespace lodestone::console {
 
 inline constexpr const char* kHand = "hand";  // the controller that is the operator's hand, and its task
-inline constexpr double kOff_A = 0.1;         // a coil that measures less than this is off
+inline constexpr double kOff_A = rig::kDriverOff_A;  // a coil that measures less than this is off
 
 inline std::chrono::duration<double> seconds(double time_s) { return std::chrono::duration<double>(time_s); }
 

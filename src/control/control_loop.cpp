@@ -14,6 +14,10 @@ namespace lodestone::control {
 
 namespace {
 
+/// So much of a period may be caught up where a pulse came late. More would take the rest from it, and what
+/// is seen next would be a needle that still moves.
+constexpr double kCaughtUp = 1.0 / 3.0;
+
 bool finite(const geometry::Pose2& pose) {
   return std::isfinite(pose.x_m) && std::isfinite(pose.y_m) && std::isfinite(pose.heading_rad);
 }
@@ -158,12 +162,14 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
   } catch (const common::HardwareError&) {
     // The first observation says so, too.
   }
-  const double start_s = clock_.now_s();
+  double start_s = clock_.now_s();
+  double set_back_s = 0.0;  // the schedule, after the last pulse
+  double next_pulse_s = start_s + config_.decide_s;
   for (std::int64_t step = 0;; ++step) {
     // Counted from the start, so that rounding does not add up.
     const double due_s = static_cast<double>(step) * config_.period_s();
     if (interruption_.raised()) throw_interrupted();
-    coils_.begin_step(start_s + due_s);
+    coils_.begin_step(start_s + due_s - set_back_s);
     StepRecord record;
     record.time_s = due_s;
     record.action = record.drive_A = none;
@@ -233,6 +239,10 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
     // A camera that runs freely gives its image sooner or later; the pulses still come evenly.
     if (config_.decide_s > 0.0) rest_until(start_s + due_s + config_.decide_s);
     if (interruption_.raised()) throw_interrupted();
+    const double late_s = clock_.now_s() - next_pulse_s;
+    set_back_s = late_s > kCaughtUp * config_.period_s() ? late_s : 0.0;
+    start_s += set_back_s;
+    next_pulse_s += late_s + config_.period_s();
     pulse(record);
     if (identifier_ != nullptr) {  // while the pulse is on
       identifier_->check();

@@ -1,5 +1,7 @@
 #include "lodestone/rig/coil_measurement.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +14,9 @@ namespace lodestone::rig {
 namespace {
 
 constexpr double kPulse_s = 0.2;
+// As far from what is described as the firmware looks for a resistance, and how near that is one that it did
+// not find.
+constexpr double kLeastOfDescribed = 0.5, kMostOfDescribed = 2.0, kAtBound = 0.01;
 constexpr double kFullRamp_s = 32767.0 / 655359.0;  // of the motor controllers, for the whole duty
 
 /// Response of tau dI/dt + I = ramp, for an end value of 1.
@@ -85,6 +90,7 @@ CoilMeasurement measure_coil(SerialCoils& coils, Coils& guarded, int coil, doubl
                              const std::function<void(double seconds)>& rest) {
   std::vector<CoilMeasurement> found;
   const auto index = static_cast<std::size_t>(coil);
+  const double described_ohm = coils.description().resistance_20C_ohm[index];
   const bool bipolar = coils.description().smallest_A(index) < 0.0;
   for (int i = 0; i < pulses; ++i) {
     CoilPulse pulse;
@@ -93,8 +99,18 @@ CoilMeasurement measure_coil(SerialCoils& coils, Coils& guarded, int coil, doubl
     guarded.apply(pulse);
     rest(2.5 * kPulse_s);
     const CoilControllerState state = coils.state();
-    if (!state.faults.empty()) throw common::HardwareError("measuring stopped: " + state.faults.front());
+    if (!state.faults.empty())
+      throw common::HardwareError(
+          fmt::format("measuring stopped: {} (or its resistance is far from the {:g} ohm that are described: "
+                      "rig.coils.resistance_20C_ohm)",
+                      state.faults.front(), described_ohm));
     const double resistance_ohm = state.resistance_ohm[index];
+    if (resistance_ohm < (1.0 + kAtBound) * kLeastOfDescribed * described_ohm ||
+        resistance_ohm > (1.0 - kAtBound) * kMostOfDescribed * described_ohm)
+      throw common::HardwareError(fmt::format(
+          "coil {} has less than half or more than twice the {:g} ohm that are described, which is as far as "
+          "the firmware looks: describe it nearer (rig.coils.resistance_20C_ohm) and measure again",
+          coils.description().name(index), described_ohm));
     const double supply_V = state.supply_V[coils.controller_of(index)];
     const double duty = std::min(1.0, std::abs(current_A) * resistance_ohm / std::max(1.0, supply_V));
     CoilMeasurement one = fit_rise(coils.trace(), duty * kFullRamp_s);

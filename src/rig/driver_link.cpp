@@ -122,15 +122,21 @@ DriverReply DriverLink::await(std::int64_t id, const common::Json& request, doub
     DriverReply reply = read_reply(until_s);
     const common::Json of = reply.content.value("id", common::Json());
     if (of != id) {  // a stop that went ahead
-      if (of.is_number_integer()) answered_ahead_ = of.get<std::int64_t>();
+      if (!of.is_number_integer()) continue;
+      answered_ahead_ = of.get<std::int64_t>();
+      refused_ahead_ = reply.content.value("error", common::Json());
       continue;
     }
     const auto error = reply.content.find("error");
     if (error == reply.content.end()) return reply;
-    throw DriverRefused(
-        name_ + " refuses " + what_of(request) + ": " +
-        common::shown(error->is_string() ? error->get<std::string>() : common::shown_json(*error)));
+    throw_refused(request, *error);
   }
+}
+
+void DriverLink::throw_refused(const common::Json& request, const common::Json& error) const {
+  throw DriverRefused(
+      name_ + " refuses " + what_of(request) + ": " +
+      common::shown(error.is_string() ? error.get<std::string>() : common::shown_json(error)));
 }
 
 /// What `exchange` gets in time; whatever it meets but a refusal closes the link.
@@ -170,7 +176,10 @@ void DriverLink::stop() {
     lock.lock();
   }
   answered(request, reply_timeout_s_, [&](double until_s) {
-    if (ahead != 0 && answered_ahead_ >= ahead) return DriverReply{};
+    if (ahead != 0 && answered_ahead_ >= ahead) {
+      if (!refused_ahead_.is_null()) throw_refused(request, refused_ahead_);
+      return DriverReply{};
+    }
     return await(ahead != 0 ? ahead : send(request), request, until_s);
   });
   ++stops_;  // a pulse that was begun meanwhile is none any more

@@ -1,5 +1,7 @@
 #include "lodestone/rig/serial_coils.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -28,10 +30,32 @@ SerialCoils::SerialCoils(const SerialConfig& config, const physics::CoilsDescrip
     : SerialCoils(config, coils,
                   [config] { return open_serial_port(config.port, static_cast<int>(config.baud)); }) {}
 
+namespace {
+
+/// What the firmware takes of a coil: session.c refuses anything else without a word of which.
+void check_resistances(const SerialConfig& config, const physics::CoilsDescription& coils) {
+  constexpr double kLeast_ohm = 0.1, kMost_ohm = 30.0, kMostRise = 1.0;
+  for (std::size_t i = 0; i < coils.count(); ++i)
+    if (!(coils.resistance_20C_ohm[i] >= kLeast_ohm && coils.resistance_20C_ohm[i] <= kMost_ohm))
+      throw common::ConfigError(
+          fmt::format("rig.coils.resistance_20C_ohm of coil {} = {:g} must be within {:g} .. {:g} for the "
+                      "coil controller",
+                      coils.name(i), coils.resistance_20C_ohm[i], kLeast_ohm, kMost_ohm));
+  const double rise = coils.temperature_coefficient_per_K * (config.max_coil_C - kResistance_C);
+  if (!(coils.temperature_coefficient_per_K > 0.0 && rise <= kMostRise))
+    throw common::ConfigError(
+        fmt::format("rig.coils.temperature_coefficient_per_K = {:g} must be above 0, and such that a coil of "
+                    "rig.serial.max_coil_C = {:g} has at most twice its resistance, for the coil controller",
+                    coils.temperature_coefficient_per_K, config.max_coil_C));
+}
+
+}  // namespace
+
 SerialCoils::SerialCoils(const SerialConfig& config, const physics::CoilsDescription& coils, OpenPort open)
     : config_(config), coils_(coils) {
   config_.validate();
   coils_.validate();
+  check_resistances(config_, coils_);
   if (!config_.output.empty() && config_.output.size() != coils_.count())
     throw common::ConfigError("rig.serial.output names " + std::to_string(config_.output.size()) +
                               " outputs, the rig has " + std::to_string(coils_.count()) +

@@ -53,6 +53,8 @@ class LibSerialPort final : public SerialPort {
     }
     int handle = -1;
     sp_get_port_handle(port_, &handle);
+    // Programs that are started from here, such as a camera's, would hold the lock when this one is gone.
+    if (handle >= 0) fcntl(handle, F_SETFD, FD_CLOEXEC);
     // Two programs at one bench would each believe that they know what the coils do. The lock comes before
     // anything is set, and binds root, too; TIOCEXCL keeps out programs that ask for no lock.
     if (handle < 0 || flock(handle, LOCK_EX | LOCK_NB) != 0 || ioctl(handle, TIOCEXCL) != 0) {

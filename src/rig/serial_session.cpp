@@ -103,8 +103,8 @@ void SerialSession::wait_until_ready() {
 SerialLink::Bytes SerialSession::request(wire::MessageType type, const SerialLink::Bytes& body) {
   const std::int64_t stops_before = stops_;
   std::unique_lock<std::mutex> lock(mutex_);
-  if (type == wire::kPulse && stops_ != stops_before) throw_pulse_given_up();
   stop_done_.wait(lock, [this] { return !link_.stop_requested(); });  // a mutex alone lets anyone pass
+  if (type == wire::kPulse && stops_ != stops_before) throw_pulse_given_up();
   ensure_connected();
   try {
     return link_.exchange(type, body);

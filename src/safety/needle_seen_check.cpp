@@ -8,12 +8,19 @@ namespace lodestone::safety {
 
 void NeedleSeenCheck::observe(const control::PoseEstimate& estimate, double) {
   seen_ = true;
+  stamp_s_ = estimate.stamp_s;
   if (estimate.valid) probes_ = 0;
 }
 
-void NeedleSeenCheck::check(rig::CoilPulse&, const PulseContext&) {
+void NeedleSeenCheck::check(rig::CoilPulse&, const PulseContext& context) {
   if (!seen_) throw Distrust("a pulse was asked for, but nobody has seen the needle since the last");
   seen_ = false;
+  const double age_s = context.now_s - stamp_s_;
+  if (!(age_s <= max_age_s_))
+    throw Distrust(
+        fmt::format("the pulse comes {:g} s after the pose that it answers, limit is {:g} s: was the program "
+                    "held up?",
+                    age_s, max_age_s_));
 }
 
 void NeedleSeenCheck::check_probe(const rig::CoilPulse& pulse) {

@@ -35,6 +35,7 @@ Supervisor::Supervisor(rig::Coils& coils, const SafetyConfig& config, const phys
       clock_(clock),
       operator_(config.stop_file, keys),
       thermal_(rig),
+      needle_seen_(config.max_pose_age_s),
       needle_required_(poses == Poses::kRequired),
       last_s_(clock.now_s()) {
   // In this order: the first that does not trust what it sees gives the reason.
@@ -144,7 +145,8 @@ void Supervisor::probe(const rig::CoilPulse& pulse) { give(pulse, /*probe=*/true
 PulseContext Supervisor::context() {
   PulseContext context;
   context.last = last_;
-  context.passed_s = std::max(0.0, clock_.now_s() - last_s_);
+  context.now_s = clock_.now_s();
+  context.passed_s = std::max(0.0, context.now_s - last_s_);
   context.on_s = std::min(last_.duration_s, context.passed_s);
   thermal_.advance(last_.current_A, context.on_s, context.passed_s);
   return context;

@@ -9,7 +9,7 @@ namespace lodestone::safety {
 
 namespace {
 // A shorter or weaker pulse tells too little of a coil's resistance, and so of its temperature.
-constexpr double kMinEstimationPulse_s = 0.09;
+constexpr double kMinEstimationPulse_s = 0.1;
 constexpr double kMinEstimationCurrent_A = 1.0;
 }  // namespace
 

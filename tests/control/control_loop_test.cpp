@@ -269,6 +269,56 @@ class EndlessClock final : public common::Clock {
 
 }  // namespace
 
+namespace {
+
+/// Is held up once, at this decision.
+class HeldUp final : public control::Controller {
+ public:
+  HeldUp(tests::ManualClock& clock, int decision, double for_s)
+      : clock_(clock), decision_(decision), for_s_(for_s) {}
+  void reset() override { decided_ = 0; }
+  geometry::Drive act(const task::Observation&) override {
+    if (decided_++ == decision_) clock_.sleep_until(clock_.now_s() + for_s_);
+    pulses_at_s.push_back(clock_.now_s());
+    return {0.1, 0.0};
+  }
+
+  std::vector<double> pulses_at_s;
+
+ private:
+  tests::ManualClock& clock_;
+  int decision_;
+  double for_s_;
+  int decided_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("a needle rests after a pulse that came late as after any other") {
+  const int decision = GENERATE(0, 2);
+  const double for_s = GENERATE(0.05, 0.4);
+  Bench bench;
+  bench.duration_s = 3.0;
+  HeldUp controller(bench.clock, decision, for_s);
+  const control::LoopOutcome outcome = bench.run(controller);
+  CHECK(outcome.completed);
+  const std::vector<double>& at_s = controller.pulses_at_s;
+  REQUIRE(at_s.size() > 5);
+  for (std::size_t i = 1; i < at_s.size(); ++i) {
+    CAPTURE(decision, for_s, i);
+    // A little is caught up, so that the schedule stays; what would cost the rest is not.
+    CHECK(at_s[i] - at_s[i - 1] > bench.config.period_s() * (for_s > 0.1 ? 1.0 : 2.0 / 3.0) - 1e-9);
+  }
+}
+
+TEST_CASE("a pulse long after its pose is not given") {
+  Bench bench;
+  HeldUp controller(bench.clock, 1, 0.6);
+  const control::LoopOutcome outcome = bench.run(controller);
+  CHECK_THAT(outcome.stop_reason, Catch::Contains("0.6 s after the pose"));
+  CHECK(bench.device.pulses.size() == 1);
+}
+
 TEST_CASE("a rig is identified from pulses between two poses, and the controller is told", "[unit]") {
   control::RigIdentifier identifier = identifier_of_linear_rig();
   Bench bench;

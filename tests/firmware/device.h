@@ -23,6 +23,8 @@ struct Device {
   int duty[wire::kMostOutputs] = {};
   int supply_dV = 340;
   int board_dC = 300;
+  int coil_10mohm = 190;  ///< of every coil
+  int stray_10mA = 0;     ///< in every reading of a current, whatever the duty
   int drives = 0;
 
   explicit Device(std::uint8_t motor_controllers = 2) {
@@ -61,7 +63,7 @@ struct Device {
         put(supply_dV);
         break;
       case kReadCurrents:
-        for (int i = 0; i < 2; ++i) put(duty[first + i] * 3400 / 32767 * 100 / 190);
+        for (int i = 0; i < 2; ++i) put(duty[first + i] * 3400 / 32767 * 100 / coil_10mohm + stray_10mA);
         break;
       case kReadStatus:
         put(0);
@@ -86,9 +88,9 @@ struct Device {
     put(crc);
     for (const std::uint8_t byte : reply) coils_controller_byte(&coils, byte);
   }
-  void run(double ms) {
+  void run(double ms, std::uint32_t step_us = 500) {
     for (const std::uint32_t end = now_us + static_cast<std::uint32_t>(1000 * ms); now_us != end;
-         now_us += 500) {
+         now_us += step_us) {
       coils_tick(&coils, now_us, open_switch);
       answer();
     }

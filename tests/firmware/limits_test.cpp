@@ -55,3 +55,38 @@ TEST_CASE("limits are refused, faults latch and stay until cleared") {
   CHECK(device.state(sequence++).faults == 0);
   CHECK(device.ask(wire::kPulse, sequence++, Device::pulse(1000, 50)).type == (wire::kPulse | wire::kReply));
 }
+
+TEST_CASE("a pulse of 100 ms tells a coil that is hot or hardly connected, at the strongest current, too") {
+  const int current_mA = GENERATE(2000, 8000, 15000);
+  Device device;
+  device.start();
+  SECTION("as it should be") {
+    device.ask(wire::kPulse, 12, Device::pulse(current_mA, 100));
+    device.run(150);
+    CHECK(device.state(13).faults == 0);
+  }
+  SECTION("hot") {
+    device.coil_10mohm = 300;
+    device.ask(wire::kPulse, 12, Device::pulse(current_mA, 100));
+    device.run(150);
+    CHECK((device.state(13).faults & wire::kFaultCoilHot) != 0);
+  }
+  SECTION("a bad contact") {
+    device.coil_10mohm = 2500;
+    device.ask(wire::kPulse, 12, Device::pulse(current_mA, 100));
+    device.run(150);
+    CHECK((device.state(13).faults & wire::kFaultNoCurrent) != 0);
+  }
+}
+
+TEST_CASE("a current for a moment is none that stays, however long the coils have rested") {
+  Device device;
+  device.start();
+  constexpr double kMinute_ms = 60'000;
+  device.run(40 * kMinute_ms, 4000);  // the clock's half round is 35.8 minutes
+  device.stray_10mA = 40;
+  device.run(120);
+  device.stray_10mA = 0;
+  device.run(400);
+  CHECK(device.state(12).faults == 0);
+}

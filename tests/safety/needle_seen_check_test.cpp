@@ -13,7 +13,7 @@ control::PoseEstimate seen() {
 }  // namespace
 
 TEST_CASE("every pulse needs a pose of its own") {
-  safety::NeedleSeenCheck check;
+  safety::NeedleSeenCheck check(0.5);
   rig::CoilPulse pulse;
   CHECK_THROWS_AS(check.check(pulse, {}), safety::Distrust);
   check.observe(seen(), 0.0);
@@ -25,7 +25,7 @@ TEST_CASE("every pulse needs a pose of its own") {
 }
 
 TEST_CASE("a few weak probes need no pose, and are counted until there is one") {
-  safety::NeedleSeenCheck check;
+  safety::NeedleSeenCheck check(0.5);
   rig::CoilPulse probe;
   probe.current_A = {0.0, 2.0, 1.5, 0.0};
   for (int i = 0; i < 6; ++i) check.check_probe(probe);
@@ -35,4 +35,18 @@ TEST_CASE("a few weak probes need no pose, and are counted until there is one") 
   CHECK_THROWS_AS(check.check(probe, {}), safety::Distrust);  // a probe uses the pose up
   probe.current_A[0] = 2.1;
   CHECK_THROWS_WITH(check.check_probe(probe), Catch::Contains("limit is 2 A"));
+}
+
+TEST_CASE("a pulse that comes long after its pose is refused") {
+  safety::NeedleSeenCheck check(0.5);
+  rig::CoilPulse pulse;
+  safety::PulseContext context;
+  control::PoseEstimate pose = seen();
+  pose.stamp_s = 10.0;
+  context.now_s = 10.5;
+  check.observe(pose, 10.1);
+  check.check(pulse, context);
+  context.now_s = 10.6;
+  check.observe(pose, 10.1);
+  CHECK_THROWS_WITH(check.check(pulse, context), Catch::Contains("0.6 s after the pose"));
 }

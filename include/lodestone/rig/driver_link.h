@@ -65,6 +65,7 @@ class DriverLink {
   DriverReply answered(const common::Json& request, double timeout_s,
                        const std::function<DriverReply(double until_s)>& exchange);
   DriverReply await(std::int64_t id, const common::Json& request, double until_s);
+  [[noreturn]] void throw_refused(const common::Json& request, const common::Json& error) const;
   DriverReply read_reply(double until_s);
   void read(std::uint8_t* bytes, std::size_t count, double until_s);
   std::int64_t send(const common::Json& request, std::optional<std::int64_t> stops = std::nullopt);
@@ -78,6 +79,7 @@ class DriverLink {
   bool images_;
   std::int64_t last_id_ = 0;
   std::int64_t answered_ahead_ = 0;  ///< the last stop that was answered to somebody else
+  common::Json refused_ahead_;       ///< the error in that answer; null where there was none
   std::atomic<std::int64_t> stops_{0};
   std::atomic<bool> open_{true};
   std::string name_ = "driver";

@@ -43,7 +43,11 @@ struct SerialConfig {
     v.retired("resistance_ohm", "rig.coils.resistance_20C_ohm");
     v.retired("inductance_H", "rig.coils.inductance_H");
     v.retired("polarity", "rig.coils.polarity");
-    v.field("max_pulse_s", max_pulse_s, "s", "the firmware refuses longer pulses", {0.001, 10.0});
+    v.field(
+        "max_pulse_s", max_pulse_s, "s",
+        "the firmware refuses longer pulses, and takes half a second without a word from here for a PC that "
+        "is gone",
+        {0.001, 0.5});
     v.field("max_duty", max_duty, "", "fraction of time that a coil may be on", {0.01, 0.9});
     v.field("duty_window_s", duty_window_s, "s", "over about this time", {0.1, 60.0});
     v.field("min_supply_V", min_supply_V, "V", "a supply below this stops the coils", {6.0, 34.0});

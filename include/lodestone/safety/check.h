@@ -33,6 +33,7 @@ struct PulseContext {
   rig::CoilPulse last;    ///< the pulse before
   double on_s = 0.0;      ///< how long it has been on, and
   double passed_s = 0.0;  ///< how long ago it began
+  double now_s = 0.0;
   rig::CoilStatus status;
 };
 

@@ -67,7 +67,8 @@ struct SafetyConfig {
         "a needle that may lie nearer to one of them than this stops the run; a pulse that begins outside "
         "this margin can still take it further",
         {0.0, 0.05});
-    v.field("max_pose_age_s", max_pose_age_s, "s", "a pose older than this stops the run", {0.01, 2.0});
+    v.field("max_pose_age_s", max_pose_age_s, "s",
+            "a pose older than this, also by the time of its pulse, stops the run", {0.01, 2.0});
     v.field("max_late_s", max_late_s, "s", "a step that begins later than this is a missed deadline",
             {1e-3, 1.0});
     v.field("max_late_steps", max_late_steps, "", "so many missed deadlines in a row stop the run", {1, 10});
