@@ -110,6 +110,8 @@ void run_sweep(const SweepOptions& options) {
   std::string preset;
   for (std::int64_t rung = 1; rung <= rungs_of(sweep); ++rung) {
     if (rung > 1) points = runs::promoted(sweep, rungs.back());
+    if (rung > 1 && runs::asked_to_stop(options.out))
+      throw common::Interrupted("sweep: stopped; the same command goes on where it was");
     preset =
         sweep.config.empty() ? "" : fs::absolute(options.out + "/preset.json").lexically_normal().string();
     for (runs::Cell& cell : runs::sweep_cells(sweep, points, rung, preset))

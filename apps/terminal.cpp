@@ -3,10 +3,12 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <iostream>
 
 #include "lodestone/common/error.h"
+#include "lodestone/common/interrupt.h"
 
 namespace lodestone::apps {
 
@@ -41,7 +43,10 @@ session::AskedOperator::Ask terminal_operator(const physics::RigDescription& rig
     std::printf("take your hands away and press any key. ");
     std::fflush(stdout);
     char key = 0;
-    if (read(STDIN_FILENO, &key, 1) != 1) throw common::HardwareError("nobody answers at the terminal");
+    while (read(STDIN_FILENO, &key, 1) != 1) {
+      if (common::interrupted()) throw common::Interrupted("stopped while the needle was to be placed");
+      if (errno != EINTR) throw common::HardwareError("nobody answers at the terminal");
+    }
     tcflush(STDIN_FILENO, TCIFLUSH);
     std::printf("\n");
   };

@@ -42,6 +42,12 @@ void check_is_file(const struct stat& status, const std::string& path) {
   throw IoError("cannot read " + path + ": it is " + what + ", not a file");
 }
 
+void rename_to(const std::string& staged, const std::string& path) {
+  if (::rename(staged.c_str(), path.c_str()) != 0)
+    throw IoError("cannot rename to " + path + ": " + reason());
+  sync_path(parent_of(path));
+}
+
 }  // namespace
 
 void check_is_file(const std::string& path) {
@@ -94,7 +100,7 @@ void write_file_atomically(const std::string& path, std::string_view content) {
       }
       if (::fsync(file.value) != 0) throw IoError("cannot write " + path + ": " + reason());
     }
-    replace_file(staged, path);
+    rename_to(staged, path);
   } catch (const IoError&) {
     ::unlink(staged.c_str());
     throw;
@@ -102,9 +108,8 @@ void write_file_atomically(const std::string& path, std::string_view content) {
 }
 
 void replace_file(const std::string& staged, const std::string& path) {
-  if (::rename(staged.c_str(), path.c_str()) != 0)
-    throw IoError("cannot rename to " + path + ": " + reason());
-  sync_path(parent_of(path));
+  sync_path(staged);  // else a power cut may leave the name with nothing in it
+  rename_to(staged, path);
 }
 
 void remove_file(const std::string& path) {

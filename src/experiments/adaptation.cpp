@@ -133,9 +133,10 @@ void roll_back(const std::string& run) {
     throw common::ConfigError(
         "--rollback: nothing to take back in " + run +
         ": it began from nothing, kept the simulator as it was, or was taken back already");
-  common::replace_folder(run + kBefore, run + kModel);
+  put(run, kModel, run + kBefore);  // a copy, so that a kill leaves something to repeat
   result.rolled_back = true;
   common::write_artefact(file, result);
+  fs::remove_all(run + kBefore);
 }
 
 }  // namespace lodestone::experiments

@@ -55,6 +55,12 @@ runs::Progress DeploymentRun::progress() const {
 
 void DeploymentRun::step(common::MetricsLog& /*metrics*/) {
   if (!recorder_) {
+    // A kill before the run's first checkpoint: trials that have ended are kept nevertheless.
+    if (done_ == 0) load(folder_);
+    // What was written at a stop is not all of them.
+    for (std::size_t rig = 0; rig < job_.rigs.size(); ++rig)
+      common::remove_file(folder_of(rig) + "/" + runs::kTrialsFile);
+    if (progress().finished) return;
     std::vector<std::string> coils = {"px", "mx", "py", "my"};
     if (const auto& each = config_.rig.coils.each; !each.empty()) {
       coils.clear();
@@ -62,7 +68,6 @@ void DeploymentRun::step(common::MetricsLog& /*metrics*/) {
     }
     recorder_.emplace(folder_ + kTrajectories, job_.rigs.front() != RigKind::kReal, rows_, coils,
                       config_.rig.drive_size());
-    if (rows_ == 0) common::write_file_atomically(folder_ + kJournal, "");
     journal_.open(folder_ + kJournal, std::ios::app);
     check(journal_, folder_ + kJournal);
   }

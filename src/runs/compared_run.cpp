@@ -12,6 +12,7 @@
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
 #include "lodestone/runs/rigs_result.h"
+#include "lodestone/runs/run_folder.h"
 
 namespace lodestone::runs {
 namespace {
@@ -39,6 +40,7 @@ std::string deployment_in(const std::string& folder) {
 
 std::vector<TrialRecord> trials_in(const std::string& folder) {
   std::vector<TrialRecord> trials;
+  const std::optional<RunState> state = find_run(folder);
   bool found = false;
   for (const char* kind : {"", "/explored", "/unseen"}) {
     std::optional<std::vector<TrialRecord>> part = find_trials(folder + kind);
@@ -46,7 +48,7 @@ std::vector<TrialRecord> trials_in(const std::string& folder) {
     found = true;
     std::move(part->begin(), part->end(), std::back_inserter(trials));
   }
-  if (!found && fs::exists(folder + "/trials.jsonl"))
+  if (state ? !state->finished : !found && fs::exists(folder + "/trials.jsonl"))
     throw common::DataError(folder +
                             ": its trials have not all been driven; the same command with --resume "
                             "goes on where it was");

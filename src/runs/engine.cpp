@@ -128,6 +128,8 @@ std::string log_file(const Plan& plan, const PlanPlace& place, const std::string
   return cell_folder(plan, place, id) + ".log";
 }
 
+bool asked_to_stop(const std::string& folder) { return fs::exists(folder + kStopFile); }
+
 void ask_to_stop(const std::string& folder) { common::write_file_atomically(folder + kStopFile, ""); }
 
 void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const std::string& label,
@@ -150,17 +152,19 @@ void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const st
   Watch watch(plan, place, wanted, label);
   bool stopping = false;
   while (!engine.ended()) {
-    const bool stop = common::interrupted() || fs::exists(place.folder + kStopFile);
+    const bool stop = common::interrupted() || asked_to_stop(place.folder);
     if (stop && !std::exchange(stopping, true)) engine.stop();
     watch.look_sometimes();
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   watch.finish();
   // The engine may have ended by the same signal before anybody looked.
-  const bool asked = common::interrupted() || fs::exists(place.folder + kStopFile);
+  const bool asked = common::interrupted() || asked_to_stop(place.folder);
   stopping = stopping || (asked && !watch.left().empty());
-  common::remove_file(place.folder + kStopFile);
-  if (stopping) throw common::Interrupted(label + ": stopped; the same command goes on where it was");
+  if (stopping) {
+    common::remove_file(place.folder + kStopFile);
+    throw common::Interrupted(label + ": stopped; the same command goes on where it was");
+  }
   if (!watch.left().empty()) throw common::Error(label + ": " + failure(plan, place, watch));
 }
 

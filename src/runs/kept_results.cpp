@@ -1,5 +1,6 @@
 #include "lodestone/runs/kept_results.h"
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -26,6 +27,12 @@ bool finished_in(const std::string& folder) {
   return state && state->finished;
 }
 
+/// All that was written of it lies on the disk.
+void sync_tree(const std::string& folder) {
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) common::sync_path(entry.path().string());
+  common::sync_path(folder);
+}
+
 /// In one step, so that a kill leaves all of it or nothing. Another process may be doing the same.
 void copy_needed(const std::string& from, const std::string& to) {
   const std::string staged = to + ".part" + std::to_string(::getpid());
@@ -34,10 +41,23 @@ void copy_needed(const std::string& from, const std::string& to) {
   for (const char* name : kNeeded)
     if (fs::exists(from + "/" + name))
       fs::copy(from + "/" + name, staged + "/" + name, fs::copy_options::recursive);
+  sync_tree(staged);
   std::error_code error;
   fs::rename(staged, to, error);
   if (error) fs::remove_all(staged);
   if (error && !fs::exists(to)) throw common::IoError("cannot write " + to + ": " + error.message());
+  common::sync_path(fs::path(to).parent_path().string());
+}
+
+/// Results of another plan would be taken for outdated ones of this.
+void check_same_plan(const std::string& folder, const Plan& plan) {
+  if (!holds_plan(folder)) return;
+  const Plan kept = find_plan(folder);
+  if (kept.name == plan.name && kept.seed == plan.seed) return;
+  throw common::ConfigError(
+      fmt::format("{} keeps results of the plan \"{}\" with seed {}, and this is \"{}\" with seed {}: name "
+                  "that one, or another folder of results",
+                  folder, kept.name, kept.seed, plan.name, plan.seed));
 }
 
 /// Ids of cells that others need which are not finished.
@@ -72,6 +92,7 @@ std::unordered_set<std::string> KeptResults::finished(const Plan& plan, const Pl
 
 void KeptResults::keep(const Plan& plan, const PlanPlace& place) {
   if (!filed_) {
+    check_same_plan(folder_, plan);
     write_plan(plan, folder_);
     filed_ = finished(plan, place);
   }
@@ -80,6 +101,7 @@ void KeptResults::keep(const Plan& plan, const PlanPlace& place) {
     const CellRecord record = record_of(plan, place, cell);
     const std::string config = cell_folder(plan, place, cell.id) + "/config.json";
     if (!is_run_of(common::read_json_if_there(config), cell, record.preset)) continue;
+    fs::remove_all(weights_folder(cell.id));  // of what it was before
     common::make_folders(fs::path(record_file(cell.id)).parent_path().string());
     common::write_file_atomically(record_file(cell.id), common::artefact_to_json(record).dump() + "\n");
     filed_->insert(cell.id);
@@ -87,9 +109,9 @@ void KeptResults::keep(const Plan& plan, const PlanPlace& place) {
   const std::unordered_set<std::string> wanted = needed(plan, *filed_);
   for (const Cell& cell : plan.cells) {
     const std::string kept = weights_folder(cell.id), run = cell_folder(plan, place, cell.id);
-    const bool holds = filed_->count(cell.id) > 0;
+    if (filed_->count(cell.id) == 0) continue;
     const bool recording = fs::exists(kept + "/" + kRecording) || fs::exists(run + "/" + kRecording);
-    if (!holds || (wanted.count(cell.id) == 0 && !recording)) {
+    if (wanted.count(cell.id) == 0 && !recording) {
       fs::remove_all(kept);
     } else if (!fs::exists(kept) && finished_in(run)) {
       common::make_folders(fs::path(kept).parent_path().string());

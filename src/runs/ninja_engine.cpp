@@ -69,10 +69,10 @@ pid_t start_process(std::vector<std::string> command, const std::string& log) {
 std::string ninja_text(const Plan& plan, const PlanPlace& place, const std::vector<const Cell*>& cells) {
   std::set<std::string> ids;
   for (const Cell* cell : cells) ids.insert(cell->id);
-  std::string text =
-      "ninja_required_version = 1.5\nbuilddir = " + escaped(place.folder + "/stamps", true) +
-      "\npool wide\n  depth = 1\nrule cell\n  command = $run >> $log 2>&1 && $after touch $stamp\n"
-      "  description = $id\n\n";
+  std::string text = "ninja_required_version = 1.5\nbuilddir = " + escaped(place.folder + "/stamps", true) +
+                     "\npool wide\n  depth = 1\nrule cell\n  command = trap : TERM; $run >> $log 2>&1 && "
+                     "$after touch $stamp\n"
+                     "  description = $id\n\n";
   for (const Cell* cell : cells) {
     text += "build " + stamp(place, cell->id) + ": cell";
     std::string needs;

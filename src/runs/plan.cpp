@@ -79,11 +79,24 @@ const Cell* Plan::find(const std::string& id) const {
   return found == cells.end() ? nullptr : &*found;
 }
 
+/// An id is a folder below the plan's, and none of the engines' own.
+void check_id(const std::string& id, const std::string& subfolder) {
+  const auto fail = [&](const std::string& why) { throw ConfigError("cell \"" + id + "\": " + why); };
+  std::istringstream parts(id + "/");
+  for (std::string part; std::getline(parts, part, '/');)
+    if (part.empty() || part == "." || part.find("..") != std::string::npos)
+      fail("an id is the name of a folder below the plan's");
+  for (const char* own : {"stamps", "slurm"})
+    if (subfolder.empty() && id.substr(0, id.find('/')) == own)
+      fail(std::string(own) + " is a folder of the engine's; choose another id");
+}
+
 void Plan::validate() const {
   if (cells.empty()) throw ConfigError("a plan needs at least one cell");
   check_limits(memory_mb, minutes, "the plan");
   std::set<std::string> before;
   for (const Cell& cell : cells) {
+    check_id(cell.id, subfolder);
     const std::string what = "cell \"" + cell.id + "\"";
     if (kVerbs.count(cell.verb) == 0)
       throw ConfigError(
@@ -92,11 +105,14 @@ void Plan::validate() const {
     for (const std::string& need : cell.needs())
       if (before.count(need) == 0)
         throw ConfigError(what + " needs {" + need + "}, which is no cell before it in the plan");
-    if (cell.id.empty() || cell.id.front() == '/' || cell.id.find("..") != std::string::npos)
-      throw ConfigError(what + ": an id is the name of a folder below the plan's");
     check_limits(cell.memory_mb, cell.minutes, what);
     if (!before.insert(cell.id).second) throw ConfigError(what + " is in the plan twice");
   }
+  for (const Cell& cell : cells)
+    for (std::size_t end = cell.id.find('/'); end != std::string::npos; end = cell.id.find('/', end + 1))
+      if (before.count(cell.id.substr(0, end)) > 0)
+        throw ConfigError("cell \"" + cell.id + "\" would lie in the folder of cell \"" +
+                          cell.id.substr(0, end) + "\"");
 }
 
 Plan read_plan(const std::string& path) {
@@ -148,6 +164,8 @@ void write_plan(const Plan& plan, const std::string& folder) {
   common::make_folders(folder);
   common::write_artefact(folder + kPlanFile, plan);
 }
+
+bool holds_plan(const std::string& folder) { return fs::exists(folder + kPlanFile); }
 
 Plan find_plan(const std::string& folder) {
   auto plan = common::find_artefact<Plan>(folder + kPlanFile);

@@ -5,9 +5,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include "lodestone/common/artefact.h"
@@ -29,11 +31,22 @@ constexpr const char* kManifestFile = "/manifest.json";
 constexpr const char* kInputs = "inputs";  // in the manifest
 constexpr std::size_t kMostNamed = 8;      // differing keys in a message
 
-/// A lock on a folder: it is free as soon as the process that held it has gone, however it went.
+constexpr int kTries = 20;  // to lock a folder at which somebody may just be looking
+constexpr std::chrono::milliseconds kBetweenTries{10};
+
+int open_folder(const std::string& folder) {
+  return ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+}
+
+/// A lock on a folder: it is free as soon as the process that held it has gone, however it went. -1 where
+/// another has it.
 int open_locked(const std::string& folder) {
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int descriptor = open_folder(folder);
   if (descriptor < 0) throw common::IoError("cannot open the folder " + folder);
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
+  for (int tried = 0; tried < kTries; ++tried) {
+    if (tried > 0) std::this_thread::sleep_for(kBetweenTries);
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
+  }
   ::close(descriptor);
   return -1;
 }
@@ -223,9 +236,12 @@ std::optional<RunState> find_run(const std::string& folder) {
 }
 
 bool is_running(const std::string& folder) {
-  const int descriptor = open_locked(folder);
-  if (descriptor >= 0) ::close(descriptor);
-  return descriptor < 0;
+  const int descriptor = open_folder(folder);
+  if (descriptor < 0) return false;  // gone since
+  // With others who look, and against whom works there.
+  const bool free = ::flock(descriptor, LOCK_SH | LOCK_NB) == 0;
+  ::close(descriptor);
+  return !free;
 }
 
 }  // namespace lodestone::runs

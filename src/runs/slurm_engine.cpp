@@ -123,6 +123,8 @@ void SlurmEngine::start(const Plan& plan, const PlanPlace& place, const std::vec
   name_ = name_in(folder_);
   const auto queued = find_queued(name_, /*each_task=*/true);
   if (!queued) throw common::Error("Slurm does not say what is running: squeue fails");
+  queued_before_ = !queued->empty();
+  replaced_.clear();
   const std::map<std::string, QueuedTask> running = cells_of(*queued, folder_);
   const std::vector<const Cell*> missing = to_submit(cells, running);
   common::write_file_atomically(folder_ + "/task.sh", slurm_script(plan));
@@ -166,7 +168,7 @@ void SlurmEngine::prepare_last(const PlanPlace& place, const std::vector<QueuedT
     } else if (waiting_.empty()) {
       return;
     } else {
-      cancel({task.job});
+      replaced_.push_back(task.job);
     }
   }
   std::vector<std::string> command = place.last_command;
@@ -211,11 +213,13 @@ void SlurmEngine::submit() {
     const std::string job = said.output.substr(0, said.output.find_first_not_of("0123456789"));
     if (said.exit_code != 0 || job.empty()) {
       refusal_ = said.output.substr(0, said.output.find('\n'));
-      if (jobs_.empty()) throw common::Error("Slurm does not take the first job: " + refusal_);
+      if (jobs_.empty() && !queued_before_)
+        throw common::Error("Slurm does not take the first job: " + refusal_);
       return;
     }
     common::write_file_atomically(folder_ + "/" + next.key + ".job", job + "\n");
     jobs_[next.key] = job;
+    if (next.key == kLast) cancel(std::exchange(replaced_, {}));
     waiting_.pop_front();
   }
 }

@@ -106,6 +106,18 @@ TEST_CASE("a killed deployment keeps the trials that have ended, and ends as an 
     }
     CHECK(deploy(path, fake_driver()) == whole);
   }
+  SECTION("also where nothing but the trial itself was written") {
+    const std::string path = folder / "first";
+    CHECK_THROWS_WITH(deploy(path, fake_driver(1)), "killed");
+    auto state = *runs::find_run(path);
+    state.checkpoint.reset();
+    state.done = 0;
+    common::write_artefact(path + "/run.json", state);
+    std::filesystem::remove(path + "/summary.json");
+    CHECK(deploy(path, fake_driver()) == whole);
+    CHECK_THAT(common::read_file(path + "/trials.jsonl"),
+               Catch::StartsWith(common::read_file(folder / "whole/trials.jsonl").substr(0, 200)));
+  }
   const auto summary = common::read_artefact<runs::DeploymentSummary>(folder / "whole/summary.json");
   CHECK(summary.controller == "planner");
   CHECK(summary.tasks.by_task.at("centre").n_trials == 3);

@@ -60,14 +60,35 @@ TEST_CASE("a recording is kept also when nothing needs it any more") {
   CHECK(data::read_dataset(folder / "kept/weights/a/transitions.h5").episodes.size() == 2);
   CHECK_FALSE(std::filesystem::exists(folder / "kept/weights/b"));
 
-  // Also by who has not run it, and no longer than it is this plan's.
+  // Also by who has not run it, and when its cell is no longer this one, until it has been run anew.
   const runs::PlanPlace there{folder / "there", "lodestone", "configs", "", 1, folder / "kept"};
   runs::KeptResults(there.results).keep(made, there);
   CHECK(std::filesystem::exists(folder / "kept/weights/a"));
   Plan other = made;
   other.cells[0].seed = 7;
   runs::KeptResults(there.results).keep(other, there);
-  CHECK_FALSE(std::filesystem::exists(folder / "kept/weights/a"));
+  CHECK(runs::KeptResults(there.results).finished(other, there).empty());
+  CHECK(data::read_dataset(folder / "kept/weights/a/transitions.h5").episodes.size() == 2);
+  finish(other, there, "a");
+  data::write_dataset(folder / "there/a/transitions.h5", tests::random_dataset(3, 3));
+  runs::KeptResults(there.results).keep(other, there);
+  CHECK(data::read_dataset(folder / "kept/weights/a/transitions.h5").episodes.size() == 3);
+}
+
+TEST_CASE("results of another plan are left as they are") {
+  const tests::TemporaryFolder folder;
+  const Plan made = plan({cell("a"), cell("b", {"dynamics={a}/checkpoint"})});
+  const runs::PlanPlace place{folder / "out", "lodestone", "configs", "", 1, folder / "kept"};
+  finish(made, place, "a");
+  runs::KeptResults(place.results).keep(made, place);
+  const std::string before = common::read_file(folder / "kept/plan.json");
+  Plan other = made;
+  SECTION("by name") { other.name = "quick"; }
+  SECTION("by seed") { other.seed = made.seed + 1; }
+  CHECK_THROWS_WITH(runs::KeptResults(place.results).keep(other, place),
+                    Catch::Contains("keeps results of the plan") && Catch::Contains("another folder"));
+  CHECK(common::read_file(folder / "kept/plan.json") == before);
+  CHECK(std::filesystem::exists(folder / "kept/weights/a"));
 }
 
 TEST_CASE("a record holds no more once the cell, its preset or what it needs is another") {
@@ -109,7 +130,7 @@ TEST_CASE("what was run with other settings is neither kept nor restored as what
   runs::KeptResults later(place.results);
   later.keep(made, place);
   CHECK(later.finished(made, place).empty());
-  CHECK_FALSE(std::filesystem::exists(folder / "kept/weights/a"));
+  CHECK(std::filesystem::exists(folder / "kept/weights/a"));  // of what it was, until it is run anew
   common::write_file_atomically(folder / "out/a/config.json", "{\"epochs\": 4, \"rate\": 0.5}");
   runs::KeptResults(place.results).keep(made, place);
   CHECK(later.finished(made, place).count("a") == 1);

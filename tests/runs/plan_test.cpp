@@ -38,6 +38,23 @@ TEST_CASE("a plan read from a file has defaults, and says what is wrong with it"
   CHECK_THROWS_AS(plan({cell("../a")}).validate(), common::ConfigError);
 }
 
+TEST_CASE("an id is a folder of its own, and none of the engines'") {
+  const auto refused = [](const std::vector<std::string>& ids, const std::string& why) {
+    std::vector<runs::Cell> cells;
+    for (const std::string& id : ids) cells.push_back(tests::cell(id));
+    CHECK_THROWS_WITH(tests::plan(cells).validate(), Catch::Contains(why));
+  };
+  for (const char* id : {"", "/a", "a//b", ".", "a/./b", "..", "a/..", "a/"})
+    refused({id}, "an id is the name of a folder");
+  refused({"stamps"}, "stamps is a folder of the engine's");
+  refused({"slurm/a"}, "slurm is a folder of the engine's");
+  refused({"a/b", "a"}, "would lie in the folder of cell \"a\"");
+  CHECK_NOTHROW(tests::plan({tests::cell("a/b"), tests::cell("ab"), tests::cell("a/stamps")}).validate());
+  runs::Plan apart = tests::plan({tests::cell("stamps")});
+  apart.subfolder = "cells";
+  CHECK_NOTHROW(apart.validate());
+}
+
 TEST_CASE("a cell's command names its folder, its seed and the folders it needs") {
   Plan made = plan({cell("a"), cell("b", {"data={a}/x.h5"})});
   made.subfolder = "cells";

@@ -45,5 +45,7 @@ void run_plan_in_folder(
 /// Asks the process that runs a plan in this folder to stop, as Ctrl-C there would; on any machine that
 /// shares the folder. Throws IoError.
 void ask_to_stop(const std::string& folder);
+/// Whether somebody has, since the plan's last start, and it had ended already.
+bool asked_to_stop(const std::string& folder);
 
 }  // namespace lodestone::runs

@@ -17,7 +17,8 @@ namespace lodestone::runs {
 ///   plan.json           the plan
 ///   records/ID.json     CellRecord of every finished cell
 ///   weights/ID/         checkpoints that unfinished cells need, and no others; recordings for good, as all
-///                       that was learned rests on them and a later version may not record the same again
+///                       that was learned rests on them and a later version may not record the same again.
+///                       What no longer holds stays until its cell has been run anew
 ///
 /// A cell with a record here is not run again, wherever it was run, unless its preset, settings or seed or
 /// those of a cell it needs have changed since.
@@ -29,7 +30,8 @@ class KeptResults {
   /// Ids of the plan's cells whose records are here and still hold. Throws DataError where one is damaged.
   std::unordered_set<std::string> finished(const Plan& plan, const PlanPlace& place) const;
   /// Files what is finished in the plan's own folder, and drops checkpoints that nothing needs any more. A
-  /// second call, with the same plan, only looks at what was not finished at the first. Throws IoError.
+  /// second call, with the same plan, only looks at what was not finished at the first. Throws IoError, and
+  /// ConfigError where the folder keeps another plan's, by name or seed.
   void keep(const Plan& plan, const PlanPlace& place);
   /// Puts kept weights where unfinished cells look for them. Throws IoError.
   void restore(const Plan& plan, const PlanPlace& place) const;

@@ -103,5 +103,7 @@ std::vector<StatusRow> status_of(const std::string& folder);
 void write_plan(const Plan& plan, const std::string& folder);
 /// Throws ConfigError where none is run there.
 Plan find_plan(const std::string& folder);
+/// Whether there is one.
+bool holds_plan(const std::string& folder);
 
 }  // namespace lodestone::runs

@@ -43,6 +43,8 @@ class SlurmEngine final : public Engine {
   std::string name_;    ///< of all jobs
   std::deque<Submission> waiting_;
   std::map<std::string, std::string> jobs_;  ///< of this process, by key
+  bool queued_before_ = false;               ///< an earlier process's tasks, when this one began
+  std::vector<std::string> replaced_;        ///< last jobs of earlier processes, until there is another
   std::string refusal_;                      ///< what Slurm said when it did not take the first that waits
   std::chrono::steady_clock::time_point looked_{};
 };
