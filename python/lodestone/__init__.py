@@ -24,6 +24,19 @@ if TYPE_CHECKING:
 
 __version__: str = _lodestone.version()
 
+
+def _check_numpy() -> None:
+    """Arrays of NumPy 2 are read by what was built with pybind11 2.12 or newer alone."""
+    import numpy
+
+    if int(numpy.__version__.partition(".")[0]) >= 2 and _lodestone.pybind11_version() < (2, 12):
+        built = ".".join(map(str, _lodestone.pybind11_version()))
+        raise ImportError(f"lodestone was built with pybind11 {built}, which cannot read arrays of NumPy {numpy.__version__}: "
+                          "pip install 'numpy<2', or build it with pybind11 2.12 or newer")
+
+
+_check_numpy()
+
 # Name: where it lies, and what must be there besides.
 _ON_DEMAND = {"MbsEnv": ("mbs_env", "gymnasium"), "RigEnv": ("rig_env", "gymnasium"), "MbsVectorEnv": ("vector", "gymnasium"),
               "make_vec": ("vector", "gymnasium"), "Sb3VecEnv": ("sb3", "stable_baselines3"),
@@ -40,7 +53,10 @@ def __getattr__(name: str) -> Any:
     module, needed = _ON_DEMAND[name]
     try:
         return getattr(importlib.import_module(f".{module}", __name__), name)
-    except ModuleNotFoundError as error:
+    except ImportError as error:
+        if not isinstance(error, ModuleNotFoundError):
+            raise ImportError(f"lodestone.{name} needs a newer {_PROJECTS[needed]} (Gymnasium 1.1, Stable-Baselines3 2.6): "
+                              f"pip install --upgrade {needed.replace('_', '-')}") from error
         missing = (error.name or needed).partition(".")[0]
         raise ImportError(f"lodestone.{name} needs {_PROJECTS.get(missing, missing)}, which is not installed: "
                           f"pip install {missing.replace('_', '-')}") from error

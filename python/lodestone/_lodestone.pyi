@@ -5,7 +5,9 @@ from typing import Any, Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+def pybind11_version() -> tuple[int, int]: ...
 def version() -> str: ...
+def plain_json(text: str, source: str) -> str: ...
 
 class Dynamics:
     @staticmethod

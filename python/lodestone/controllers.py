@@ -143,12 +143,25 @@ def to_json(config: Mapping[str, Any], name: str) -> str:
         raise ConfigError(f"{name}: {error}") from None
 
 
+def _check_replaceable(folder: str) -> None:
+    """Nothing but a policy may be replaced by one."""
+    if not os.path.isdir(folder) or not os.listdir(folder):
+        return
+    try:
+        with open(os.path.join(folder, "manifest.json"), encoding="utf-8") as file:
+            kind = json.load(file)["kind"]
+    except (OSError, ValueError, KeyError, TypeError):
+        kind = None
+    if kind != "policy":
+        raise ConfigError(f"save_policy: {folder} is not empty and holds no policy: name a new folder")
+
+
 def save_policy(folder: str | os.PathLike[str], layers: Sequence[tuple[ArrayLike, ArrayLike]], *,
                 contract: Mapping[str, Any]) -> None:
     """Writes a policy that was trained elsewhere, so that Policy.load() reads and `lodestone deploy` drives it.
 
     The network is linear layers with ReLU between them and tanh at the end. The folder appears whole, with
-    example inputs and outputs; what lay there is replaced.
+    example inputs and outputs; a policy that lay there is replaced.
 
     Args:
         folder: to write
@@ -157,7 +170,7 @@ def save_policy(folder: str | os.PathLike[str], layers: Sequence[tuple[ArrayLike
 
     Raises:
         CheckpointError: layers that do not fit together or the encoder
-        ConfigError: a contract that cannot be used
+        ConfigError: a contract that cannot be used, or a folder that holds something else than a policy
         IoError: the folder cannot be written
         TypeError, ValueError: no real numbers, or one that is not finite
     """
@@ -168,4 +181,5 @@ def save_policy(folder: str | os.PathLike[str], layers: Sequence[tuple[ArrayLike
     for i, pair in enumerate(pairs):
         if len(pair) != 2:
             raise ValueError(f"layers[{i}] holds {len(pair)} arrays, must be weight and bias")
+    _check_replaceable(os.fspath(folder))
     _lodestone.save_policy(os.fspath(folder), pairs, to_json(dict(contract), "save_policy: contract"))

@@ -40,7 +40,7 @@ class MbsEnv(SingleEnv[_lodestone.Environments]):
             ConfigError: an unknown key, a value out of bounds, or ones that do not fit the simulator
         """
         if render_mode is not None:
-            raise ValueError(f"render_mode is {render_mode!r}: the learned simulator draws nothing; use lodestone/Rig-v0")
+            raise TypeError(f"render_mode is {render_mode!r}: the learned simulator draws nothing; use lodestone/Rig-v0")
         super().__init__(_lodestone.Environments(
             as_dynamics(dynamics)._core, environment_config(task, **groups), 1, 0, checked_seed(stream), 1))
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from gymnasium.vector import VectorEnv
+from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
@@ -23,7 +23,13 @@ class Sb3VecEnv(VecEnv):
         """
         Args:
             environment: of make_vec()
+
+        Raises:
+            ValueError: one that begins the next episode in a step of its own
         """
+        if environment.metadata.get("autoreset_mode") != AutoresetMode.SAME_STEP:
+            raise ValueError(f"the environment resets by {environment.metadata.get('autoreset_mode')}, must by "
+                             "AutoresetMode.SAME_STEP: take one of lodestone.make_vec()")
         self.environment = environment
         super().__init__(environment.num_envs, environment.single_observation_space, environment.single_action_space)
         self._actions: NDArray[np.float32] | None = None
@@ -82,6 +88,8 @@ def actor_layers(actor: Any) -> Sequence[tuple[NDArray[np.float32], NDArray[np.f
     """
     import torch  # Stable-Baselines3's own
 
+    if not isinstance(actor.mu, torch.nn.Sequential):
+        raise ValueError(f"the actor ends in {type(actor.mu).__name__}, must be one of TD3 or DDPG, whose mu is all of its layers")
     layers = list(actor.mu)
     linear, between = layers[0:-1:2], layers[1:-1:2]
     fits = (all(isinstance(layer, torch.nn.Linear) for layer in linear)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import os
 import pathlib
-import re
 from collections.abc import Mapping
 from typing import Any
 
+from . import _lodestone
 from .controllers import to_json
-from .errors import ConfigError, IoError, NotFoundError
+from .errors import ConfigError, DataError, IoError, NotFoundError
 
 __all__ = ["Task", "TASKS"]
 
@@ -19,11 +19,12 @@ Task = str | os.PathLike[str] | Mapping[str, Any]
 TASKS = ("centre", "point", "pose")
 """Tasks that have a preset."""
 
-MBS_GROUPS = ("rules", "encoder", "action", "mbs", "region")
-RIG_GROUPS = (*MBS_GROUPS, "rig", "sensor", "safety", "loop")
+RULES = ("rules", "encoder", "action")
+MBS_GROUPS = (*RULES, "mbs", "region")
+RIG_GROUPS = (*RULES, "rig", "sensor", "safety", "loop")
 # Keys of train-policy that say how a policy is learned, not what it plays.
 _OF_THE_LEARNER = {"seed", "threads", "method", "dynamics", "simulator", "recorded", "rig", "physics", "replay", "td3",
-                   "noise", "model_gradient", "training"}
+                   "noise", "model_gradient", "value_iteration", "training"}
 
 
 def read_json(path: pathlib.Path) -> dict[str, Any]:
@@ -37,9 +38,9 @@ def read_json(path: pathlib.Path) -> dict[str, Any]:
     except UnicodeDecodeError:
         raise ConfigError(f"{path} is no JSON: it is no text in UTF-8") from None
     try:
-        whole = json.loads(re.sub(r"^\s*//.*$", "", text, flags=re.MULTILINE))
-    except ValueError as error:
-        raise ConfigError(f"{path}: {error}") from None
+        whole = json.loads(_lodestone.plain_json(text, str(path)))
+    except DataError as error:
+        raise ConfigError(str(error)) from None
     if not isinstance(whole, dict):
         raise ConfigError(f"{path} is no JSON object")
     return whole

@@ -62,7 +62,7 @@ class MbsVectorEnv(VectorEnv):
                  **groups: Mapping[str, Any] | None) -> None:
         """See make_vec()."""
         if render_mode is not None:
-            raise ValueError(f"render_mode is {render_mode!r}: the learned simulator draws nothing; use lodestone/Rig-v0")
+            raise TypeError(f"render_mode is {render_mode!r}: the learned simulator draws nothing; use lodestone/Rig-v0")
         self.num_envs = checked_whole("num_envs", num_envs, 1, 1 << 20)
         self._given = None if seed is None else checked_seed(seed)
         self._copy = copy

@@ -57,9 +57,9 @@ class Environments {
   /// New episodes everywhere, with a seed from its beginning: the observations.
   py::array reset(std::optional<std::uint64_t> seed) {
     check_process();
+    const std::unique_lock<std::mutex> lock = alone();
     {
       const py::gil_scoped_release released;
-      const std::lock_guard<std::mutex> lock(mutex_);
       const common::DenormalsFlushed flushed;
       if (seed)
         begin(*seed);
@@ -70,7 +70,10 @@ class Environments {
   }
 
   /// The observations as they are: where an episode has ended, already those of the next one.
-  py::array observation() const { return view(*observation_, observation_size()); }
+  py::array observation() {
+    const std::unique_lock<std::mutex> lock = alone();
+    return view(*observation_, observation_size());
+  }
 
   /// (observation, reward, terminated, truncated, success, final observation, ended), and whether any has.
   py::tuple step(const py::handle& actions) {
@@ -82,9 +85,9 @@ class Environments {
                             "]: one for each environment");
     const env::StepResult* result = nullptr;
     bool any = false;
+    const std::unique_lock<std::mutex> lock = alone();
     {
       const py::gil_scoped_release released;
-      const std::lock_guard<std::mutex> lock(mutex_);
       const common::DenormalsFlushed flushed;
       result = &environments_->step(rows.numbers);
       for (std::size_t i = 0; i < ended_->size(); ++i) {
@@ -97,6 +100,13 @@ class Environments {
   }
 
  private:
+  /// Until the caller's views are made: another thread may begin a new seed, and these are of the old one's
+  /// buffers. Waited for without the interpreter's lock, which who has this one needs.
+  std::unique_lock<std::mutex> alone() {
+    const py::gil_scoped_release released;
+    return std::unique_lock<std::mutex>(mutex_);
+  }
+
   void begin(std::uint64_t seed) {
     const common::DenormalsFlushed flushed;
     settings_.seed = seed;

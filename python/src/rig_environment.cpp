@@ -38,6 +38,9 @@ RigEnvironmentConfig read_config(const std::string& text) {
   auto config =
       common::config_from_json<RigEnvironmentConfig>(common::parse_json(text, "environment"), "environment");
   config.rig.validate();
+  if (config.task.within == task::Within::kReachable)
+    throw common::InvalidConfig("task.within", common::name_of(config.task.within),
+                                "be disc: where a recording moved the needle, no rig can tell");
   env::adopt_rig(config.rig, config.task, config.encoder, config.action);
   return config;
 }
@@ -112,6 +115,7 @@ class RigEnvironment {
 
   /// The newest image, [rows, columns, 3] RGB.
   py::array image() {
+    check_process();
     if (rig_->camera() == nullptr)
       throw common::ConfigError(
           "sensor.kind = \"simulated\": there is no camera to see through; use \"camera\"");
@@ -145,9 +149,9 @@ class RigEnvironment {
     episodes_.emplace(settings, env::SensorNoise{}, "rig");
   }
 
+  /// What cannot be made leaves what there was: a real rig is opened once, a virtual one takes no device.
   void connect(std::uint64_t seed) {
-    loop_.reset();
-    rig_.reset();
+    std::unique_ptr<session::RigSession> rig;
     if (config_.rig.real()) {
       session::AskedOperator::Ask ask;
       if (ask_)
@@ -155,16 +159,18 @@ class RigEnvironment {
           const py::gil_scoped_acquire acquired;
           ask_(pose.x_m, pose.y_m, pose.heading_rad);
         };
-      rig_ = session::make_bench_session(config_.rig, config_.sensor, config_.safety, std::move(ask));
+      rig = session::make_bench_session(config_.rig, config_.sensor, config_.safety, std::move(ask));
     } else {
       session::VirtualSeeds seeds;
       seeds.rig = rig_seed_;
       seeds.scene = sensor_seed_;
       seeds.sensor_noise = common::RandomStream(seed, "rig/sensor noise");
       seeds.scatter = common::RandomStream(seed, "rig/scatter");
-      rig_ = session::make_virtual_session(config_.rig, config_.sensor, config_.safety, seeds);
+      rig = session::make_virtual_session(config_.rig, config_.sensor, config_.safety, seeds);
     }
-    loop_ = std::make_unique<SteppedLoop>(*rig_, config_.loop, config_.action, config_.rig);
+    auto loop = std::make_unique<SteppedLoop>(*rig, config_.loop, config_.action, config_.rig);
+    loop_ = std::move(loop);  // before the rig that the old one drives goes
+    rig_ = std::move(rig);
   }
 
   /// Has the needle placed somewhere in the disc of starts: where the sensor then sees it.

@@ -1,4 +1,7 @@
 """Gymnasium's own checker passes, with no other warnings than those below."""
+import pathlib
+import shutil
+import tempfile
 import unittest
 import warnings
 
@@ -84,6 +87,25 @@ class Environment(unittest.TestCase):
         self.assertGreaterEqual(reached, 4)
         with self.assertRaisesRegex(lodestone.ConfigError, "there is no camera"):
             lodestone.RigEnv("centre", sensor={"kind": "simulated"}, render_mode="rgb_array").render()
+
+    def test_a_rig_refuses_what_only_a_recording_can_tell(self):
+        with self.assertRaisesRegex(lodestone.ConfigError, "task.within = \"reachable\" must be disc"):
+            lodestone.RigEnv("centre", sensor={"kind": "simulated"}, rules={"within": "reachable"})
+        with self.assertRaisesRegex(TypeError, "unexpected argument 'mbs'"):
+            lodestone.RigEnv("centre", sensor={"kind": "simulated"}, mbs={"pose_noise_m": 0.0})
+
+    def test_a_reset_that_fails_leaves_the_rig_as_it_was(self):
+        with tempfile.TemporaryDirectory() as place:
+            segmenter = pathlib.Path(place) / "segmenter"
+            shutil.copytree(support.models / "segmenter", segmenter)
+            rig = lodestone.RigEnv("centre", sensor={"segmenter": str(segmenter)}, render_mode="rgb_array")
+            first, _ = rig.reset(seed=1)
+            shutil.rmtree(segmenter)
+            with self.assertRaises(lodestone.CheckpointError):
+                rig.reset(seed=2)
+            self.assertEqual(rig.render().ndim, 3)
+            rig.reset()
+            self.assertEqual(rig.step([0.5, 0.0])[0].shape, first.shape)
 
     def test_the_camera_shows_the_rig(self):
         rig = lodestone.RigEnv("centre", render_mode="rgb_array")

@@ -74,6 +74,19 @@ class Package(unittest.TestCase):
         (w1, b1), (w2, b2) = layers
         np.testing.assert_allclose(policy.act(seen), np.tanh(np.maximum(seen @ w1.T + b1, 0.0) @ w2.T + b2), atol=1e-5)
 
+    def test_a_policy_replaces_a_policy_and_nothing_else(self):
+        shipped = lodestone.Policy.load(support.models / "centre")
+        contract = {"encoder": shipped.encoder, "action": shipped.action, "goal": shipped.goal, "rig": shipped.rig}
+        layers = [(np.zeros((2, 8)), [0.1, -0.2])]
+        with tempfile.TemporaryDirectory() as place:
+            folder = pathlib.Path(place)
+            for _ in range(2):
+                lodestone.save_policy(folder / "policy", layers, contract=contract)
+            (folder / "thesis.txt").write_text("words")
+            with self.assertRaisesRegex(lodestone.ConfigError, "holds no policy: name a new folder"):
+                lodestone.save_policy(folder, layers, contract=contract)
+            self.assertEqual(sorted(entry.name for entry in folder.iterdir()), ["policy", "thesis.txt"])
+
     def test_a_policy_drives_the_coils_that_its_rig_lists(self):
         shipped = lodestone.Policy.load(support.models / "centre")
         np.testing.assert_allclose(shipped.drives([0.5, -0.2]), [0.5 * shipped.action["scale"], 0, 0, 0.2 * shipped.action["scale"]])

@@ -7,10 +7,12 @@ import sys
 import tempfile
 import unittest
 
+import gymnasium
 import numpy as np
 import torch
-from stable_baselines3 import TD3
+from stable_baselines3 import SAC, TD3
 from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.env_util import make_vec_env
 from stable_baselines3.common.noise import NormalActionNoise
 from stable_baselines3.common.vec_env import VecMonitor
 
@@ -130,6 +132,16 @@ class StableBaselines(unittest.TestCase):
         model = TD3("MlpPolicy", environments, policy_kwargs={"activation_fn": torch.nn.Tanh, "net_arch": [8]})
         with self.assertRaisesRegex(ValueError, "ReLU between them"):
             lodestone.actor_layers(model.policy.actor)
+        other = SAC("MlpPolicy", environments, policy_kwargs={"net_arch": [8]})
+        with self.assertRaisesRegex(ValueError, "one of TD3 or DDPG"):
+            lodestone.actor_layers(other.policy.actor)
+
+    def test_environments_of_gymnasium_s_own_are_refused_and_those_of_sb3_work(self):
+        more = {"dynamics": str(support.models / "dynamics_best"), "task": "centre"}
+        synchronous = gymnasium.make_vec("lodestone/Mbs-v0", 2, vectorization_mode="sync", **more)
+        with self.assertRaisesRegex(ValueError, "SAME_STEP"):
+            lodestone.Sb3VecEnv(synchronous)
+        self.assertEqual(make_vec_env("lodestone/Mbs-v0", n_envs=2, env_kwargs=more).reset().shape[0], 2)
 
 
 support.main()
