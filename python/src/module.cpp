@@ -11,7 +11,7 @@ PYBIND11_MODULE(_lodestone, module) {
   module.def(
       "plain_json",
       [](const std::string& text, const std::string& source) {
-        return lodestone::common::parse_json(text, source).dump();
+        return lodestone::common::parse_json(text, source, lodestone::common::JsonComments::kAllowed).dump();
       },
       pybind11::arg("text"), pybind11::arg("source"), "Without its comments.");
   lodestone::python::bind_errors();
