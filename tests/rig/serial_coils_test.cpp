@@ -96,3 +96,29 @@ TEST_CASE("coils without an output each, and outputs named twice, are refused in
   CHECK_THROWS_AS(rig::SerialCoils(config, tests::ring_of(6), open), common::ConfigError);
   CHECK(bench->opened == 0);
 }
+
+TEST_CASE("resistances that the firmware would refuse without a word are named") {
+  auto bench = std::make_shared<FirmwareBench>();
+  const auto open = [bench] { return std::make_unique<FirmwarePort>(bench); };
+  physics::CoilsDescription coils;
+  const auto refused = [&](const std::string& key) {
+    CHECK_THROWS_WITH(rig::SerialCoils(rig::SerialConfig(), coils, open), Catch::Contains(key));
+    CHECK(bench->opened == 0);
+  };
+  SECTION("too small") {
+    coils.resistance_20C_ohm = {1.9, 0.08, 1.9, 1.9};
+    refused("rig.coils.resistance_20C_ohm of coil -x = 0.08 must be within 0.1 .. 30");
+  }
+  SECTION("too large") {
+    coils.resistance_20C_ohm = {1.9, 1.9, 40.0, 1.9};
+    refused("rig.coils.resistance_20C_ohm of coil +y = 40");
+  }
+  SECTION("that tells no temperature") {
+    coils.temperature_coefficient_per_K = 0.0;
+    refused("rig.coils.temperature_coefficient_per_K = 0 must be above 0");
+  }
+  SECTION("that rises too much") {
+    coils.temperature_coefficient_per_K = 0.02;
+    refused("at most twice its resistance");
+  }
+}

@@ -1,7 +1,9 @@
 #include "lodestone/runs/ninja_engine.h"
 
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <filesystem>
+#include <thread>
 
 #include "lodestone/common/error.h"
 #include "lodestone/common/files.h"
@@ -55,4 +57,24 @@ TEST_CASE(
   CHECK(started.find("/a\n") < started.find("/b\n"));
   CHECK(started.find("/b\n") == started.rfind("/b\n"));
   CHECK_THROWS_WITH(runs::run_plan(made, place, engine, "plan", "nowhere"), Catch::Contains("nowhere"));
+}
+
+TEST_CASE("a plan that is stopped waits for cells that save what they have") {
+  const tests::TemporaryFolder folder;
+  common::write_file_atomically(folder / "saving", R"(#!/bin/sh
+trap 'sleep 0.5; touch "$(dirname "$0")/saved"; exit 130' TERM
+touch "$(dirname "$0")/started"
+while :; do sleep 0.02; done
+)");
+  std::filesystem::permissions(folder / "saving", std::filesystem::perms::owner_all);
+  const runs::PlanPlace place{folder / "out", folder / "saving", "configs"};
+  const Plan made = plan({cell("a")});
+  std::filesystem::create_directories(place.folder);
+  runs::NinjaEngine engine;
+  engine.start(made, place, {&made.cells[0]});
+  const auto wait = [] { std::this_thread::sleep_for(std::chrono::milliseconds(5)); };
+  while (!std::filesystem::exists(folder / "started")) wait();
+  engine.stop();
+  while (!engine.ended()) wait();
+  CHECK(std::filesystem::exists(folder / "saved"));
 }
