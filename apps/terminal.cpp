@@ -43,9 +43,11 @@ session::AskedOperator::Ask terminal_operator(const physics::RigDescription& rig
     std::printf("take your hands away and press any key. ");
     std::fflush(stdout);
     char key = 0;
-    while (read(STDIN_FILENO, &key, 1) != 1) {
+    for (ssize_t got = 0; got != 1;) {
+      got = read(STDIN_FILENO, &key, 1);
       if (common::interrupted()) throw common::Interrupted("stopped while the needle was to be placed");
-      if (errno != EINTR) throw common::HardwareError("nobody answers at the terminal");
+      if (got == 0 || (got < 0 && errno != EINTR))
+        throw common::HardwareError("nobody answers at the terminal");
     }
     tcflush(STDIN_FILENO, TCIFLUSH);
     std::printf("\n");

@@ -11,7 +11,7 @@ extern "C" {
 using namespace lodestone::wire;
 #endif
 
-enum { kFirmwareMajor = 1, kFirmwareMinor = 2, kFirmwarePatch = 0 };
+enum { kFirmwareMajor = 1, kFirmwareMinor = 2, kFirmwarePatch = 1 };
 
 /* What no configuration may exceed. */
 enum { kHardMaxCurrent_mA = 20000, kHardMaxPulse_ms = 10000 };

@@ -1,7 +1,7 @@
 #include "limits.h"
 
 enum {
-  kSettle_us = 55000, /* from a change of duty until current and duty tell the resistance, to 1.2 % where L/R is 9 ms, */
+  kSettle_us = 55000, /* from a change of duty until current and duty tell the resistance, */
   kMoreOfFull_us = 20000, /* and so much longer for the whole duty, whose ramp takes 50 ms: 75 ms, within any usual pulse */
   kStray_us = 200000,    /* from switching a coil off until its current must be measured gone, */
   kDecay_us = 100000,    /* and until it is gone in a coil that obeys */

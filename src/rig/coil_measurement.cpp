@@ -101,8 +101,8 @@ CoilMeasurement measure_coil(SerialCoils& coils, Coils& guarded, int coil, doubl
     const CoilControllerState state = coils.state();
     if (!state.faults.empty())
       throw common::HardwareError(
-          fmt::format("measuring stopped: {} (or its resistance is far from the {:g} ohm that are described: "
-                      "rig.coils.resistance_20C_ohm)",
+          fmt::format("measuring stopped: {} (a coil counts as too hot, too, where it has far more than the "
+                      "{:g} ohm that are described: rig.coils.resistance_20C_ohm)",
                       state.faults.front(), described_ohm));
     const double resistance_ohm = state.resistance_ohm[index];
     if (resistance_ohm < (1.0 + kAtBound) * kLeastOfDescribed * described_ohm ||

@@ -61,6 +61,18 @@ void check_limits(const std::optional<std::int64_t>& memory_mb, const std::optio
                       std::to_string(kLeastMinutes));
 }
 
+/// An id is a folder below the plan's, and none of the engines' own.
+void check_id(const std::string& id, const std::string& subfolder) {
+  const auto fail = [&](const std::string& why) { throw ConfigError("cell \"" + id + "\": " + why); };
+  std::istringstream parts(id + "/");
+  for (std::string part; std::getline(parts, part, '/');)
+    if (part.empty() || part == "." || part.find("..") != std::string::npos)
+      fail("an id is the name of a folder below the plan's");
+  for (const char* own : {"stamps", "slurm"})
+    if (subfolder.empty() && id.substr(0, id.find('/')) == own)
+      fail(std::string(own) + " is a folder of the engine's; choose another id");
+}
+
 }  // namespace
 
 std::vector<std::string> Cell::needs() const {
@@ -77,18 +89,6 @@ const Cell* Plan::find(const std::string& id) const {
   const auto found =
       std::find_if(cells.begin(), cells.end(), [&](const Cell& cell) { return cell.id == id; });
   return found == cells.end() ? nullptr : &*found;
-}
-
-/// An id is a folder below the plan's, and none of the engines' own.
-void check_id(const std::string& id, const std::string& subfolder) {
-  const auto fail = [&](const std::string& why) { throw ConfigError("cell \"" + id + "\": " + why); };
-  std::istringstream parts(id + "/");
-  for (std::string part; std::getline(parts, part, '/');)
-    if (part.empty() || part == "." || part.find("..") != std::string::npos)
-      fail("an id is the name of a folder below the plan's");
-  for (const char* own : {"stamps", "slurm"})
-    if (subfolder.empty() && id.substr(0, id.find('/')) == own)
-      fail(std::string(own) + " is a folder of the engine's; choose another id");
 }
 
 void Plan::validate() const {

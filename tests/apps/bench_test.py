@@ -36,7 +36,7 @@ try:
     expect(run("rig", "emulate", "--out", folder / "second.json", code=1), "UDP 3956", "--no-camera")
     assert not (folder / "second.json").exists()
     expect(run("rig", "check", "--rig", bench, "--set", "rig.camera.serial=OTHER", "--yes", code=1), "asks for OTHER")
-    expect(run("rig", "check", "--rig", bench, "--yes"), "firmware 1.2.0", "1280 x 1024", "seen at",
+    expect(run("rig", "check", "--rig", bench, "--yes"), "firmware 1.2.1", "1280 x 1024", "seen at",
            "asked for +x", "the bench is ready")
     text = run("rig", "check", "--rig", bench, "--no-camera", code=1)
     expect(text, "left out", "not ready")

@@ -41,7 +41,7 @@ struct Bench {
 
 TEST_CASE("serial coils keep the contract of Coils, through the real firmware") {
   Bench b;
-  CHECK(b.coils->info().firmware == "1.2.0");
+  CHECK(b.coils->info().firmware == "1.2.1");
   tests::check_coils_conformance(*b.coils, b.bench.clock(), 15.0, 0.2);
 }
 
@@ -348,5 +348,19 @@ TEST_CASE("no byte on the motor controllers' bus, damaged or forged, leaves a co
     b.wait(1.0);
     CAPTURE(kind, forwards, at, count);
     CHECK(late_A < 0.05);
+  }
+}
+
+TEST_CASE("a pulse of 100 ms shows a hot coil to the real firmware, the strongest one, too") {
+  for (const double current_A : {8.0, 15.0}) {
+    Bench b;
+    b.coils->status();
+    b.bench.heat_coil(0, 160.0);
+    b.coils->apply({{current_A, 0.0, 0.0, 0.0}, 0.1});
+    b.wait(0.3);
+    const std::vector<std::string> faults = b.coils->state().faults;
+    CAPTURE(current_A, faults);
+    REQUIRE(faults.size() == 1);
+    CHECK_THAT(faults[0], Contains("hot"));
   }
 }

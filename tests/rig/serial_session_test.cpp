@@ -23,7 +23,7 @@ rig::SerialLink::OpenPort port_to(std::shared_ptr<FirmwareBench> bench) {
 TEST_CASE("a session says hello, configures and waits until the motor controllers are ready") {
   auto bench = std::make_shared<FirmwareBench>();
   const rig::SerialSession session({}, {}, port_to(bench));
-  CHECK(session.info().firmware == "1.2.0");
+  CHECK(session.info().firmware == "1.2.1");
   CHECK(session.connections() == 1);
   CHECK(bench->device.coils.configured);
   CHECK(bench->device.coils.limits.max_current_mA == 15000);

@@ -73,7 +73,7 @@ struct SerialConfig {
 /// What the coil controller says of itself.
 struct CoilControllerInfo {
   int protocol = 0;
-  std::string firmware;       ///< "1.2.0"
+  std::string firmware;       ///< "1.2.1"
   int motor_controllers = 0;  ///< that it was built for, two outputs each
   int reset_cause = 0;        ///< MCUSR of the ATmega2560: 1 power, 2 reset, 4 brown-out, 8 watchdog
 };
