@@ -299,6 +299,7 @@ TEST_CASE("a needle rests after a pulse that came late as after any other") {
   const double for_s = GENERATE(0.05, 0.4);
   Bench bench;
   bench.duration_s = 3.0;
+  bench.sensor.push(0.0, 0.0);
   HeldUp controller(bench.clock, decision, for_s);
   const control::LoopOutcome outcome = bench.run(controller);
   CHECK(outcome.completed);
@@ -313,6 +314,7 @@ TEST_CASE("a needle rests after a pulse that came late as after any other") {
 
 TEST_CASE("a pulse long after its pose is not given") {
   Bench bench;
+  bench.sensor.push(0.0, 0.0);
   HeldUp controller(bench.clock, 1, 0.6);
   const control::LoopOutcome outcome = bench.run(controller);
   CHECK_THAT(outcome.stop_reason, Catch::Contains("0.6 s after the pose"));

@@ -60,7 +60,7 @@ class ScriptedSensor final : public control::PoseSensor {
   explicit ScriptedSensor(const common::Clock& clock) : clock_(clock) {}
   control::PoseEstimate observe() override {
     if (throws) throw common::HardwareError("camera unplugged");
-    control::PoseEstimate next = script.front();
+    control::PoseEstimate next = script.at(0);
     if (script.size() > 1) script.pop_front();
     if (!stalled) stamp_s_ = clock_.now_s();
     next.stamp_s = stamp_s_;
