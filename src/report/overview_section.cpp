@@ -1,5 +1,8 @@
+#include <utility>
+
 #include "lodestone/report/error_table.h"
 #include "lodestone/report/html.h"
+#include "lodestone/runs/run_folder.h"
 #include "sections.h"
 
 namespace lodestone::report {
@@ -38,13 +41,14 @@ std::string cards(const RunData& run) {
 
 void add_steps(const RunData& run, const std::string& label, std::vector<std::vector<std::string>>& rows) {
   for (const StepData* step : {&run.collect, &run.dynamics, &run.policy, &run.cost_to_go, &run.deploy}) {
-    if (step->manifest.is_null()) continue;
-    const Json& m = step->manifest;
-    std::string commit = text_at(m, "git_commit");
-    if (commit.size() > 12) commit.resize(12);
-    rows.push_back({escape(label + step->name), text_at(m, "time_utc"), "<code>" + commit + "</code>",
-                    text_at(m, "host") + ", " + text_at(m, "processor"), text_at(m, "seed"),
-                    text_at(m, "threads")});
+    const std::string seed = step->manifest.is_null() ? "" : text_at(step->manifest, "seed");
+    std::string name = escape(label + step->name);
+    for (const Json& m : runs::manifests_of(step->manifest)) {
+      std::string commit = text_at(m, "git_commit");
+      if (commit.size() > 12) commit.resize(12);
+      rows.push_back({std::exchange(name, "… went on"), text_at(m, "time_utc"), "<code>" + commit + "</code>",
+                      text_at(m, "host") + ", " + text_at(m, "processor"), seed, text_at(m, "threads")});
+    }
   }
 }
 

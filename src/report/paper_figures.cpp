@@ -35,17 +35,12 @@ void add_once(std::vector<std::string>& list, const std::string& text) {
   if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
 }
 
-std::string told(const CellRecord& record, const char* key) {
-  return record.machine.is_object() && record.machine.contains(key) && record.machine[key].is_string()
-             ? record.machine[key].get<std::string>()
-             : "unknown";
-}
-
 runs::CellOrigin origin_of(const SeedRecords& seeds) {
   runs::CellOrigin origin;
   origin.n_seeds = static_cast<std::int64_t>(seeds.found.size());
   origin.n_seeds_planned = seeds.planned;
-  for (const auto& [seed, record] : seeds.found) add_once(origin.commits, told(*record, "git_commit"));
+  for (const auto& [seed, record] : seeds.found)
+    for (const std::string& commit : record->told("git_commit")) add_once(origin.commits, commit);
   return origin;
 }
 
@@ -156,8 +151,9 @@ runs::PooledTraining training_of(const SeedRecords& seeds) {
   for (const auto& [seed, record] : seeds.found) {
     const KeptCurve& curve = *record->curve;
     steps.push_back(static_cast<double>(record->policy->env_steps));
-    wall.push_back(record->policy->train_seconds);
-    processor.push_back(record->policy->processor_seconds.value_or(0.0));
+    const bool timed = record->threads() == 1;
+    if (timed) wall.push_back(record->policy->train_seconds);
+    if (timed) processor.push_back(record->policy->processor_seconds.value_or(0.0));
     returns.push_back(curve.episode_return.back());
     success.push_back(record->policy->fresh_evaluation ? record->policy->fresh_evaluation->success_rate
                                                        : 0.0);
@@ -165,20 +161,24 @@ runs::PooledTraining training_of(const SeedRecords& seeds) {
     const Convergence convergence = convergence_of(curve.episode_return);
     if (!convergence.converged) continue;
     ++out.n_converged;
-    wall_to.push_back(curve.seconds[convergence.reached]);
-    processor_to.push_back(curve.processor_seconds[convergence.reached]);
+    if (timed) wall_to.push_back(curve.seconds[convergence.reached]);
+    if (timed) processor_to.push_back(curve.processor_seconds[convergence.reached]);
     steps_to.push_back(curve.env_steps[convergence.reached]);
   }
   out.env_steps = mean(steps);
-  out.train_seconds = mean(wall);
-  out.processor_seconds = mean(processor);
+  if (!wall.empty()) {
+    out.train_seconds = mean(wall);
+    out.processor_seconds = mean(processor);
+  }
   out.final_return = mean(returns);
   out.success_rate = mean(success);
   out.unsteadiness = mean(unsteadiness);
-  if (wall_to.size() == seeds.found.size()) {
-    out.seconds_to_maximum = mean(wall_to);
-    out.processor_seconds_to_maximum = mean(processor_to);
+  if (steps_to.size() == seeds.found.size()) {
     out.steps_to_maximum = mean(steps_to);
+    if (!wall_to.empty()) {
+      out.seconds_to_maximum = mean(wall_to);
+      out.processor_seconds_to_maximum = mean(processor_to);
+    }
   }
   out.origin = origin_of(seeds);
   return out;
@@ -261,10 +261,11 @@ void note_origins(const runs::KeptPlan& kept, runs::PaperResult& out) {
     const auto found = kept.records.find(cell.id);
     if (found == kept.records.end()) continue;
     const CellRecord& record = found->second;
-    add_once(out.commits, told(record, "git_commit"));
+    for (const std::string& commit : record.told("git_commit")) add_once(out.commits, commit);
     const auto processors = record.machine.is_object() ? record.machine.value("processors", 0) : 0;
-    add_once(out.machines, told(record, "processor") + ", " + std::to_string(processors) + " processors");
-    dates.insert(told(record, "time_utc").substr(0, 10));
+    for (const std::string& processor : record.told("processor"))
+      add_once(out.machines, processor + ", " + std::to_string(processors) + " processors");
+    for (const std::string& time_utc : record.told("time_utc")) dates.insert(time_utc.substr(0, 10));
     out.cell_hours += record.seconds / 3600.0;
   }
   out.dates.assign(dates.begin(), dates.end());

@@ -35,23 +35,20 @@ void add_origins(PaperPage& page) {
   for (const runs::Cell& cell : page.kept.plan.cells) {
     const auto found = page.kept.records.find(cell.id);
     if (found == page.kept.records.end()) {
-      cells.push_back({escape(cell.id), kMissing, "", "", "", ""});
+      cells.push_back({escape(cell.id), kMissing, "", "", "", "", ""});
       continue;
     }
     const runs::CellRecord& record = found->second;
-    const auto told = [&](const char* key) {
-      return record.machine.is_object() && record.machine.contains(key) && record.machine[key].is_string()
-                 ? escape(record.machine[key].get<std::string>())
-                 : std::string("–");
-    };
     cells.push_back({escape(cell.id), escape(cell.config.empty() ? "–" : cell.config),
-                     std::to_string(record.seed), told("git_commit"), told("processor"),
+                     std::to_string(record.seed), escape(joined(record.told("git_commit"))),
+                     escape(joined(record.told("processor"))), std::to_string(record.threads()),
                      text_of("%.0f", record.seconds)});
   }
-  page.html.add_section("cells", "Where each cell comes from",
-                        "<details><summary>" + std::to_string(cells.size()) + " cells</summary>" +
-                            table({"cell", "preset", "seed", "commit", "processor", "time (s)"}, cells, 5) +
-                            "</details>");
+  page.html.add_section(
+      "cells", "Where each cell comes from",
+      "<details><summary>" + std::to_string(cells.size()) + " cells</summary>" +
+          table({"cell", "preset", "seed", "commit", "processor", "threads", "time (s)"}, cells, 5) +
+          "</details>");
 }
 
 }  // namespace

@@ -33,20 +33,21 @@ void add_training(PaperPage& page) {
       table.add_missing({t.name, t.published});
       continue;
     }
-    table.cells.push_back(
-        {t.name, t.published, text_of("%.0f", f->env_steps),
-         f->seconds_to_maximum ? text_of("%.0f", *f->seconds_to_maximum) : "had not converged",
-         or_dash("%.0f", f->processor_seconds_to_maximum), text_of("%.0f", f->train_seconds),
-         text_of("%.0f", f->processor_seconds), text_of("%.0f", f->env_steps / f->processor_seconds),
-         text_of("%.0f %%", 100.0 * f->success_rate),
-         std::to_string(f->n_converged) + " of " + std::to_string(f->origin.n_seeds)});
+    table.cells.push_back({t.name, t.published, text_of("%.0f", f->env_steps),
+                           f->steps_to_maximum ? or_dash("%.0f", f->seconds_to_maximum) : "had not converged",
+                           or_dash("%.0f", f->processor_seconds_to_maximum),
+                           or_dash("%.0f", f->train_seconds), or_dash("%.0f", f->processor_seconds),
+                           f->processor_seconds ? text_of("%.0f", f->env_steps / *f->processor_seconds) : "–",
+                           text_of("%.0f %%", 100.0 * f->success_rate),
+                           std::to_string(f->n_converged) + " of " + std::to_string(f->origin.n_seeds)});
     charts += page.return_chart(std::string("fig4-") + t.row + "-" + t.task, t.name, {{t.name, prefix}});
   }
   if (table.cells.empty()) return;
-  page.markdown += "Table I, training on one thread\n\n" + table.markdown() + "\n";
+  page.markdown += "Table I, training; seconds are of seeds on one thread\n\n" + table.markdown() + "\n";
   page.html.add_section(
       "training", "Table I and Fig. 4: training",
-      "<p>One thread, evaluations included, on the clock and of the processor: the clock also counts what "
+      "<p>Seconds are those of seeds that had one thread, evaluations included, on the clock and of the "
+      "processor: the clock also counts what "
       "other cells and programs took of "
       "the machine meanwhile. Time to maximum: until the evaluation return, smoothed over five "
       "evaluations, was within 5 % of its rise below "

@@ -81,18 +81,19 @@ std::vector<std::string> cells_of(const PaperPage& page, const Row& row, const s
   const auto published = row.published.find(task);
   const bool as_published = published != row.published.end() && variant == "bare";
   const runs::PooledTraining* training = page.training_of(row.key, task);
-  std::vector<std::string> cells = {row.name,
-                                    variant_name,
-                                    as_published ? published->second : "–",
-                                    deviation_text(f),
-                                    error_text(f),
-                                    from_baseline_text(f),
-                                    success_text(f),
-                                    std::to_string(f.n_stopped),
-                                    std::to_string(f.n_trials),
-                                    seeds_text(f.origin),
-                                    training != nullptr ? grouped(training->env_steps) : "–",
-                                    training != nullptr ? grouped(training->train_seconds) : "–"};
+  std::vector<std::string> cells = {
+      row.name,
+      variant_name,
+      as_published ? published->second : "–",
+      deviation_text(f),
+      error_text(f),
+      from_baseline_text(f),
+      success_text(f),
+      std::to_string(f.n_stopped),
+      std::to_string(f.n_trials),
+      seeds_text(f.origin),
+      training != nullptr ? grouped(training->env_steps) : "–",
+      training != nullptr && training->train_seconds ? grouped(*training->train_seconds) : "–"};
   if (task == "square")
     cells.insert(cells.begin() + 6,
                  {or_dash("%.2f", f.time_rms_error_mm), or_dash("%.0f %%", f.completion, 100.0),

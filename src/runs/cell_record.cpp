@@ -10,6 +10,7 @@
 #include "lodestone/common/files.h"
 #include "lodestone/data/dataset_file.h"
 #include "lodestone/runs/curves.h"
+#include "lodestone/runs/run_folder.h"
 
 namespace lodestone::runs {
 namespace {
@@ -104,7 +105,34 @@ bool holds_all(const Json& config, const Json& asked) {
   return true;
 }
 
+/// Names of machines stay where they are; verb and seed are the record's own.
+void forget_host(Json& manifest) {
+  if (!manifest.is_object()) return;
+  for (const char* key : {"verb", "seed", "host", "system"}) manifest.erase(key);
+  if (const auto continued = manifest.find("continued"); continued != manifest.end())
+    for (Json& part : *continued) forget_host(part);
+}
+
 }  // namespace
+
+std::vector<std::string> CellRecord::told(const std::string& key) const {
+  std::vector<std::string> all;
+  for (const Json& part : manifests_of(machine)) {
+    const Json value = part.value(key, Json());
+    const std::string text = value.is_string() ? value.get<std::string>() : "unknown";
+    if (std::find(all.begin(), all.end(), text) == all.end()) all.push_back(text);
+  }
+  return all.empty() ? std::vector<std::string>{"unknown"} : all;
+}
+
+std::int64_t CellRecord::threads() const {
+  std::int64_t most = 1;
+  for (const Json& part : manifests_of(machine)) {
+    const Json threads = part.value("threads", Json());
+    if (threads.is_number_integer()) most = std::max(most, threads.get<std::int64_t>());
+  }
+  return most;
+}
 
 Json preset_of(const PlanPlace& place, const Cell& cell) {
   return cell.config.empty() ? Json() : common::read_json_if_there(preset_file(place, cell));
@@ -118,8 +146,7 @@ CellRecord record_of(const Plan& plan, const PlanPlace& place, const Cell& cell)
   record.seed = seed_of(plan, cell);
   record.preset = preset_of(place, cell);
   record.machine = common::read_json_if_there(folder + "/manifest.json");
-  for (const char* told_already : {"verb", "seed", "host", "system"})
-    if (record.machine.is_object()) record.machine.erase(told_already);
+  forget_host(record.machine);
   if (const auto state = find_run(folder)) record.seconds = std::round(10.0 * state->seconds) / 10.0;
   if (cell.verb == "collect") {
     record.collected = common::find_artefact<CollectionFacts>(folder + "/" + CollectionFacts::kFile);

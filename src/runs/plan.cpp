@@ -154,7 +154,7 @@ std::vector<std::string> cell_arguments(const Plan& plan, const PlanPlace& place
   for (const std::string& setting : cell.settings)
     add("--set", with_folders(setting, [&](const std::string& id) { return cell_folder(plan, place, id); }));
   add("--seed", std::to_string(cell.seed.value_or(plan.seed) + cell.seed_offset));
-  add("--threads", std::to_string(cell.all_threads ? place.threads : 1));
+  add("--threads", std::to_string(cell.all_threads ? place.threads : place.cell_threads));
   add("--out", cell_folder(plan, place, cell.id));
   out.emplace_back("--resume");
   return out;

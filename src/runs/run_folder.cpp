@@ -29,7 +29,8 @@ constexpr const char* kStateFile = "/run.json";
 constexpr const char* kConfigFile = "/config.json";
 constexpr const char* kManifestFile = "/manifest.json";
 constexpr const char* kInputs = "inputs";  // in the manifest
-constexpr std::size_t kMostNamed = 8;      // differing keys in a message
+constexpr const char* kContinued = "continued";
+constexpr std::size_t kMostNamed = 8;  // differing keys in a message
 
 constexpr int kTries = 20;  // to lock a folder at which somebody may just be looking
 constexpr std::chrono::milliseconds kBetweenTries{10};
@@ -118,6 +119,16 @@ std::map<std::string, std::string> named_inputs(const Json& config, const std::v
   return inputs;
 }
 
+std::vector<Json> manifests_of(const Json& manifest) {
+  if (!manifest.is_object()) return {};
+  std::vector<Json> all{manifest};
+  all.front().erase(kContinued);
+  if (const auto continued = manifest.find(kContinued); continued != manifest.end() && continued->is_array())
+    for (const Json& part : *continued)
+      if (part.is_object()) all.push_back(part);
+  return all;
+}
+
 RunFolder::RunFolder(RunRequest request) : request_(std::move(request)) {
   const std::string& folder = request_.folder;
   if (folder.empty())
@@ -190,16 +201,32 @@ void RunFolder::begin() {
   if (stage_ == RunStage::kFresh && holds_nothing(path()))
     for (const auto& entry : fs::directory_iterator(path())) fs::remove(entry.path());
   update(state_);  // first, so that a run that is killed right here is found again
-  if (stage_ == RunStage::kFresh) {
-    Json manifest = {{"verb", request_.verb}, {"seed", request_.seed}};
-    if (request_.config.contains("threads")) manifest["threads"] = request_.config["threads"];
+  write_manifest();
+  common::write_file_atomically(path() + kConfigFile, request_.config.dump(2) + "\n");
+}
+
+void RunFolder::write_manifest() const {
+  const std::string file = path() + kManifestFile;
+  Json facts = common::build_and_host_facts();
+  if (request_.config.contains("threads")) facts["threads"] = request_.config["threads"];
+  Json manifest = common::read_json_if_there(file);
+  if (stage_ == RunStage::kFresh || manifest.is_null()) {
+    manifest = {{"verb", request_.verb}, {"seed", request_.seed}};
     for (const auto& [name, input] : request_.inputs)
       if (const std::string digest = common::path_digest(input); !digest.empty())
         manifest[kInputs][name] = digest;
-    manifest.update(common::build_and_host_facts());
-    common::write_file_atomically(path() + kManifestFile, manifest.dump(2) + "\n");
+    manifest.update(facts);
+  } else {
+    const Json last = manifests_of(manifest).back();
+    const auto differs = [&](const auto& fact) {
+      return fact.key() != "time_utc" && last.value(fact.key(), Json()) != fact.value();
+    };
+    bool elsewhere = false;
+    for (auto fact = facts.begin(); fact != facts.end(); ++fact) elsewhere = elsewhere || differs(fact);
+    if (!elsewhere) return;
+    manifest[kContinued].push_back(std::move(facts));
   }
-  common::write_file_atomically(path() + kConfigFile, request_.config.dump(2) + "\n");
+  common::write_file_atomically(file, manifest.dump(2) + "\n");
 }
 
 void RunFolder::update(const RunState& state) {

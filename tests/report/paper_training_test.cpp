@@ -18,3 +18,21 @@ TEST_CASE("a training that had not converged has no time") {
   CHECK(page.markdown.find("| our TD3, MBS, centre | – | 1900 | 80 | 72 |") != std::string::npos);
   CHECK(page.markdown.find("| our TD3, MBS, random target | – | not run yet |") != std::string::npos);
 }
+
+TEST_CASE("a seed that had more threads than one counts for all but the time") {
+  Kept made;
+  made.add_training("policy/best/centre/1", tests::kRisen);
+  made.add_training("policy/best/centre/2", tests::kRisen);
+  made.kept.records["policy/best/centre/2"].machine["continued"] = {{{"threads", 2}}};
+  made.kept.records["policy/best/centre/2"].policy->train_seconds = 1.0;
+  made.add_training("policy/best/target/1", tests::kRisen);
+  made.kept.records["policy/best/target/1"].machine["threads"] = 2;
+  report::PaperPage page(made.kept);
+  report::add_training(page);
+  CHECK(
+      page.markdown.find("| our TD3, MBS, centre | – | 1900 | 80 | 72 | 190 | 171 | 11 | 80 % | 2 of 2 |") !=
+      std::string::npos);
+  CHECK(
+      page.markdown.find("| our TD3, MBS, random target | – | 1900 | – | – | – | – | – | 80 % | 1 of 1 |") !=
+      std::string::npos);
+}

@@ -26,15 +26,22 @@ TEST_CASE("a training's record holds its result and its curve, to six digits") {
       "{\"step\":50,\"train/critic_loss\":1}\n"
       "{\"step\":100,\"evaluation/episode_return\":2,\"evaluation/success_rate\":0.5,"
       "\"train/seconds\":10,\"train/processor_seconds\":9}\n");
-  common::write_file_atomically(folder / "a/manifest.json",
-                                "{\"verb\":\"x\",\"host\":\"secret\",\"git_commit\":\"abc\"}");
+  common::write_file_atomically(
+      folder / "a/manifest.json",
+      "{\"verb\":\"x\",\"host\":\"secret\",\"git_commit\":\"abc\",\"threads\":1,\"continued\":["
+      "{\"host\":\"secret\",\"git_commit\":\"def\",\"threads\":4},"
+      "{\"host\":\"secret\",\"git_commit\":\"abc\",\"threads\":2}]}");
   const runs::CellRecord record = runs::record_of(made, place, made.cells[0]);
   REQUIRE(record.curve);
   CHECK(record.curve->env_steps == std::vector<double>{0, 100});
   CHECK(record.curve->episode_return == std::vector<double>{-1.23457, 2});
   CHECK(record.curve->processor_seconds == std::vector<double>{0, 9});
   CHECK(record.machine["git_commit"] == "abc");
-  CHECK_FALSE(record.machine.contains("host"));
+  CHECK(record.machine.dump().find("secret") == std::string::npos);
+  CHECK(record.told("git_commit") == std::vector<std::string>{"abc", "def"});
+  CHECK(record.told("processor") == std::vector<std::string>{"unknown"});
+  CHECK(record.threads() == 4);
+  CHECK(runs::CellRecord().told("git_commit") == std::vector<std::string>{"unknown"});
   const auto again = common::artefact_from_json<runs::CellRecord>(artefact_to_json(record), "record");
   CHECK(artefact_to_json(again) == artefact_to_json(record));
 }

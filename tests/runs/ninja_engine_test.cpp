@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <filesystem>
+#include <initializer_list>
 #include <thread>
 
 #include "lodestone/common/error.h"
@@ -57,6 +58,29 @@ TEST_CASE(
   CHECK(started.find("/a\n") < started.find("/b\n"));
   CHECK(started.find("/b\n") == started.rfind("/b\n"));
   CHECK_THROWS_WITH(runs::run_plan(made, place, engine, "plan", "nowhere"), Catch::Contains("nowhere"));
+}
+
+TEST_CASE("cells that cannot fill the machine share its threads") {
+  const tests::TemporaryFolder folder;
+  const runs::PlanPlace place{folder / "out", fake_program(folder), "configs", "", 4};
+  const Plan made = plan({cell("a"), cell("b", {"data={a}/x"}), cell("c", {"data={a}/x"}), cell("d"),
+                          cell("e", {"data={b}/x"}), cell("f"), cell("g"), cell("h")});
+  const auto threads_of = [&](std::initializer_list<int> which) {
+    std::vector<const runs::Cell*> cells;
+    for (const int i : which) cells.push_back(&made.cells[static_cast<std::size_t>(i)]);
+    std::filesystem::create_directories(place.folder);
+    runs::NinjaEngine engine;
+    engine.start(made, place, cells);
+    while (!engine.ended()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    const std::string text = common::read_file(place.folder + "/build.ninja");
+    const std::string flag = "'--threads' '";
+    return text.substr(text.find(flag) + flag.size(), 1);
+  };
+  CHECK(threads_of({0}) == "4");
+  CHECK(threads_of({0, 1, 4}) == "4");     // one after another
+  CHECK(threads_of({0, 1, 2, 4}) == "2");  // two that wait for one
+  CHECK(threads_of({0, 3, 5}) == "1");     // three at a time: one thread has nothing to do
+  CHECK(threads_of({0, 1, 2, 3, 5, 6, 7}) == "1");
 }
 
 TEST_CASE("a plan that is stopped waits for cells that save what they have") {

@@ -48,6 +48,34 @@ TEST_CASE("a run is fresh, then resumable, then finished, whatever else lies in 
   CHECK(lodestone::runs::find_run(folder)->finished);
 }
 
+TEST_CASE("a run that goes on by another build, elsewhere or on more threads says so") {
+  const lodestone::tests::TemporaryFolder root;
+  const std::string folder = root / "run";
+  const auto work = [&folder](int threads) {
+    RunRequest made = request(folder, true);
+    made.config["threads"] = threads;
+    RunFolder(made).begin();
+    return lodestone::runs::manifests_of(
+        Json::parse(lodestone::common::read_file(folder + "/manifest.json")));
+  };
+  CHECK(work(2).size() == 1);
+  CHECK(work(2).size() == 1);  // as before: nothing to say
+  const std::vector<Json> there = work(4);
+  REQUIRE(there.size() == 2);
+  CHECK(there[0]["threads"] == 2);
+  CHECK(there[0]["verb"] == "train-policy");
+  CHECK_FALSE(there[0].contains("continued"));
+  CHECK(there[1]["threads"] == 4);
+  CHECK(there[1]["git_commit"] == there[0]["git_commit"]);
+  CHECK(work(4).size() == 2);
+
+  Json manifest = Json::parse(lodestone::common::read_file(folder + "/manifest.json"));
+  manifest["continued"][0]["git_commit"] = "another";
+  lodestone::common::write_file_atomically(folder + "/manifest.json", manifest.dump());
+  CHECK(work(4).size() == 3);
+  CHECK(lodestone::runs::manifests_of(Json()).empty());
+}
+
 TEST_CASE("a run goes on with what its inputs held when it began, wherever they lie now") {
   const lodestone::tests::TemporaryFolder root;
   lodestone::common::make_folders(root / "policy");

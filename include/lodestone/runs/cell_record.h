@@ -68,6 +68,12 @@ struct CellRecord {
   std::optional<KeptCurve> curve;  ///< of train-policy
   std::optional<KeptTrials> trials;
 
+  /// What its manifest says under a key ("git_commit", "processor"), each text once, in the order in which
+  /// the run was worked on; "unknown" where that is not said.
+  std::vector<std::string> told(const std::string& key) const;
+  /// Most that worked on it at a time; 1 where that is not said.
+  std::int64_t threads() const;
+
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("verb", verb);

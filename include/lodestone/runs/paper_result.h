@@ -65,13 +65,15 @@ struct PooledErrors {
 
 /// How learning went, means over training seeds (Table I, Fig. 5).
 struct PooledTraining {
-  double env_steps = 0.0, train_seconds = 0.0;
-  double processor_seconds = 0.0;  ///< of all threads; 0 where the runs do not say
-  double final_return = 0.0;       ///< of the last evaluation
-  double success_rate = 0.0;       ///< of the policy that was kept, in fresh episodes of its own simulator
-  double unsteadiness = 0.0;       ///< standard deviation of the returns in the last fifth, mean over seeds
-  std::int64_t n_converged = 0;    ///< seeds whose return had stopped rising
+  double env_steps = 0.0;
+  /// Of the seeds that learned on one thread: on the clock, and of the processor. Absent where none did.
+  std::optional<double> train_seconds, processor_seconds;
+  double final_return = 0.0;     ///< of the last evaluation
+  double success_rate = 0.0;     ///< of the policy that was kept, in fresh episodes of its own simulator
+  double unsteadiness = 0.0;     ///< standard deviation of the returns in the last fifth, mean over seeds
+  std::int64_t n_converged = 0;  ///< seeds whose return had stopped rising
   /// Until the return was within 5 % of its rise below its maximum; absent unless every seed had converged.
+  /// Seconds: as above.
   std::optional<double> seconds_to_maximum, processor_seconds_to_maximum, steps_to_maximum;
   CellOrigin origin;
 

@@ -18,7 +18,7 @@ struct Cell {
   std::vector<std::string> settings;  ///< key=value
   std::optional<std::int64_t> seed;   ///< without: the plan's
   std::int64_t seed_offset = 0;       ///< added to it
-  bool all_threads = false;           ///< may use every processor
+  bool all_threads = false;           ///< takes every processor
   std::int64_t drawn_trials = 0;      ///< so many of its trials' trajectories stay in its record
   std::optional<std::int64_t> memory_mb, minutes;  ///< most it takes, for a cluster; without: the plan's
 
@@ -75,9 +75,10 @@ struct PlanPlace {
   std::string configs;        ///< folder of the presets
   std::string rig_file = "";  ///< of every cell; empty: the paper's rig
   std::int64_t threads = 1;
-  std::string results = "";  ///< where finished cells are kept (KeptResults); empty: nowhere
+  std::string results = "";       ///< where finished cells are kept (KeptResults); empty: nowhere
   /// Arguments of the program, once no cell runs any more: for engines whose cells outlive this process.
   std::vector<std::string> last_command = {};
+  std::int64_t cell_threads = 1;  ///< of each cell that does not take all
 };
 
 /// The file of a cell's preset.

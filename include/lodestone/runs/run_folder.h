@@ -58,9 +58,13 @@ std::map<std::string, std::string> named_inputs(const common::Json& config,
 
 enum class RunStage { kFresh, kResumable, kFinished };
 
-/// The folder of one run: `config.json` (resolved), `manifest.json` (verb, seed, threads, build, host,
-/// digests of its inputs), `run.json` (RunState), and what the verb writes. Only one process at a time works
-/// in it.
+/// Where a run was worked on, from its `manifest.json`: as it began, then, each with all it says of build,
+/// host and threads, where it went on otherwise (`continued`). Empty for what is no manifest.
+std::vector<common::Json> manifests_of(const common::Json& manifest);
+
+/// The folder of one run: `config.json` (resolved), `manifest.json` (verb, seed, digests of its inputs;
+/// threads, build, host, also of where it went on), `run.json` (RunState), and what the verb writes. Only one
+/// process at a time works in it.
 class RunFolder {
  public:
   /// Finds the run again where `resume` is set, and is fresh where there is none yet; writes nothing. Throws
@@ -94,6 +98,7 @@ class RunFolder {
   void lock();
   void find_again();
   void check_inputs() const;
+  void write_manifest() const;
 
   RunRequest request_;
   RunState state_;
