@@ -75,7 +75,7 @@ struct PlanPlace {
   std::string configs;        ///< folder of the presets
   std::string rig_file = "";  ///< of every cell; empty: the paper's rig
   std::int64_t threads = 1;
-  std::string results = "";       ///< where finished cells are kept (KeptResults); empty: nowhere
+  std::string results = "";  ///< where finished cells are kept (KeptResults); empty: nowhere
   /// Arguments of the program, once no cell runs any more: for engines whose cells outlive this process.
   std::vector<std::string> last_command = {};
   std::int64_t cell_threads = 1;  ///< of each cell that does not take all
