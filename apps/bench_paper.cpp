@@ -84,7 +84,12 @@ void bench_paper(const PaperOptions& given) {
     throw common::ConfigError("bench paper: there is no cell \"" + options.only +
                               "\"; --list prints all of them");
   if (options.report) {
-    runs::KeptResults(options.results).keep(plan, place);
+    runs::KeptResults results(options.results);
+    if (const std::int64_t n = results.changed(plan); n > 0)
+      throw common::ConfigError("bench paper --report: " + options.results + " keeps " + std::to_string(n) +
+                                " cells with other settings: give the --config and --set that they were run "
+                                "with, or --from for the page of what is there");
+    results.keep(plan, place);
   } else {
     if (options.only.empty()) place.last_command = report_command(given, place);
     const std::unique_ptr<runs::Engine> engine = runs::make_engine(options.engine);

@@ -1,4 +1,7 @@
+#include <filesystem>
 #include <memory>
+#include <set>
+#include <sstream>
 
 #include "common_options.h"
 #include "lodestone/common/artefact.h"
@@ -31,8 +34,26 @@ runs::Plan without_limits(runs::Plan plan) {
   return plan;
 }
 
+/// A key or value that a verb does not take is told before anything is run; once of what seeds share.
+void check_settings(const runs::Plan& plan, const PlanOptions& options, const std::string& configs) {
+  std::set<std::vector<std::string>> checked;
+  for (const runs::Cell& cell : plan.cells) {
+    std::vector<std::string> words;
+    std::istringstream verb(cell.verb);
+    for (std::string word; verb >> word;) words.push_back(word);
+    if (!cell.config.empty())
+      words.insert(words.end(), {"--config", (std::filesystem::path(configs) / cell.config).string()});
+    if (!options.rig_file.empty()) words.insert(words.end(), {"--rig", options.rig_file});
+    for (const std::string& setting : cell.settings) words.insert(words.end(), {"--set", setting});
+    if (checked.insert(words).second)
+      configuration_rows(words, options.file + ": cell \"" + cell.id + "\": ");
+  }
+}
+
 void run_plan(const PlanOptions& options) {
   runs::Plan plan = runs::read_plan(options.file);
+  plan.validate();
+  check_settings(plan, options, shipped_folder("configs"));
   if (options.seed) plan.seed = *options.seed;
   const runs::PlanPlace place{options.out, own_path(), shipped_folder("configs"), options.rig_file,
                               common::thread_count(options.threads)};

@@ -11,7 +11,11 @@ namespace {
 
 void print_run(const runs::StatusRow& row, int width) {
   if (!row.state) {
-    std::printf("%-*s  %-8s\n", width, row.name.c_str(), "waiting");
+    std::printf("%-*s  %-8s%s%s\n", width, row.name.c_str(), row.failure.empty() ? "waiting" : "failed",
+                row.failure.empty() && row.waits_for.empty() ? ""
+                : row.failure.empty()                        ? "  for "
+                                                             : "  ",
+                common::escaped(row.failure.empty() ? row.waits_for : row.failure).c_str());
     return;
   }
   const runs::RunState& state = *row.state;
@@ -21,12 +25,13 @@ void print_run(const runs::StatusRow& row, int width) {
               static_cast<int>(100.0 * static_cast<double>(state.done) / static_cast<double>(state.total))) +
           " %  " + std::to_string(state.done) + " of " + std::to_string(state.total) + " " +
           common::escaped(state.unit);
-  std::printf("%-*s  %-8s  %-15s  %s%s%s  %s\n", width, row.name.c_str(),
+  const std::string said = row.failure.empty() ? "" : "  " + common::escaped(row.failure);
+  std::printf("%-*s  %-8s  %-15s  %s%s%s  %s%s\n", width, row.name.c_str(),
               state.finished ? "finished"
               : row.running  ? "running"
                              : "stopped",
               common::escaped(state.verb).c_str(), far.c_str(), state.note.empty() ? "" : "  ",
-              common::escaped(state.note).c_str(), common::escaped(state.updated_utc).c_str());
+              common::escaped(state.note).c_str(), common::escaped(state.updated_utc).c_str(), said.c_str());
 }
 
 void status(const std::string& folder) {

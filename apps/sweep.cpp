@@ -12,6 +12,7 @@
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/report/sweep_report.h"
 #include "lodestone/runs/engines.h"
+#include "lodestone/runs/slurm_engine.h"
 #include "lodestone/runs/sweep.h"
 #include "models.h"
 #include "verbs.h"
@@ -61,14 +62,21 @@ std::string write_preset(const runs::Sweep& sweep, const std::string& folder) {
 void check_settings(const runs::Sweep& sweep, const std::vector<runs::SweepPoint>& points,
                     const SweepOptions& options) {
   for (const runs::SweepPoint& point : points) {
-    std::vector<std::string> words = {sweep.verb};
+    std::vector<std::string> words;
+    std::istringstream verb(sweep.verb);
+    for (std::string word; verb >> word;) words.push_back(word);
     for (const std::string& name : sweep.config) words.insert(words.end(), {"--config", preset_path(name)});
     if (!options.rig_file.empty()) words.insert(words.end(), {"--rig", options.rig_file});
     for (const auto& settings : {sweep.settings, point.settings})
       for (const std::string& setting : settings) words.insert(words.end(), {"--set", setting});
-    if (sweep.halving)
-      words.insert(words.end(), {"--set", sweep.halving->key + "=" + std::to_string(sweep.halving->first)});
     configuration_rows(words, options.file + ": ");
+    if (!sweep.halving) continue;
+    for (const std::int64_t rung : {std::int64_t{1}, sweep.halving->rungs}) {
+      std::vector<std::string> with = words;
+      with.insert(with.end(),
+                  {"--set", sweep.halving->key + "=" + std::to_string(sweep.halving->budget(rung))});
+      configuration_rows(with, options.file + ": ");
+    }
   }
 }
 
@@ -100,6 +108,7 @@ void run_sweep(const SweepOptions& options) {
     throw common::ConfigError("sweep: --out DIR is missing; name the folder to write into");
   const runs::Sweep sweep = runs::read_sweep(options.file);
   std::vector<runs::SweepPoint> points = runs::points_of(sweep);
+  runs::check_verb(sweep.verb, options.file);
   check_settings(sweep, points, options);
   const runs::PlanPlace place{options.out, own_path(), shipped_folder("configs"), options.rig_file,
                               common::thread_count(options.threads)};
@@ -155,9 +164,15 @@ void sweep_status(const std::string& folder) {
 }
 
 void sweep_cancel(const std::string& folder) {
-  runs::find_plan(folder);
+  sweep_in(folder);
+  const bool works = runs::is_running(folder);
   runs::ask_to_stop(folder);
-  std::printf("asked to stop; what was done stays, and the same sweep goes on where it was\n");
+  const char* text = "asked to stop; what was done stays, and the same sweep goes on where it was\n";
+  if (!works && runs::cancel_left_jobs(folder))
+    text = "the command that ran it has ended, its jobs are cancelled; the same sweep goes on where it was\n";
+  else if (!works)
+    text = "nothing works on it; the same sweep goes on where it was\n";
+  std::printf("%s", text);
 }
 
 void sweep_logs(const std::string& folder, const std::string& id) {

@@ -57,9 +57,11 @@ double RandomStream::uniform(double low, double high) { return low + (high - low
 
 std::uint64_t RandomStream::below(std::uint64_t n) {
   LODESTONE_CHECK(n > 0, "RandomStream::below needs n > 0");
+  std::uint64_t value = next();
+  if (value < UINT64_MAX - n)
+    return value % n;  // below any tail: spares a division, which takes most of the time
   const std::uint64_t limit =
       n * (UINT64_MAX / n);  // rejects the uneven tail, so every value is equally likely
-  std::uint64_t value = next();
   while (value >= limit) value = next();
   return value % n;
 }

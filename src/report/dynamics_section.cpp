@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "lodestone/report/charts.h"
 #include "lodestone/report/dish_svg.h"
@@ -170,7 +171,15 @@ std::string coverage_html(const runs::DynamicsEvaluation& evaluation) {
   return table(headers, rows, 1);
 }
 
-std::string metrics_table(const runs::DynamicsEvaluation& evaluation) {
+/// Whether likelihood was learned: then that is what training and validation tell of, and no distance.
+bool learned_likelihood(const RunData& run) {
+  const common::Json::json_pointer components("/model/components");
+  const common::Json& config = run.dynamics.config;
+  return config.is_object() && config.contains(components) && config.at(components).is_number() &&
+         config.at(components).get<double>() > 0.0;
+}
+
+std::string metrics_table(const runs::DynamicsEvaluation& evaluation, bool likelihood) {
   std::string html =
       error_rows_html(evaluation) + open_loop_rows_html(evaluation) + coverage_html(evaluation);
   std::vector<std::vector<std::string>> losses;
@@ -178,8 +187,11 @@ std::string metrics_table(const runs::DynamicsEvaluation& evaluation) {
     if (value) losses.push_back({name, fixed(value, 4), paper});
   };
   if (evaluation.training) {
-    loss("training", evaluation.training->train_loss, "–");
-    loss("validation", evaluation.training->validation_loss, "0.033");
+    const auto& [of_training, of_validation, paper] =
+        likelihood ? std::tuple{"training, negative log-likelihood", "validation, likewise", "–"}
+                   : std::tuple{"training", "validation", "0.033"};
+    loss(of_training, evaluation.training->train_loss, "–");
+    loss(of_validation, evaluation.training->validation_loss, paper);
   }
   loss("test", evaluation.normalised_l2, "0.045");
   loss("test, next state instead of change", evaluation.normalised_state_l2, "–");
@@ -235,7 +247,7 @@ std::string dynamics_section(const RunData& run, const std::string& prefix) {
       html += gain >= 0.0 ? ", " + fixed(gain, 0) + " % less than ten nearest neighbours"
                           : ", " + fixed(-gain, 0) + " % more than ten nearest neighbours";
     }
-    html += ".</p>\n" + metrics_table(evaluation);
+    html += ".</p>\n" + metrics_table(evaluation, learned_likelihood(run));
   } else {
     html += missing("The evaluation of the learned simulator", command);
   }

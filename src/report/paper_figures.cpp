@@ -8,6 +8,8 @@
 #include <set>
 
 #include "lodestone/common/statistics.h"
+#include "lodestone/common/student_interval.h"
+#include "lodestone/runs/run_folder.h"
 
 namespace lodestone::report {
 namespace {
@@ -31,6 +33,23 @@ std::vector<double> all_of(const Groups& groups) {
   return all;
 }
 
+std::vector<std::string> parts_of(const std::string& id) {
+  std::vector<std::string> parts(1);
+  for (const char c : id) {
+    if (c == '/')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  }
+  return parts;
+}
+
+/// Names of folders have no spaces.
+std::string shown(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
 void add_once(std::vector<std::string>& list, const std::string& text) {
   if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
 }
@@ -39,8 +58,10 @@ runs::CellOrigin origin_of(const SeedRecords& seeds) {
   runs::CellOrigin origin;
   origin.n_seeds = static_cast<std::int64_t>(seeds.found.size());
   origin.n_seeds_planned = seeds.planned;
-  for (const auto& [seed, record] : seeds.found)
+  for (const auto& [seed, record] : seeds.found) {
     for (const std::string& commit : record->told("git_commit")) add_once(origin.commits, commit);
+    for (const std::string& processor : record->told("processor")) add_once(origin.processors, processor);
+  }
   return origin;
 }
 
@@ -58,10 +79,10 @@ std::optional<double> mean_of(const SeedRecords& seeds, std::vector<double> Kept
 }
 
 /// Differences of the errors on the same trials of the same seeds.
-Groups differences(const SeedRecords& seeds, const SeedRecords& baseline) {
+Groups differences(const SeedRecords& seeds, const SeedRecords& reference) {
   Groups groups;
   for (const auto& [seed, record] : seeds.found)
-    for (const auto& [other_seed, other] : baseline.found) {
+    for (const auto& [other_seed, other] : reference.found) {
       if (seed != other_seed || record->seed != other->seed) continue;
       const std::vector<double>&a = record->trials->error_mm, &b = other->trials->error_mm;
       groups.emplace_back();
@@ -70,7 +91,7 @@ Groups differences(const SeedRecords& seeds, const SeedRecords& baseline) {
   return groups;
 }
 
-runs::PooledErrors errors_of(const SeedRecords& seeds, const SeedRecords* baseline) {
+runs::PooledErrors errors_of(const SeedRecords& seeds, const SeedRecords* reference) {
   runs::PooledErrors out;
   const Groups errors = values_of(seeds, [](const KeptTrials& trials) { return trials.error_mm; });
   const std::vector<double> all = all_of(errors);
@@ -96,11 +117,13 @@ runs::PooledErrors errors_of(const SeedRecords& seeds, const SeedRecords* baseli
   out.completion = mean_of(seeds, &KeptTrials::completion);
   out.corners_reached = mean_of(seeds, &KeptTrials::corners_reached);
   out.frechet_mm = mean_of(seeds, &KeptTrials::frechet_mm);
-  if (baseline != nullptr) {
-    const Groups paired = differences(seeds, *baseline);
-    if (!paired.empty()) {
-      out.from_baseline_mm = mean(all_of(paired));
-      out.from_baseline_interval_mm = ends(interval_of(paired));
+  if (reference != nullptr) {
+    const Groups paired = differences(seeds, *reference);
+    const std::vector<double> shared = all_of(paired);
+    if (!shared.empty()) {
+      out.from_reference_mm = mean(shared);
+      out.from_reference_interval_mm = ends(interval_of(paired));
+      out.n_shared_trials = static_cast<std::int64_t>(shared.size());
     }
   }
   out.n_trials = static_cast<std::int64_t>(all.size());
@@ -110,10 +133,11 @@ runs::PooledErrors errors_of(const SeedRecords& seeds, const SeedRecords* baseli
   return out;
 }
 
-/// When a return was within 5 % of its rise below its maximum, and whether it had stopped rising by then.
-/// Evaluations are smoothed over five.
+/// Whether a return had stopped rising, when it came within 5 % of its rise of its maximum, and whether it
+/// ended lower than that again. The maximum, and the end, are means of five evaluations; it comes there with
+/// the first evaluation from which on five have such a mean, and which is there itself.
 struct Convergence {
-  bool converged = false;
+  bool converged = false, fallen = false;
   std::size_t reached = 0;  ///< entry of the curve
 };
 
@@ -121,22 +145,24 @@ Convergence convergence_of(const std::vector<double>& returns) {
   constexpr std::size_t kSmoothed = 5;
   constexpr double kOfTheRise = 0.05;
   if (returns.size() < 2 * kSmoothed) return {};
-  std::vector<double> smooth;
-  for (std::size_t i = 0; i < returns.size(); ++i) {
-    const std::size_t first = i < kSmoothed ? 0 : i - kSmoothed + 1;
-    double sum = 0.0;
-    for (std::size_t k = first; k <= i; ++k) sum += returns[k];
-    smooth.push_back(sum / static_cast<double>(i - first + 1));
+  std::vector<double> smooth;  // of five that follow one another, by the first of them
+  for (std::size_t i = 0; i + kSmoothed <= returns.size(); ++i) {
+    const auto first = returns.begin() + static_cast<std::ptrdiff_t>(i);
+    smooth.push_back(mean({first, first + kSmoothed}));
   }
-  const auto last_fifth = smooth.begin() + static_cast<std::ptrdiff_t>(smooth.size() * 4 / 5);
-  const double before = *std::max_element(smooth.begin(), last_fifth);
-  const double most = std::max(before, *std::max_element(last_fifth, smooth.end()));
-  const double rise = most - smooth.front();
+  const std::size_t last_fifth = returns.size() * 4 / 5 - (kSmoothed - 1);
+  const auto late = smooth.begin() + static_cast<std::ptrdiff_t>(last_fifth);
+  const double before = *std::max_element(smooth.begin(), late);
+  const double most = std::max(before, *std::max_element(late, smooth.end()));
+  const double rise = most - std::min(returns.front(), smooth.front());
+  const double there = most - kOfTheRise * rise;
   Convergence found;
   found.converged = rise > 0.0 && most - before <= kOfTheRise * rise;
-  const auto reached = std::find_if(smooth.begin(), smooth.end(),
-                                    [&](double value) { return value >= most - kOfTheRise * rise; });
-  found.reached = static_cast<std::size_t>(reached - smooth.begin());
+  found.fallen = smooth.back() < there;
+  const auto is_there = [&](double value) { return value >= there; };
+  const auto from = std::find_if(smooth.begin(), smooth.end(), is_there) - smooth.begin();
+  found.reached = static_cast<std::size_t>(std::find_if(returns.begin() + from, returns.end(), is_there) -
+                                           returns.begin());
   return found;
 }
 
@@ -145,9 +171,22 @@ double unsteadiness_of(const std::vector<double>& returns) {
   return common::standard_deviation({last_fifth, returns.end()});
 }
 
-runs::PooledTraining training_of(const SeedRecords& seeds) {
+/// Of a task's preset, where that says so.
+std::optional<double> success_radius_mm(const CellRecord& record) {
+  const common::Json* key = &record.preset;
+  for (const char* part : {"task", "success_radius_m"}) {
+    if (!key->is_object() || !key->contains(part)) return std::nullopt;
+    key = &(*key)[part];
+  }
+  return key->is_number() ? std::optional(1e3 * key->get<double>()) : std::nullopt;
+}
+
+}  // namespace
+
+runs::PooledTraining pooled_training(const SeedRecords& seeds) {
   runs::PooledTraining out;
-  std::vector<double> steps, wall, processor, returns, success, unsteadiness, wall_to, processor_to, steps_to;
+  std::vector<double> steps, wall, processor, returns, lowest, highest, success, unsteadiness;
+  std::vector<double> wall_to, processor_to, steps_to;
   for (const auto& [seed, record] : seeds.found) {
     const KeptCurve& curve = *record->curve;
     steps.push_back(static_cast<double>(record->policy->env_steps));
@@ -155,10 +194,15 @@ runs::PooledTraining training_of(const SeedRecords& seeds) {
     if (timed) wall.push_back(record->policy->train_seconds);
     if (timed) processor.push_back(record->policy->processor_seconds.value_or(0.0));
     returns.push_back(curve.episode_return.back());
+    lowest.push_back(*std::min_element(curve.episode_return.begin(), curve.episode_return.end()));
+    highest.push_back(*std::max_element(curve.episode_return.begin(), curve.episode_return.end()));
+    if (record->policy->products) add_once(out.products, *record->policy->products);
+    if (!out.success_radius_mm) out.success_radius_mm = success_radius_mm(*record);
     success.push_back(record->policy->fresh_evaluation ? record->policy->fresh_evaluation->success_rate
                                                        : 0.0);
     unsteadiness.push_back(unsteadiness_of(curve.episode_return));
     const Convergence convergence = convergence_of(curve.episode_return);
+    if (convergence.fallen) ++out.n_fallen;
     if (!convergence.converged) continue;
     ++out.n_converged;
     if (timed) wall_to.push_back(curve.seconds[convergence.reached]);
@@ -166,11 +210,14 @@ runs::PooledTraining training_of(const SeedRecords& seeds) {
     steps_to.push_back(curve.env_steps[convergence.reached]);
   }
   out.env_steps = mean(steps);
+  out.n_timed = static_cast<std::int64_t>(wall.size());
   if (!wall.empty()) {
     out.train_seconds = mean(wall);
     out.processor_seconds = mean(processor);
   }
   out.final_return = mean(returns);
+  out.lowest_return = mean(lowest);
+  out.highest_return = mean(highest);
   out.success_rate = mean(success);
   out.unsteadiness = mean(unsteadiness);
   if (steps_to.size() == seeds.found.size()) {
@@ -184,73 +231,95 @@ runs::PooledTraining training_of(const SeedRecords& seeds) {
   return out;
 }
 
-std::vector<double> final_returns(const SeedRecords& seeds) {
-  std::vector<double> returns;
-  for (const auto& [seed, record] : seeds.found)
-    if (record->curve && !record->curve->episode_return.empty())
-      returns.push_back(record->curve->episode_return.back());
-  return returns;
+SeedRecords of_seeds(const SeedRecords& seeds, const SeedRecords& others) {
+  SeedRecords shared;
+  shared.planned = seeds.planned;
+  for (const auto& own : seeds.found)
+    for (const auto& [seed, record] : others.found)
+      if (own.first == seed) shared.found.push_back(own);
+  return shared;
 }
 
-/// What 1 to 3 environments that replay change.
-void compare_mixes(const std::vector<std::pair<std::string, SeedRecords>>& groups, runs::PaperResult& out) {
-  const auto without = out.mixes.find("0");
-  if (without == out.mixes.end()) return;
-  const auto returns_of = [&](const std::string& prefix) {
-    for (const auto& [name, seeds] : groups)
-      if (name == prefix) return final_returns(seeds);
-    return std::vector<double>();
+namespace {
+
+bool are_trainings(const SeedRecords& seeds) {
+  return std::all_of(seeds.found.begin(), seeds.found.end(), [](const auto& found) {
+    const CellRecord& record = *found.second;
+    return record.policy && record.curve && !record.curve->episode_return.empty();
+  });
+}
+
+/// Absent where they share no seed.
+std::optional<runs::TrainingDifference> training_difference(const SeedRecords& seeds,
+                                                            const SeedRecords& others) {
+  const SeedRecords own = of_seeds(seeds, others), other = of_seeds(others, seeds);
+  if (own.found.empty()) return std::nullopt;
+  std::vector<double> returns;
+  for (std::size_t i = 0; i < own.found.size(); ++i)
+    returns.push_back(own.found[i].second->curve->episode_return.back() -
+                      other.found[i].second->curve->episode_return.back());
+  const runs::PooledTraining a = pooled_training(own), b = pooled_training(other);
+  runs::TrainingDifference out;
+  out.final_return = mean(returns);
+  if (const auto interval = common::student_interval(returns)) out.final_return_interval = ends(*interval);
+  out.unsteadiness = a.unsteadiness;
+  out.unsteadiness_of_other = b.unsteadiness;
+  out.steps_to_maximum = a.steps_to_maximum;
+  out.steps_to_maximum_of_other = b.steps_to_maximum;
+  out.n_seeds = static_cast<std::int64_t>(returns.size());
+  return out;
+}
+
+/// Mixes against none, and what the paper leaves open against what was chosen of it.
+void compare_trainings(const std::map<std::string, const SeedRecords*>& groups, runs::PaperResult& out) {
+  const auto compare = [&](const std::string& prefix, const std::string& other, auto& differences,
+                           const std::string& key) {
+    const auto own = groups.find(prefix), with = groups.find(other);
+    if (own == groups.end() || with == groups.end()) return;
+    if (!are_trainings(*own->second) || !are_trainings(*with->second)) return;
+    if (const auto difference = training_difference(*own->second, *with->second))
+      differences[key] = *difference;
   };
-  const std::vector<double> none = returns_of("mix/0");
-  for (const char* k : {"1", "2", "3"}) {
-    const auto mix = out.mixes.find(k);
-    if (mix == out.mixes.end()) continue;
-    const std::vector<double> returns = returns_of(std::string("mix/") + k);
-    runs::MixDifference& difference = out.mix_differences[k];
-    difference.final_return = mean(returns) - mean(none);
-    difference.final_return_interval =
-        ends(common::difference_interval(returns, none, common::RandomStream(1, "bootstrap")));
-    difference.unsteadiness = mix->second.unsteadiness;
-    difference.unsteadiness_without = without->second.unsteadiness;
-    difference.steps_to_maximum = mix->second.steps_to_maximum;
-    difference.steps_to_maximum_without = without->second.steps_to_maximum;
-    difference.n_seeds = static_cast<std::int64_t>(std::min(returns.size(), none.size()));
+  for (const std::string k : {"1", "2", "3"}) compare("mix/" + k, "mix/0", out.mix_differences, k);
+  for (const auto& [prefix, seeds] : groups) {
+    const std::vector<std::string> parts = parts_of(prefix);
+    if (parts.front() != "open" || parts.size() < 3) continue;
+    if (parts[2] == "policy") compare(prefix, "policy/paper/centre", out.open_differences, shown(parts[1]));
+    if (parts[2] == "mix" && parts.size() > 3)
+      compare(prefix, "mix/" + parts[3], out.open_differences, shown(parts[1]) + ", " + parts[3] + " of 3");
   }
+}
+
+/// Whether likelihood was learned, of which the loss is no distance.
+bool learned_likelihood(const CellRecord& record) {
+  const common::Json model =
+      record.preset.is_object() ? record.preset.value("model", common::Json()) : common::Json();
+  return model.is_object() && model.value("components", 0) > 0;
 }
 
 runs::PooledDynamics dynamics_of(const SeedRecords& seeds) {
   runs::PooledDynamics out;
-  std::vector<double> validation, test, position, heading;
+  std::vector<double> validation, test, position, heading, no_motion, neighbours;
   for (const auto& [seed, record] : seeds.found) {
     const runs::DynamicsEvaluation& evaluation = *record->dynamics;
-    if (evaluation.training) validation.push_back(evaluation.training->validation_loss);
+    if (evaluation.training && !learned_likelihood(*record))
+      validation.push_back(evaluation.training->validation_loss);
+    if (evaluation.baselines) {
+      no_motion.push_back(evaluation.baselines->no_motion.position_rms_mm);
+      neighbours.push_back(evaluation.baselines->nearest_neighbours.position_rms_mm);
+    }
     if (evaluation.normalised_l2) test.push_back(*evaluation.normalised_l2);
     position.push_back(evaluation.one_step.position_rms_mm);
     if (evaluation.one_step.heading_rms_deg) heading.push_back(*evaluation.one_step.heading_rms_deg);
   }
-  out.validation_loss = mean(validation);
+  if (!validation.empty()) out.validation_loss = mean(validation);
   out.test_loss = mean(test);
   out.position_rms_mm = mean(position);
   if (!heading.empty()) out.heading_rms_deg = mean(heading);
+  if (!no_motion.empty()) out.no_motion_mm = mean(no_motion);
+  if (!neighbours.empty()) out.neighbours_mm = mean(neighbours);
   out.origin = origin_of(seeds);
   return out;
-}
-
-std::vector<std::string> parts_of(const std::string& id) {
-  std::vector<std::string> parts(1);
-  for (const char c : id) {
-    if (c == '/')
-      parts.emplace_back();
-    else
-      parts.back() += c;
-  }
-  return parts;
-}
-
-/// Names of folders have no spaces.
-std::string shown(std::string name) {
-  std::replace(name.begin(), name.end(), '_', ' ');
-  return name;
 }
 
 void note_origins(const runs::KeptPlan& kept, runs::PaperResult& out) {
@@ -262,9 +331,12 @@ void note_origins(const runs::KeptPlan& kept, runs::PaperResult& out) {
     if (found == kept.records.end()) continue;
     const CellRecord& record = found->second;
     for (const std::string& commit : record.told("git_commit")) add_once(out.commits, commit);
-    const auto processors = record.machine.is_object() ? record.machine.value("processors", 0) : 0;
-    for (const std::string& processor : record.told("processor"))
-      add_once(out.machines, processor + ", " + std::to_string(processors) + " processors");
+    for (const common::Json& part : runs::manifests_of(record.machine)) {
+      const common::Json name = part.value("processor", common::Json());
+      const common::Json processors = part.value("processors", common::Json());
+      if (name.is_string() && processors.is_number_integer())
+        add_once(out.machines, name.get<std::string>() + ", " + processors.dump() + " processors");
+    }
     for (const std::string& time_utc : record.told("time_utc")) dates.insert(time_utc.substr(0, 10));
     out.cell_hours += record.seconds / 3600.0;
   }
@@ -295,9 +367,12 @@ runs::PaperResult paper_figures(const runs::KeptPlan& kept) {
   out.scale = kept.plan.name;
   note_origins(kept, out);
   const auto groups = by_prefix(kept);
-  std::map<std::string, const SeedRecords*> baseline;  // by task
-  for (const auto& [prefix, seeds] : groups)
-    if (prefix.rfind("transfer/baseline/bare/", 0) == 0) baseline[parts_of(prefix).back()] = &seeds;
+  std::map<std::string, const SeedRecords*> by_id;
+  for (const auto& [prefix, seeds] : groups) by_id[prefix] = &seeds;
+  const auto reference = [&by_id](const std::string& own, const std::string& prefix) {
+    const auto found = by_id.find(prefix);
+    return found == by_id.end() || own == prefix ? nullptr : found->second;
+  };
   for (const auto& [prefix, seeds] : groups) {
     if (seeds.found.empty()) continue;
     const std::vector<std::string> parts = parts_of(prefix);
@@ -305,24 +380,27 @@ runs::PaperResult paper_figures(const runs::KeptPlan& kept) {
     const std::string& kind = parts.front();
     if (first.trials) {
       const std::string& task = parts.back();
-      if (kind == "transfer") {
-        const bool itself = parts[1] == "baseline" && parts[2] == "bare";
-        out.transfer[parts[1]][parts[2]][task] = errors_of(seeds, itself ? nullptr : baseline[task]);
-      } else {
-        (kind == "open" ? out.open_choices : out.ablations)[shown(parts[1])][task] =
-            errors_of(seeds, nullptr);
-      }
-    } else if (first.policy && first.curve && !first.curve->episode_return.empty()) {
-      const runs::PooledTraining training = training_of(seeds);
+      if (kind == "transfer")
+        out.transfer[parts[1]][parts[2]][task] =
+            errors_of(seeds, reference(prefix, "transfer/baseline/bare/" + task));
+      if (kind == "open")
+        out.open_choices[shown(parts[1])][task] =
+            errors_of(seeds, reference(prefix, "transfer/paper/bare/" + task));
+      if (kind == "ablation")
+        out.ablations[shown(parts[1])][task] =
+            errors_of(seeds, reference(prefix, "ablation/best_preset/" + task));
+    } else if (are_trainings(seeds)) {
+      const runs::PooledTraining training = pooled_training(seeds);
       if (kind == "policy") out.training[parts[1]][parts[2]] = training;
       if (kind == "mix") out.mixes[parts[1]] = training;
+      if (kind == "ablation") out.ablation_trainings[shown(parts[1])] = training;
       if (kind == "open")
         out.open_trainings[shown(parts[1]) + (parts[2] == "mix" ? ", " + parts[3] + " of 3" : "")] = training;
     } else if (first.dynamics && kind != "ablation") {
       out.dynamics[kind == "open" ? shown(parts[1]) : parts[1]] = dynamics_of(seeds);
     }
   }
-  compare_mixes(groups, out);
+  compare_trainings(by_id, out);
   return out;
 }
 

@@ -1,5 +1,6 @@
 #include "paper_page.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "lodestone/common/statistics.h"
@@ -8,27 +9,45 @@
 
 namespace lodestone::report {
 
-std::string text_of(const char* format, double a, double b, double c) {
+std::string formatted(const char* format, double a, double b, double c) {
   char buffer[128];
   std::snprintf(buffer, sizeof buffer, format, a, b, c);
   return buffer;
 }
 
 std::string or_dash(const char* format, const std::optional<double>& value, double scale) {
-  return value ? text_of(format, scale * *value) : "–";
+  return value ? formatted(format, scale * *value) : "–";
 }
 
 std::string error_text(const runs::PooledErrors& e) {
-  return text_of("%.2f (%.2f to %.2f)", e.mean_error_mm, e.mean_interval_mm[0], e.mean_interval_mm[1]);
+  return formatted("%.2f (%.2f to %.2f)", e.mean_error_mm, e.mean_interval_mm[0], e.mean_interval_mm[1]);
 }
 
 std::string success_text(const runs::PooledErrors& e) {
-  return text_of("%.0f %% (%.0f to %.0f)", 100.0 * e.success_rate, 100.0 * e.success_interval[0],
-                 100.0 * e.success_interval[1]);
+  return formatted("%.0f %% (%.0f to %.0f)", 100.0 * e.success_rate, 100.0 * e.success_interval[0],
+                   100.0 * e.success_interval[1]);
 }
 
 std::string seeds_text(const runs::CellOrigin& origin) {
   return std::to_string(origin.n_seeds) + " of " + std::to_string(origin.n_seeds_planned);
+}
+
+std::string from_reference_text(const runs::PooledErrors& e) {
+  if (!e.from_reference_mm || !e.from_reference_interval_mm) return "–";
+  const std::string text = formatted("%+.2f (%+.2f to %+.2f)", *e.from_reference_mm,
+                                     (*e.from_reference_interval_mm)[0], (*e.from_reference_interval_mm)[1]);
+  return text + (e.n_shared_trials == e.n_trials ? "" : " on " + std::to_string(e.n_shared_trials));
+}
+
+std::string joined(const std::vector<std::string>& parts) {
+  std::string text;
+  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
+  return text;
+}
+
+void PaperTable::came_from(const runs::CellOrigin& origin) {
+  for (const std::string& commit : origin.commits)
+    if (std::find(commits.begin(), commits.end(), commit) == commits.end()) commits.push_back(commit);
 }
 
 void PaperTable::add_missing(std::vector<std::string> named) {
@@ -44,7 +63,8 @@ std::string PaperTable::html() const {
       row[i] = escape(row[i]);
       if (static_cast<int>(i) < text_columns) row[i] = "<span class=\"whole\">" + row[i] + "</span>";
     }
-  return table(headers, escaped, text_columns);
+  return table(headers, escaped, text_columns) +
+         (commits.empty() ? "" : "<p>Commits: " + escape(joined(commits)) + ".</p>");
 }
 
 std::string PaperTable::markdown() const {
@@ -57,7 +77,7 @@ std::string PaperTable::markdown() const {
   for (std::size_t i = 0; i < headers.size(); ++i) out += " --- |";
   out += "\n";
   for (const auto& row : cells) out += line(row);
-  return out;
+  return out + (commits.empty() ? "" : "\nCommits: " + joined(commits) + ".\n");
 }
 
 PaperPage::PaperPage(const runs::KeptPlan& kept_plan)
@@ -78,12 +98,29 @@ const runs::PooledErrors* PaperPage::errors(const std::string& row, const std::s
   return of_variant != nullptr ? find(*of_variant, task) : nullptr;
 }
 
-const runs::PooledTraining* PaperPage::training_of(const std::string& row, const std::string& task) const {
-  if (row == "offline") return find(result.mixes, "offline");
-  const auto* of_row = find(result.training, row);
-  if (of_row == nullptr) return nullptr;
-  const runs::PooledTraining* centre = task == "centre" ? find(*of_row, "centre") : nullptr;
-  return centre != nullptr ? centre : find(*of_row, "target");
+std::optional<runs::PooledTraining> PaperPage::training_of(const std::string& row, const std::string& task,
+                                                           const SeedRecords& driven) const {
+  std::vector<std::string> prefixes = {"policy/" + row + "/target"};
+  if (task == "centre") prefixes.insert(prefixes.begin(), "policy/" + row + "/centre");
+  if (row == "offline") prefixes = {"mix/offline"};
+  for (const std::string& prefix : prefixes) {
+    if (!planned(prefix)) continue;
+    const SeedRecords seeds = of_seeds(*by_id.at(prefix), driven);
+    return seeds.found.empty() ? std::nullopt : std::optional(pooled_training(seeds));
+  }
+  return std::nullopt;
+}
+
+void PaperPage::add_part(const std::string& id, const std::string& title, const std::string& note,
+                         const std::vector<std::pair<std::string, PaperTable>>& titled_tables,
+                         const std::string& html_below) {
+  std::string text = "<p>" + escape(note) + "</p>";
+  markdown += title + "\n\n" + note + "\n\n";
+  for (const auto& [name, its] : titled_tables) {
+    markdown += (name.empty() ? "" : name + "\n\n") + its.markdown() + "\n";
+    text += (name.empty() ? "" : "<h3>" + escape(name) + "</h3>") + its.html();
+  }
+  html.add_section(id, title, text + html_below);
 }
 
 std::string PaperPage::return_chart(const std::string& id, const std::string& title,

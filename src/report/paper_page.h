@@ -16,21 +16,26 @@ constexpr const char* kMissing = "not run yet";
 /// A sentence is built on no fewer training seeds.
 constexpr std::int64_t kEnoughSeeds = 5;
 
-std::string text_of(const char* format, double a, double b = 0.0, double c = 0.0);
+std::string formatted(const char* format, double a, double b = 0.0, double c = 0.0);
 std::string or_dash(const char* format, const std::optional<double>& value, double scale = 1.0);
 /// Mean (95 % interval).
 std::string error_text(const runs::PooledErrors& errors);
 std::string success_text(const runs::PooledErrors& errors);
 std::string seeds_text(const runs::CellOrigin& origin);
+/// Mean difference from the reference with its interval; says of how many trials where those are not all.
+std::string from_reference_text(const runs::PooledErrors& errors);
+std::string joined(const std::vector<std::string>& parts);
 
 /// A table of the paper's page, as HTML and Markdown at once.
 struct PaperTable {
   std::vector<std::string> headers;
   std::vector<std::vector<std::string>> cells = {};
   int text_columns = 2;
+  std::vector<std::string> commits = {};  ///< behind its figures: stand below it
 
   /// A row whose figures are not there.
   void add_missing(std::vector<std::string> named);
+  void came_from(const runs::CellOrigin& origin);
   std::string html() const;
   std::string markdown() const;
 };
@@ -50,8 +55,9 @@ struct PaperPage {
   /// Null where nothing of it is there.
   const runs::PooledErrors* errors(const std::string& row, const std::string& variant,
                                    const std::string& task) const;
-  /// How the policy that does a task was trained; null where that is not there.
-  const runs::PooledTraining* training_of(const std::string& row, const std::string& task) const;
+  /// How the policies that did a task were trained, of the seeds that drove; absent where that is not there.
+  std::optional<runs::PooledTraining> training_of(const std::string& row, const std::string& task,
+                                                  const SeedRecords& driven) const;
   /// Mean evaluation return over steps with two standard deviations, for each group of seeds: name, prefix.
   std::string return_chart(const std::string& id, const std::string& title,
                            const std::vector<std::pair<std::string, std::string>>& lines) const;
@@ -63,6 +69,12 @@ struct PaperPage {
   HtmlPage html;
   std::vector<std::pair<std::string, std::string>> drawings = {};  ///< name of the file, drawing
   std::string markdown = {};
+
+  /// A part of the page: what has to be known before its tables, then these, each with its name if it has
+  /// one.
+  void add_part(const std::string& id, const std::string& title, const std::string& note,
+                const std::vector<std::pair<std::string, PaperTable>>& titled_tables,
+                const std::string& html_below = "");
 };
 
 // The parts, in the order of the page.

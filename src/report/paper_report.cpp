@@ -1,5 +1,7 @@
 #include "lodestone/report/paper_report.h"
 
+#include <algorithm>
+
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/files.h"
 #include "lodestone/report/html.h"
@@ -9,10 +11,15 @@
 namespace lodestone::report {
 namespace {
 
-std::string joined(const std::vector<std::string>& parts) {
-  std::string text;
-  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
-  return text;
+/// Rows whose seeds were run with presets that differ: the one that is now, and one before it.
+std::string of_two_presets(const PaperPage& page) {
+  std::vector<std::string> rows;
+  for (const auto& [prefix, seeds] : page.groups)
+    if (std::any_of(seeds.found.begin(), seeds.found.end(), [&seeds = seeds](const auto& found) {
+          return found.second->preset != seeds.found.front().second->preset;
+        }))
+      rows.push_back(prefix);
+  return rows.empty() ? "" : " Seeds of these rows were run with presets that differ: " + joined(rows) + ".";
 }
 
 void add_summary(PaperPage& page) {
@@ -22,10 +29,11 @@ void add_summary(PaperPage& page) {
            : "Scale " + page.result.scale +
                  ", smaller than the paper's: for the paper's own sizes see the full one. ") +
       std::to_string(page.result.n_cells) + " of " + std::to_string(page.result.n_cells_planned) +
-      " cells are finished (" + text_of("%.1f", page.result.cell_hours) + " hours, one after another), " +
+      " cells are finished (" + formatted("%.1f", page.result.cell_hours) + " hours, one after another), " +
       (page.result.dates.empty() ? ""
                                  : page.result.dates.front() + " to " + page.result.dates.back() + ", ") +
-      "commits " + joined(page.result.commits) + ", on " + joined(page.result.machines) + ".";
+      "commits " + joined(page.result.commits) + ", on " + joined(page.result.machines) + "." +
+      of_two_presets(page);
   page.markdown += text + "\n\n";
   page.html.add_section("what", "What this is", "<p>" + escape(text) + "</p>");
 }
@@ -42,7 +50,7 @@ void add_origins(PaperPage& page) {
     cells.push_back({escape(cell.id), escape(cell.config.empty() ? "–" : cell.config),
                      std::to_string(record.seed), escape(joined(record.told("git_commit"))),
                      escape(joined(record.told("processor"))), std::to_string(record.threads()),
-                     text_of("%.0f", record.seconds)});
+                     formatted("%.0f", record.seconds)});
   }
   page.html.add_section(
       "cells", "Where each cell comes from",

@@ -6,6 +6,7 @@
 #include <set>
 #include <sstream>
 #include <thread>
+#include <unordered_map>
 #include <utility>
 
 #include "lodestone/common/error.h"
@@ -26,16 +27,6 @@ constexpr int kMostOfTime = 10;  // a look that takes long, at a great many cell
 constexpr int kMostRunning = 8;  // named at a time
 
 constexpr const char* kStopFile = "/stop";
-
-/// The last line that a cell wrote.
-std::string last_line(const std::string& log) {
-  if (!fs::exists(log)) return "it said nothing";
-  std::istringstream lines(common::read_file(log));
-  std::string last = "it said nothing";
-  for (std::string line; std::getline(lines, line);)
-    if (!line.empty()) last = line.substr(line.find_last_of('\r') + 1);
-  return last;
-}
 
 /// What is known of the cells while they run.
 class Watch {
@@ -99,6 +90,11 @@ class Watch {
   Clock::time_point next_look_{};
 };
 
+bool is_same_work(const Cell& a, const Cell& b) {
+  return a.verb == b.verb && a.config == b.config && a.settings == b.settings && a.seed == b.seed &&
+         a.seed_offset == b.seed_offset;
+}
+
 /// What went wrong, in one line.
 std::string failure(const Plan& plan, const PlanPlace& place, const Watch& watch) {
   std::set<std::string> left;
@@ -119,7 +115,25 @@ std::string failure(const Plan& plan, const PlanPlace& place, const Watch& watch
   if (waiting > 0) text += ", " + std::to_string(waiting) + " of them because they wait for others";
   if (failed == nullptr) return text;
   const std::string log = log_file(plan, place, failed->id);
-  return text + "; the first, " + failed->id + ": " + last_line(log) + " (" + log + ")";
+  return text + "; the first, " + failed->id + ": " + last_said(log) + " (" + log + ")";
+}
+
+/// A cell that has not finished may be corrected, and others may come and go; what has finished stays what it
+/// was.
+void check_finished_cells(const Plan& plan, const PlanPlace& place) {
+  if (!holds_plan(place.folder)) return;
+  const Plan before = find_plan(place.folder);
+  std::unordered_map<std::string, const Cell*> by_id;
+  for (const Cell& cell : before.cells) by_id.emplace(cell.id, &cell);
+  for (const Cell& cell : plan.cells) {
+    const auto old = by_id.find(cell.id);
+    if (old == by_id.end() || is_same_work(*old->second, cell)) continue;
+    const auto state = find_run(cell_folder(before, place, cell.id));
+    if (state && state->finished)
+      throw common::ConfigError(
+          place.folder + ": the cell " + cell.id +
+          " has finished with other settings: give it another id, or name another --out");
+  }
 }
 
 }  // namespace
@@ -143,11 +157,11 @@ void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const st
     results.keep(plan, place);
     results.restore(plan, place);
   }
+  common::remove_file(place.folder + kStopFile);  // it was meant for an earlier command
   const std::vector<const Cell*> cells = cells_to_run(plan, place, wanted);
   if (cells.empty()) return;
   for (const Cell* cell : cells)
     common::make_folders(fs::path(log_file(plan, place, cell->id)).parent_path().string());
-  common::remove_file(place.folder + kStopFile);
   engine.start(plan, place, cells);
   Watch watch(plan, place, wanted, label);
   bool stopping = false;
@@ -171,10 +185,11 @@ void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const st
 void run_plan_in_folder(const Plan& plan, const PlanPlace& place, Engine& engine, const std::string& verb,
                         common::Json settings, const std::string& only, const std::function<void()>& prepare,
                         std::map<std::string, std::string> inputs) {
+  check_finished_cells(plan, place);
   settings["rig_file"] = place.rig_file;
   RunRequest request{place.folder, verb, settings, plan.seed, /*resume=*/true};
-  request.free_keys = {"threads", "score",
-                       "lower_is_better"};  // the last two: what is told of the runs, not what is run
+  // Score: what is told of the runs, not what is run. Cells: see check_finished_cells().
+  request.free_keys = {"threads", "score", "lower_is_better", "cells"};
   request.inputs = std::move(inputs);
   if (!place.rig_file.empty()) request.inputs["--rig"] = place.rig_file;
   for (const Cell& cell : plan.cells)
@@ -183,7 +198,7 @@ void run_plan_in_folder(const Plan& plan, const PlanPlace& place, Engine& engine
   run.begin();
   prepare();
   run_plan(plan, place, engine, verb, only);
-  if (only.empty()) run.finish();
+  if (unfinished_cells(plan, place, wanted_cells(plan)).empty()) run.finish();
 }
 
 }  // namespace lodestone::runs

@@ -90,6 +90,18 @@ std::unordered_set<std::string> KeptResults::finished(const Plan& plan, const Pl
   return found;
 }
 
+std::int64_t KeptResults::changed(const Plan& plan) const {
+  if (!holds_plan(folder_)) return 0;
+  const Plan kept = find_plan(folder_);
+  std::unordered_map<std::string, const Cell*> by_id;
+  for (const Cell& cell : kept.cells) by_id.emplace(cell.id, &cell);
+  return std::count_if(plan.cells.begin(), plan.cells.end(), [&](const Cell& cell) {
+    const auto before = by_id.find(cell.id);
+    return before != by_id.end() && before->second->settings != cell.settings &&
+           fs::exists(record_file(cell.id));
+  });
+}
+
 void KeptResults::keep(const Plan& plan, const PlanPlace& place) {
   if (!filed_) {
     check_same_plan(folder_, plan);

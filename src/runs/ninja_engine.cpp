@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
 #include <set>
 #include <sstream>
 #include <vector>
@@ -68,20 +67,6 @@ pid_t start_process(std::vector<std::string> command, const std::string& log) {
 
 }  // namespace
 
-std::int64_t widest(const std::vector<const Cell*>& cells) {
-  std::map<std::string, std::int64_t> layer;
-  std::map<std::int64_t, std::int64_t> size;
-  std::int64_t most = 0;
-  for (const Cell* cell : cells) {
-    std::int64_t own = 0;
-    for (const std::string& need : cell->needs())
-      if (const auto found = layer.find(need); found != layer.end()) own = std::max(own, found->second + 1);
-    layer[cell->id] = own;
-    most = std::max(most, ++size[own]);
-  }
-  return most;
-}
-
 std::string ninja_text(const Plan& plan, const PlanPlace& place, const std::vector<const Cell*>& cells) {
   std::set<std::string> ids;
   for (const Cell* cell : cells) ids.insert(cell->id);
@@ -111,12 +96,11 @@ void NinjaEngine::start(const Plan& plan, const PlanPlace& place, const std::vec
   const std::string ninja = find_ninja();
   fs::remove_all(place.folder + "/stamps");  // these cells have to be run, whatever was before
   PlanPlace here = place;
-  const std::int64_t at_a_time = std::clamp<std::int64_t>(widest(cells), 1, place.threads);
-  here.cell_threads = place.threads / at_a_time;
+  here.cell_threads = std::max<std::int64_t>(1, place.threads / static_cast<std::int64_t>(cells.size()));
   common::write_file_atomically(place.folder + "/build.ninja", ninja_text(plan, here, cells));
-  process_ =
-      start_process({ninja, "-f", place.folder + "/build.ninja", "-k", "0", "-j", std::to_string(at_a_time)},
-                    place.folder + "/ninja.log");
+  process_ = start_process(
+      {ninja, "-f", place.folder + "/build.ninja", "-k", "0", "-j", std::to_string(place.threads)},
+      place.folder + "/ninja.log");
 }
 
 bool NinjaEngine::ended() {

@@ -22,8 +22,8 @@ using common::Json;
 constexpr const char* kPlanFile = "/plan.json";
 constexpr std::size_t kLargestPlan = 256 << 20;  // bytes of a file: a million cells
 constexpr std::int64_t kLeastMinutes = 3;        // a cell is told to save one minute before its time is up
-const std::set<std::string> kVerbs = {"collect",      "train-segmenter", "train-dynamics",
-                                      "train-policy", "deploy",          "bench oracle"};
+const std::set<std::string> kVerbs = {"adapt",  "bench oracle",   "bench rigs",   "collect",
+                                      "deploy", "train-dynamics", "train-policy", "train-segmenter"};
 
 /// Calls `use` with every {ID} of a text, and puts in its place what that returns.
 template <class Use>
@@ -68,9 +68,12 @@ void check_id(const std::string& id, const std::string& subfolder) {
   for (std::string part; std::getline(parts, part, '/');)
     if (part.empty() || part == "." || part.find("..") != std::string::npos)
       fail("an id is the name of a folder below the plan's");
-  for (const char* own : {"stamps", "slurm"})
+  for (const char* own : {"stamps", "slurm", "stop", "plan.json", "run.json", "config.json", "manifest.json",
+                          "preset.json", "build.ninja", "ninja.log"})
     if (subfolder.empty() && id.substr(0, id.find('/')) == own)
-      fail(std::string(own) + " is a folder of the engine's; choose another id");
+      fail(std::string(own) + " is the plan's own; choose another id");
+  if (id.size() > 4 && id.compare(id.size() - 4, 4, ".log") == 0)
+    fail("what ends in .log is what another cell says; choose another id");
 }
 
 }  // namespace
@@ -91,6 +94,13 @@ const Cell* Plan::find(const std::string& id) const {
   return found == cells.end() ? nullptr : &*found;
 }
 
+void check_verb(const std::string& verb, const std::string& what) {
+  if (kVerbs.count(verb) > 0) return;
+  std::string known;
+  for (const std::string& each : kVerbs) known += (known.empty() ? "" : ", ") + each;
+  throw ConfigError(what + ": verb = \"" + verb + "\" is none that goes on where it was: " + known);
+}
+
 void Plan::validate() const {
   if (cells.empty()) throw ConfigError("a plan needs at least one cell");
   check_limits(memory_mb, minutes, "the plan");
@@ -98,10 +108,7 @@ void Plan::validate() const {
   for (const Cell& cell : cells) {
     check_id(cell.id, subfolder);
     const std::string what = "cell \"" + cell.id + "\"";
-    if (kVerbs.count(cell.verb) == 0)
-      throw ConfigError(
-          what + ": verb = \"" + cell.verb +
-          "\" must be collect, train-segmenter, train-dynamics, train-policy, deploy or bench oracle");
+    check_verb(cell.verb, what);
     for (const std::string& need : cell.needs())
       if (before.count(need) == 0)
         throw ConfigError(what + " needs {" + need + "}, which is no cell before it in the plan");
@@ -192,6 +199,15 @@ void find_runs_below(const std::string& folder, std::vector<std::string>& found)
 
 }  // namespace
 
+std::string last_said(const std::string& log) {
+  if (!fs::exists(log)) return "it said nothing";
+  std::istringstream lines(common::read_file(log));
+  std::string last = "it said nothing";
+  for (std::string line; std::getline(lines, line);)
+    if (!line.empty()) last = line.substr(line.find_last_of('\r') + 1);
+  return last;
+}
+
 std::vector<StatusRow> status_of(const std::string& folder) {
   std::vector<StatusRow> rows;
   std::error_code unknown;
@@ -200,7 +216,17 @@ std::vector<StatusRow> status_of(const std::string& folder) {
     rows.push_back({name, there ? find_run(path) : std::nullopt, there && is_running(path), path});
   };
   if (const auto plan = common::find_artefact<Plan>(folder + kPlanFile)) {
-    for (const Cell& cell : plan->cells) add(cell.id, cell_folder(*plan, {folder, "", ""}, cell.id));
+    std::set<std::string> open;
+    for (const Cell& cell : plan->cells) {
+      add(cell.id, cell_folder(*plan, {folder, "", ""}, cell.id));
+      StatusRow& row = rows.back();
+      if (row.state && row.state->finished) continue;
+      open.insert(cell.id);
+      if (row.running) continue;
+      for (const std::string& need : cell.needs())
+        if (row.waits_for.empty() && open.count(need) > 0) row.waits_for = need;
+      if (row.waits_for.empty() && fs::exists(row.path + ".log")) row.failure = last_said(row.path + ".log");
+    }
   } else if (find_run(folder)) {
     add(folder, folder);
   } else if (fs::is_directory(folder, unknown)) {

@@ -91,10 +91,15 @@ std::vector<std::string> differing_keys(const Json& there, const Json& here,
                                         const std::vector<std::string>& ignored) {
   std::map<std::string, std::string> before = values_by_key(there);
   std::map<std::string, std::string> now = values_by_key(here);
-  for (const std::string& key : ignored) {
-    before.erase(key);
-    now.erase(key);
-  }
+  const auto is_ignored = [&ignored](const std::string& key) {
+    return std::any_of(ignored.begin(), ignored.end(), [&key](const std::string& whole) {
+      return key.compare(0, whole.size(), whole) == 0 &&
+             (key.size() == whole.size() || key[whole.size()] == '.');
+    });
+  };
+  for (auto* values : {&before, &now})
+    for (auto value = values->begin(); value != values->end();)
+      value = is_ignored(value->first) ? values->erase(value) : std::next(value);
   std::vector<std::string> keys;
   for (const auto& [key, value] : now) {
     const auto found = before.find(key);
@@ -210,7 +215,7 @@ void RunFolder::write_manifest() const {
   Json facts = common::build_and_host_facts();
   if (request_.config.contains("threads")) facts["threads"] = request_.config["threads"];
   Json manifest = common::read_json_if_there(file);
-  if (stage_ == RunStage::kFresh || manifest.is_null()) {
+  if (stage_ == RunStage::kFresh || !manifest.is_object()) {
     manifest = {{"verb", request_.verb}, {"seed", request_.seed}};
     for (const auto& [name, input] : request_.inputs)
       if (const std::string digest = common::path_digest(input); !digest.empty())
@@ -224,6 +229,8 @@ void RunFolder::write_manifest() const {
     bool elsewhere = false;
     for (auto fact = facts.begin(); fact != facts.end(); ++fact) elsewhere = elsewhere || differs(fact);
     if (!elsewhere) return;
+    if (!manifest.contains(kContinued) || !manifest[kContinued].is_array())
+      manifest[kContinued] = Json::array();
     manifest[kContinued].push_back(std::move(facts));
   }
   common::write_file_atomically(file, manifest.dump(2) + "\n");

@@ -114,6 +114,13 @@ std::vector<const Cell*> to_submit(const std::vector<const Cell*>& cells,
 
 }  // namespace
 
+bool cancel_left_jobs(const std::string& folder) {
+  const std::string name = folder + "/slurm/name";
+  if (!fs::exists(name)) return false;
+  common::run_command({"scancel", "--name=" + common::read_file(name)});
+  return true;
+}
+
 void SlurmEngine::start(const Plan& plan, const PlanPlace& place, const std::vector<const Cell*>& cells) {
   folder_ = place.folder + "/slurm";
   waiting_.clear();

@@ -20,6 +20,8 @@ namespace fs = std::filesystem;
 using common::ConfigError;
 using common::Json;
 
+constexpr double kLargestWhole = 9007199254740992.0;  // 2^53: every whole number below is a double
+
 /// One value of one key.
 struct Choice {
   std::string key;
@@ -32,6 +34,7 @@ std::string last_part(const std::string& key) { return key.substr(key.rfind('.')
 std::string as_name(const std::string& text) {
   std::string out;
   for (const char c : text) out += std::string("/{}\"\\ ").find(c) == std::string::npos ? c : '_';
+  for (std::size_t dots = out.find(".."); dots != std::string::npos; dots = out.find("..")) out[dots] = '_';
   return out;
 }
 
@@ -94,6 +97,12 @@ bool better(const Sweep& sweep, double a, double b) { return sweep.lower_is_bett
 
 }  // namespace
 
+std::int64_t SweepHalving::budget(std::int64_t rung) const {
+  std::int64_t out = first;
+  for (std::int64_t r = 1; r < rung; ++r) out *= factor;
+  return out;
+}
+
 void Sweep::check(const std::string& source) const {
   const auto fail = [&](const std::string& what) { throw ConfigError(source + ": " + what); };
   if (verb.empty()) fail("verb is missing: name what is run, such as \"train-policy\"");
@@ -125,6 +134,8 @@ void Sweep::check(const std::string& source) const {
       if (!(range.from < range.to)) fail("random.ranges." + key + ": from must be below to");
       if (range.log && !(range.from > 0.0))
         fail("random.ranges." + key + ": from must be above 0 on a logarithmic scale");
+      if (range.whole && std::max(std::abs(range.from), std::abs(range.to)) > kLargestWhole)
+        fail("random.ranges." + key + ": whole numbers lie within 2^53 of zero");
     }
   }
   if (halving) {
@@ -134,6 +145,10 @@ void Sweep::check(const std::string& source) const {
       fail("halving.factor = " + std::to_string(halving->factor) + " must be at least 2");
     if (halving->rungs < 1 || halving->rungs > 20)
       fail("halving.rungs = " + std::to_string(halving->rungs) + " must be within [1, 20]");
+    double last = static_cast<double>(halving->first);
+    for (std::int64_t rung = 1; rung < halving->rungs; ++rung) last *= static_cast<double>(halving->factor);
+    if (last > kLargestWhole)
+      fail("halving: " + halving->key + " of the last rung, first * factor^(rungs - 1), is beyond 2^53");
   }
 }
 
@@ -223,9 +238,7 @@ std::vector<Cell> sweep_cells(const Sweep& sweep, const std::vector<SweepPoint>&
       cell.settings = sweep.settings;
       cell.settings.insert(cell.settings.end(), point.settings.begin(), point.settings.end());
       if (sweep.halving) {
-        std::int64_t budget = sweep.halving->first;
-        for (std::int64_t r = 1; r < rung; ++r) budget *= sweep.halving->factor;
-        cell.settings.push_back(sweep.halving->key + "=" + std::to_string(budget));
+        cell.settings.push_back(sweep.halving->key + "=" + std::to_string(sweep.halving->budget(rung)));
       }
       cells.push_back(std::move(cell));
     }

@@ -45,6 +45,19 @@ TEST_CASE("below(n) reaches every value evenly") {
   for (const int count : counts) CHECK(std::abs(count - 10000) < 400);
 }
 
+TEST_CASE("below(n) leaves out the uneven tail of the largest numbers") {
+  // Values of next() below n * floor((2^64 - 1) / n) count, modulo n: by hand, beside what draws them.
+  for (const std::uint64_t n : {std::uint64_t{3}, std::uint64_t{1} << 63, (std::uint64_t{1} << 63) + 12345,
+                                UINT64_MAX / 3 * 2, UINT64_MAX}) {
+    RandomStream drawn(4, "tail"), raw(4, "tail");
+    for (int i = 0; i < 200; ++i) {
+      std::uint64_t value = raw.next();
+      while (value >= n * (UINT64_MAX / n)) value = raw.next();
+      CHECK(drawn.below(n) == value % n);
+    }
+  }
+}
+
 TEST_CASE("a restored stream goes on as the saved one, spare normal included") {
   RandomStream random(5, "state");
   random.normal();

@@ -8,9 +8,11 @@ using tests::Kept;
 
 namespace {
 
-std::string mixes(int seeds) {
+std::string mixes(int seeds, bool fall = false) {
   Kept made;
-  const std::vector<double> collapsed(20, -4.0);
+  const std::vector<double> low(20, -4.0);
+  std::vector<double> collapsed = tests::kRisen;
+  for (std::size_t i = 12; i < collapsed.size(); ++i) collapsed[i] = -4.0;
   for (int seed = 1; seed <= seeds; ++seed) {
     std::vector<double> lower = tests::kRisen, alike = tests::kRisen;
     for (double& value : lower) value -= 2.0 + 0.1 * seed;
@@ -19,7 +21,7 @@ std::string mixes(int seeds) {
     made.add_training("mix/0" + name, tests::kRisen);
     made.add_training("mix/1" + name, alike);
     made.add_training("mix/2" + name, lower);
-    made.add_training("mix/3" + name, collapsed);
+    made.add_training("mix/3" + name, fall ? collapsed : low);
   }
   report::PaperPage page(made.kept);
   report::add_mixes(page);
@@ -35,12 +37,20 @@ TEST_CASE("mixes are compared by their final return where there are five seeds o
   CHECK(text.find("3 of 3 replay: the final return is lower (-14.00, -14.00 to -14.00)") !=
         std::string::npos);
   CHECK(text.find("nothing is said") == std::string::npos);
-  CHECK(text.find("its maximum comes after 800 steps instead of 800") != std::string::npos);
+  CHECK(text.find("its maximum comes after 500 steps instead of 500") != std::string::npos);
+  CHECK(text.find("Unlike in the paper, nothing but recorded steps collapsed in 0 of 5 seeds") !=
+        std::string::npos);
+}
+
+TEST_CASE("a collapse is told of as one") {
+  CHECK(mixes(5, true).find("Nothing but recorded steps fell back in 5 of 5 seeds") != std::string::npos);
 }
 
 TEST_CASE("fewer seeds support no sentence") {
   const std::string text = mixes(4);
   CHECK(text.find("fewer than 5 training seeds") != std::string::npos);
   CHECK(text.find("replay: the final return") == std::string::npos);
-  CHECK(text.find("| 3 of 3 | -4.00 | 0.00 | had not converged |") != std::string::npos);
+  CHECK(text.find("collapsed in") == std::string::npos);
+  CHECK(text.find("| 3 of 3, nothing but recorded steps | -4.00 | -14.00 (-14.00 to -14.00, 4 seeds) | 0.000 "
+                  "| had not converged |") != std::string::npos);
 }

@@ -24,10 +24,12 @@ TEST_CASE("a task is done by the policy for it, or by the one for any target") {
   made.add_training("policy/paper/target/1", tests::kRising);
   made.add_training("policy/any_rig/target/1", tests::kRising);
   const report::PaperPage page(made.kept);
-  CHECK(page.training_of("paper", "centre")->n_converged == 1);
-  CHECK(page.training_of("paper", "square")->n_converged == 0);
-  CHECK(page.training_of("any_rig", "centre") != nullptr);
-  CHECK(page.training_of("planner", "centre") == nullptr);
+  const report::SeedRecords& driven = *page.by_id.at("policy/paper/target");
+  CHECK(page.training_of("paper", "centre", driven)->n_converged == 1);
+  CHECK(page.training_of("paper", "square", driven)->n_converged == 0);
+  CHECK(page.training_of("any_rig", "centre", driven));
+  CHECK_FALSE(page.training_of("planner", "centre", driven));
+  CHECK_FALSE(page.training_of("paper", "centre", {}));
   CHECK(page.errors("paper", "bare", "centre") == nullptr);
   CHECK(page.return_chart("fig", "Return", {{"paper", "policy/paper/centre"}}).find("Return") !=
         std::string::npos);

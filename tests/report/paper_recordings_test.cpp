@@ -12,12 +12,20 @@ TEST_CASE("losses stand beside the paper's, and how often somebody placed the ne
   evaluation.training.emplace().validation_loss = 0.07;
   evaluation.normalised_l2 = 0.063;
   evaluation.one_step.position_rms_mm = 4.5;
+  evaluation.baselines.emplace().no_motion.position_rms_mm = 15.0;
+  evaluation.baselines->nearest_neighbours.position_rms_mm = 4.7;
+  runs::CellRecord& likely = made.add("dynamics/best/1");
+  likely.preset = {{"model", {{"components", 3}}}};
+  likely.dynamics = evaluation;
+  likely.dynamics->training->validation_loss = -2.3;
   runs::CollectionFacts& facts = made.add("data/paper").collected.emplace();
   facts.transitions = 34742;
   facts.placements = 2495;
   report::PaperPage page(made.kept);
   report::add_dynamics(page);
-  CHECK(page.markdown.find("| as the paper's | 0.033, 0.045 | 0.070 | 0.063 | 4.50 |") != std::string::npos);
+  CHECK(page.markdown.find("| as the paper's | 0.033, 0.045 | 0.070 | 0.063 | 4.50 | 15.00 | 4.70 |") !=
+        std::string::npos);
+  CHECK(page.markdown.find("| ours | – | – | 0.063 |") != std::string::npos);  // a likelihood is no distance
   CHECK(page.markdown.find("34742 pulses the paper's way, 2495 placements") != std::string::npos);
 }
 

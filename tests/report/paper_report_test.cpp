@@ -32,6 +32,20 @@ TEST_CASE("the page shows what is there beside the paper's, and what is missing 
   CHECK(common::Json::parse(common::read_file(folder / "report.json"))["mixes"]["3"]["final_return"] == 10.0);
 }
 
+TEST_CASE("seeds of one row that were run with two presets are named, and every processor once") {
+  const tests::TemporaryFolder folder;
+  Kept made;
+  made.add_training("policy/best/centre/1", tests::kRisen);
+  made.add_training("policy/best/centre/2", tests::kRisen);
+  made.add_training("policy/best/target/1", tests::kRisen);
+  made.kept.records["policy/best/centre/2"].preset = {{"td3", {{"discount", 0.9}}}};
+  made.kept.records["policy/best/target/1"].machine["continued"] = {
+      {{"processor", "Faster"}, {"processors", 64}, {"git_commit", "def"}}, {{"processors", "x"}}, 5};
+  const std::string text = report::write_paper_report(made.kept, folder.path());
+  CHECK(text.find("were run with presets that differ: policy/best/centre.") != std::string::npos);
+  CHECK(text.find("Fast, 2 processors, Faster, 64 processors") != std::string::npos);
+}
+
 TEST_CASE("nothing gives a page that says so") {
   const tests::TemporaryFolder folder;
   CHECK(report::write_paper_report(Kept().kept, folder.path()).find("0 of 0 cells") != std::string::npos);

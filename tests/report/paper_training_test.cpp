@@ -13,9 +13,9 @@ TEST_CASE("a training that had not converged has no time") {
   made.add("policy/best/target/1", false);
   report::PaperPage page(made.kept);
   report::add_training(page);
-  CHECK(page.markdown.find("| as the paper's, MBS, centre | 1.5 h | 1900 | had not converged | – |") !=
+  CHECK(page.markdown.find("| as the paper's, MBS, centre | 1.5 h | 1\u202f900 | had not converged | – |") !=
         std::string::npos);
-  CHECK(page.markdown.find("| our TD3, MBS, centre | – | 1900 | 80 | 72 |") != std::string::npos);
+  CHECK(page.markdown.find("| our TD3, MBS, centre | – | 1\u202f900 | 500 | 50 | 45 |") != std::string::npos);
   CHECK(page.markdown.find("| our TD3, MBS, random target | – | not run yet |") != std::string::npos);
 }
 
@@ -29,10 +29,10 @@ TEST_CASE("a seed that had more threads than one counts for all but the time") {
   made.kept.records["policy/best/target/1"].machine["threads"] = 2;
   report::PaperPage page(made.kept);
   report::add_training(page);
-  CHECK(
-      page.markdown.find("| our TD3, MBS, centre | – | 1900 | 80 | 72 | 190 | 171 | 11 | 80 % | 2 of 2 |") !=
-      std::string::npos);
-  CHECK(
-      page.markdown.find("| our TD3, MBS, random target | – | 1900 | – | – | – | – | – | 80 % | 1 of 1 |") !=
-      std::string::npos);
+  CHECK(page.markdown.find(
+            "| our TD3, MBS, centre | – | 1\u202f900 | 500 | 50 | 45 | 190 | 171 | 11 | 80 % | – | 1 | "
+            "2 of 2, 2 planned | Fast") != std::string::npos);
+  CHECK(page.markdown.find(
+            "| our TD3, MBS, random target | – | 1\u202f900 | 500 | – | – | – | – | – | 80 % | – | 0 | "
+            "1 of 1, 1 planned |") != std::string::npos);
 }

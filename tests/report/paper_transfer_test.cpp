@@ -22,3 +22,20 @@ TEST_CASE("rows of the transfer table stand beside the paper's, bare ones only, 
   REQUIRE(page.drawings.size() == 3);
   CHECK(page.drawings.front().first == "paper_bare_centre");
 }
+
+TEST_CASE("a row tells of the training of what drove, and of how many trials its difference is") {
+  Kept made;
+  made.add_trials("transfer/best/bare/point/1", 11, {6.0, 8.0});
+  made.add_trials("transfer/best/bare/point/2", 12, {6.0, 8.0});
+  made.add_trials("transfer/baseline/bare/point/1", 11, {3.0, 3.0});
+  made.add_training("policy/best/target/1", tests::kRisen);
+  made.add_training("policy/best/target/2", tests::kRisen);
+  made.add_training("policy/best/target/3", tests::kRisen);  // has not driven yet
+  made.kept.records["policy/best/target/3"].policy->train_seconds = 1000.0;
+  made.kept.records["policy/best/target/2"].machine["git_commit"] = "def";
+  report::PaperPage page(made.kept);
+  report::add_transfer(page);
+  CHECK(page.markdown.find("+4.00 (+3.00 to +5.00) on 2 |") != std::string::npos);
+  CHECK(page.markdown.find("| 4 | 2 of 2 | 1\u202f900 | 190 |") != std::string::npos);
+  CHECK(page.markdown.find("Commits: abc, def.") != std::string::npos);
+}

@@ -89,6 +89,37 @@ TEST_CASE("a plan's folder holds one plan, and is finished when all its cells ar
   CHECK(runs::find_run(place.folder)->finished);
 }
 
+TEST_CASE("a cell that has not finished may be corrected in its folder, one that has may not") {
+  const tests::TemporaryFolder folder;
+  const runs::PlanPlace place{folder / "out", "lodestone", "configs"};
+  const auto run = [&](const Plan& made, std::set<std::string> failing) {
+    FakeEngine engine(std::move(failing));
+    runs::run_plan_in_folder(made, place, engine, "plan run", common::artefact_to_json(made), "");
+    return engine.started;
+  };
+  CHECK_THROWS(run(plan({cell("a", {"sessions=1"}), cell("b", {"wrong=1"})}), {"b"}));
+  const Plan corrected = plan({cell("a", {"sessions=1"}), cell("b", {"sessions=2"}), cell("c")});
+  CHECK(run(corrected, {}) == Ids{"b", "c"});
+  CHECK_THROWS_WITH(run(plan({cell("a", {"sessions=3"}), cell("b", {"sessions=2"})}), {}),
+                    Catch::Contains("the cell a has finished with other settings"));
+  FakeEngine engine;
+  runs::run_plan_in_folder(corrected, place, engine, "plan run", common::artefact_to_json(corrected), "a");
+  CHECK(runs::find_run(place.folder)->finished);  // nothing is left of it
+}
+
+TEST_CASE("a request to stop that nobody met does not stop the next command") {
+  const tests::TemporaryFolder folder;
+  const runs::PlanPlace place{folder / "out", "lodestone", "configs"};
+  const Plan made = plan({cell("a")});
+  for (int i = 0; i < 2; ++i) {  // with something to run, and with nothing
+    common::make_folders(place.folder);
+    runs::ask_to_stop(place.folder);
+    FakeEngine engine;
+    runs::run_plan(made, place, engine, "plan");
+    CHECK_FALSE(runs::asked_to_stop(place.folder));
+  }
+}
+
 TEST_CASE("a plan's folder is that of a rig and of presets that stay what they were") {
   const tests::TemporaryFolder folder;
   const std::string rig = folder / "rig.json", preset = folder / "preset.json", other = folder / "other.json";

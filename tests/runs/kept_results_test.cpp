@@ -110,6 +110,11 @@ TEST_CASE("a record holds no more once the cell, its preset or what it needs is 
   other.cells[1].settings.push_back("epochs=4");
   CHECK(kept.finished(other, place).count("a") == 1);
   CHECK(kept.finished(other, place).count("b") == 0);
+  CHECK(kept.changed(made) == 0);
+  CHECK(kept.changed(other) == 1);
+  other.cells[1].id = "c";  // nothing is kept of that
+  CHECK(kept.changed(other) == 0);
+  other.cells[1].id = "b";
   common::write_file_atomically(folder / "preset.json", "{\"epochs\": 4}");
   CHECK(kept.finished(made, place).count("b") == 0);
   runs::write_plan(other, folder / "kept");  // the page, too, has only what still holds

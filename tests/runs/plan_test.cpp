@@ -46,13 +46,22 @@ TEST_CASE("an id is a folder of its own, and none of the engines'") {
   };
   for (const char* id : {"", "/a", "a//b", ".", "a/./b", "..", "a/..", "a/"})
     refused({id}, "an id is the name of a folder");
-  refused({"stamps"}, "stamps is a folder of the engine's");
-  refused({"slurm/a"}, "slurm is a folder of the engine's");
+  for (const char* own : {"stamps", "slurm/a", "stop", "run.json", "ninja.log/a"})
+    refused({own}, "is the plan's own");
+  refused({"a", "a.log"}, "what ends in .log");
   refused({"a/b", "a"}, "would lie in the folder of cell \"a\"");
   CHECK_NOTHROW(tests::plan({tests::cell("a/b"), tests::cell("ab"), tests::cell("a/stamps")}).validate());
   runs::Plan apart = tests::plan({tests::cell("stamps")});
   apart.subfolder = "cells";
   CHECK_NOTHROW(apart.validate());
+}
+
+TEST_CASE("verbs that do not go on where they were are no cells") {
+  for (const char* verb : {"adapt", "bench rigs", "collect", "deploy"})
+    CHECK_NOTHROW(runs::check_verb(verb, "x"));
+  for (const char* verb : {"evaluate dynamics", "bench paper", "bench", ""})
+    CHECK_THROWS_WITH(runs::check_verb(verb, "x"),
+                      Catch::Contains("x: verb = ") && Catch::Contains("bench rigs"));
 }
 
 TEST_CASE("a cell's command names its folder, its seed and the folders it needs") {

@@ -74,6 +74,28 @@ TEST_CASE("a run that goes on by another build, elsewhere or on more threads say
   lodestone::common::write_file_atomically(folder + "/manifest.json", manifest.dump());
   CHECK(work(4).size() == 3);
   CHECK(lodestone::runs::manifests_of(Json()).empty());
+
+  for (const char* damaged : {"[]", "5", "\"x\"", "{\"continued\": \"x\"}", "{\"continued\": [5]}"}) {
+    INFO(damaged);
+    lodestone::common::write_file_atomically(folder + "/manifest.json", damaged);
+    CHECK(work(4).back()["threads"] == 4);
+  }
+}
+
+TEST_CASE("a free key frees all below it") {
+  const lodestone::tests::TemporaryFolder root;
+  const auto stage = [&](const Json& cells) {
+    RunRequest made = request(root / "run", true);
+    made.config["cells"] = cells;
+    made.config["cellsize"] = cells.size();
+    made.free_keys = {"threads", "cells"};
+    RunFolder run(made);
+    run.begin();
+    return run.stage();
+  };
+  CHECK(stage({{{"id", "a"}}}) == RunStage::kFresh);
+  CHECK(stage({{{"id", "b"}}}) == RunStage::kResumable);
+  CHECK_THROWS_WITH(stage({{{"id", "b"}}, {{"id", "c"}}}), Catch::Contains("cellsize = 2"));
 }
 
 TEST_CASE("a run goes on with what its inputs held when it began, wherever they lie now") {

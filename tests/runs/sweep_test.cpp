@@ -60,6 +60,11 @@ TEST_CASE("a sweep has defaults, and says what is wrong with it") {
           "both in grid");
   refused(R"("halving": {"key": "n", "first": 0})", "halving.first = 0");
   refused(R"("halving": {"key": "n", "first": 5, "factor": 1})", "halving.factor = 1");
+  refused(R"("halving": {"key": "n", "first": 2, "factor": 100000, "rungs": 20})", "beyond 2^53");
+  refused(R"("random": {"count": 3, "ranges": {"a": {"from": 1, "to": 1e30, "whole": true}}})",
+          "within 2^53");
+  CHECK(read(R"({"verb": "deploy", "score": "a.x", "halving": {"key": "n", "first": 5, "rungs": 3}})")
+            .halving->budget(3) == 45);
 }
 
 TEST_CASE("a grid is every combination, named by the last part of its keys") {
@@ -79,6 +84,10 @@ TEST_CASE("a grid is every combination, named by the last part of its keys") {
   const auto twins =
       runs::points_of(read(R"({"verb": "deploy", "score": "s.x", "grid": {"a.rate": [1], "b.rate": [2]}})"));
   CHECK(twins.at(0).name == "a.rate=1,b.rate=2");
+  const auto above = runs::points_of(
+      read(R"({"verb": "deploy", "score": "s.x", "grid": {"data": ["../a.h5", "..."]}, "seeds": 1})"));
+  CHECK(above.at(0).name == "data=_._a.h5");
+  for (const runs::SweepPoint& point : above) CHECK(point.name.find("..") == std::string::npos);
 }
 
 TEST_CASE("random search draws within its ranges, the same every time, each with a name of its own") {

@@ -20,6 +20,12 @@ struct SeedRecords {
 /// Cells "PREFIX/SEED" by PREFIX, in the order in which the plan first names them. `kept` must outlive them.
 std::vector<std::pair<std::string, SeedRecords>> by_prefix(const runs::KeptPlan& kept);
 
+/// Those of the seeds that others have, too.
+SeedRecords of_seeds(const SeedRecords& seeds, const SeedRecords& others);
+
+/// How learning went. All of them are trainings with a curve that is not empty.
+runs::PooledTraining pooled_training(const SeedRecords& seeds);
+
 /// All figures of the paper's experiments. Pooled over what is there; what is not there at all has no entry.
 runs::PaperResult paper_figures(const runs::KeptPlan& kept);
 

@@ -29,6 +29,8 @@ class KeptResults {
   const std::string& folder() const { return folder_; }
   /// Ids of the plan's cells whose records are here and still hold. Throws DataError where one is damaged.
   std::unordered_set<std::string> finished(const Plan& plan, const PlanPlace& place) const;
+  /// How many cells with a record here this plan has with other settings than the kept one.
+  std::int64_t changed(const Plan& plan) const;
   /// Files what is finished in the plan's own folder, and drops checkpoints that nothing needs any more. A
   /// second call, with the same plan, only looks at what was not finished at the first. Throws IoError, and
   /// ConfigError where the folder keeps another plan's, by name or seed.

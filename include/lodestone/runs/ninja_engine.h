@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -8,16 +7,12 @@
 
 namespace lodestone::runs {
 
-/// Most of some of a plan's cells that wait for the same number of others, one after another: about so many
-/// can run at a time. A cell comes after those that it needs.
-std::int64_t widest(const std::vector<const Cell*>& cells);
-
 /// The build.ninja of some of a plan's cells, each after those of them that it needs. Its only outputs are
 /// stamps: ninja may delete the outputs of what it interrupts.
 std::string ninja_text(const Plan& plan, const PlanPlace& place, const std::vector<const Cell*>& cells);
 
-/// Runs cells on this machine, as many at a time as the place has threads; where fewer can run at a time than
-/// that, they share the threads (results do not depend on it). They stop when this process dies.
+/// Runs cells on this machine, as many at a time as the place has threads; fewer cells than threads share
+/// these (results do not depend on it). They stop when this process dies.
 class NinjaEngine final : public Engine {
  public:
   void start(const Plan& plan, const PlanPlace& place, const std::vector<const Cell*>& cells) override;

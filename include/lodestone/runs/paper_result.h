@@ -14,13 +14,14 @@ namespace lodestone::runs {
 /// Where the cells behind a figure were run.
 struct CellOrigin {
   std::int64_t n_seeds = 0, n_seeds_planned = 0;
-  std::vector<std::string> commits;  ///< in order of appearance
+  std::vector<std::string> commits, processors;  ///< in order of appearance
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("n_seeds", n_seeds);
     v.field("n_seeds_planned", n_seeds_planned);
     v.field("commits", commits);
+    v.field("processors", processors);
   }
 };
 
@@ -35,9 +36,11 @@ struct PooledErrors {
   std::array<double, 2> success_interval = {};
   std::optional<double> target_deviation_mm, target_deviation_std_mm;  ///< the paper's measure of a path
   std::optional<double> time_rms_error_mm, completion, corners_reached, frechet_mm;
-  /// Mean difference from the bare baseline on the same trials; negative is closer. Absent for itself.
-  std::optional<double> from_baseline_mm;
-  std::optional<std::array<double, 2>> from_baseline_interval_mm;
+  /// Mean difference on the same trials from a reference; negative is closer. Of Table II that is the bare
+  /// baseline, of an open choice the chosen one, of an ablation the best preset; absent for these themselves.
+  std::optional<double> from_reference_mm;
+  std::optional<std::array<double, 2>> from_reference_interval_mm;
+  std::int64_t n_shared_trials = 0;  ///< of that difference
   std::int64_t n_trials = 0, n_stopped = 0;
   CellOrigin origin;
 
@@ -55,8 +58,9 @@ struct PooledErrors {
     v.field("completion", completion);
     v.field("corners_reached", corners_reached);
     v.field("frechet_mm", frechet_mm);
-    v.field("from_baseline_mm", from_baseline_mm);
-    v.field("from_baseline_interval_mm", from_baseline_interval_mm);
+    v.field("from_reference_mm", from_reference_mm);
+    v.field("from_reference_interval_mm", from_reference_interval_mm);
+    v.field("n_shared_trials", n_shared_trials);
     v.field("n_trials", n_trials);
     v.field("n_stopped", n_stopped);
     origin.visit(v);
@@ -68,10 +72,15 @@ struct PooledTraining {
   double env_steps = 0.0;
   /// Of the seeds that learned on one thread: on the clock, and of the processor. Absent where none did.
   std::optional<double> train_seconds, processor_seconds;
-  double final_return = 0.0;     ///< of the last evaluation
+  std::int64_t n_timed = 0;                          ///< those seeds
+  double final_return = 0.0;                         ///< of the last evaluation
+  double lowest_return = 0.0, highest_return = 0.0;  ///< of all evaluations
   double success_rate = 0.0;     ///< of the policy that was kept, in fresh episodes of its own simulator
   double unsteadiness = 0.0;     ///< standard deviation of the returns in the last fifth, mean over seeds
   std::int64_t n_converged = 0;  ///< seeds whose return had stopped rising
+  std::int64_t n_fallen = 0;     ///< seeds whose return ended by more than 5 % of its rise below its maximum
+  std::vector<std::string> products;        ///< of matrices, as their seeds computed them
+  std::optional<double> success_radius_mm;  ///< of the task that it learned
   /// Until the return was within 5 % of its rise below its maximum; absent unless every seed had converged.
   /// Seconds: as above.
   std::optional<double> seconds_to_maximum, processor_seconds_to_maximum, steps_to_maximum;
@@ -82,10 +91,16 @@ struct PooledTraining {
     v.field("env_steps", env_steps);
     v.field("train_seconds", train_seconds);
     v.field("processor_seconds", processor_seconds);
+    v.field("n_timed", n_timed);
     v.field("final_return", final_return);
+    v.field("lowest_return", lowest_return);
+    v.field("highest_return", highest_return);
     v.field("success_rate", success_rate);
     v.field("unsteadiness", unsteadiness);
     v.field("n_converged", n_converged);
+    v.field("n_fallen", n_fallen);
+    v.field("products", products);
+    v.field("success_radius_mm", success_radius_mm);
     v.field("seconds_to_maximum", seconds_to_maximum);
     v.field("processor_seconds_to_maximum", processor_seconds_to_maximum);
     v.field("steps_to_maximum", steps_to_maximum);
@@ -93,30 +108,35 @@ struct PooledTraining {
   }
 };
 
-/// What environments that replay recorded steps change (Fig. 5), against a training without them.
-struct MixDifference {
-  double final_return = 0.0;                              ///< difference of the means over training seeds
-  std::array<double, 2> final_return_interval = {0, 0};   ///< 95 %, by drawing the seeds of each anew
-  double unsteadiness = 0.0, unsteadiness_without = 0.0;  ///< PooledTraining::unsteadiness of both
-  std::optional<double> steps_to_maximum, steps_to_maximum_without;
-  std::int64_t n_seeds = 0;  ///< of the one that has fewer
+/// One training against another (a mix against none, Fig. 5; an open choice against the chosen one), over the
+/// seeds that both have: of a seed both learn in the same simulator.
+struct TrainingDifference {
+  double final_return = 0.0;                                   ///< mean difference
+  std::optional<std::array<double, 2>> final_return_interval;  ///< 95 %, Student's over seeds; absent of one
+  double unsteadiness = 0.0, unsteadiness_of_other = 0.0;      ///< PooledTraining::unsteadiness
+  std::optional<double> steps_to_maximum, steps_to_maximum_of_other;
+  std::int64_t n_seeds = 0;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("final_return", final_return);
     v.field("final_return_interval", final_return_interval);
     v.field("unsteadiness", unsteadiness);
-    v.field("unsteadiness_without", unsteadiness_without);
+    v.field("unsteadiness_of_other", unsteadiness_of_other);
     v.field("steps_to_maximum", steps_to_maximum);
-    v.field("steps_to_maximum_without", steps_to_maximum_without);
+    v.field("steps_to_maximum_of_other", steps_to_maximum_of_other);
     v.field("n_seeds", n_seeds);
   }
 };
 
 /// A learned simulator (section V-A), means over training seeds.
 struct PooledDynamics {
-  double validation_loss = 0.0, test_loss = 0.0;  ///< squared error in units of the data's spread
+  /// Distance in units of the data's spread; that of validation is absent where likelihood was learned.
+  std::optional<double> validation_loss;
+  double test_loss = 0.0;
   double position_rms_mm = 0.0;
+  /// On the same pulses: nothing moves, and ten nearest neighbours.
+  std::optional<double> no_motion_mm, neighbours_mm;
   std::optional<double> heading_rms_deg;
   CellOrigin origin;
 
@@ -125,6 +145,8 @@ struct PooledDynamics {
     v.field("validation_loss", validation_loss);
     v.field("test_loss", test_loss);
     v.field("position_rms_mm", position_rms_mm);
+    v.field("no_motion_mm", no_motion_mm);
+    v.field("neighbours_mm", neighbours_mm);
     v.field("heading_rms_deg", heading_rms_deg);
     origin.visit(v);
   }
@@ -141,11 +163,13 @@ struct PaperResult {
       transfer;                                                           ///< row, variant, task
   std::map<std::string, std::map<std::string, PooledTraining>> training;  ///< row, task
   std::map<std::string, PooledDynamics> dynamics;
-  std::map<std::string, PooledTraining> mixes;           ///< environments that replay, or "offline"
-  std::map<std::string, MixDifference> mix_differences;  ///< of 1 to 3 environments from none
+  std::map<std::string, PooledTraining> mixes;                ///< environments that replay, or "offline"
+  std::map<std::string, TrainingDifference> mix_differences;  ///< of 1 to 3 environments from none
   std::map<std::string, std::map<std::string, PooledErrors>> open_choices;  ///< choice, task
   std::map<std::string, PooledTraining> open_trainings;                     ///< choice, or choice and mix
-  std::map<std::string, std::map<std::string, PooledErrors>> ablations;     ///< name, task
+  std::map<std::string, TrainingDifference> open_differences;            ///< the same, from what was chosen
+  std::map<std::string, std::map<std::string, PooledErrors>> ablations;  ///< name, task
+  std::map<std::string, PooledTraining> ablation_trainings;              ///< name
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -163,7 +187,9 @@ struct PaperResult {
     v.field("mix_differences", mix_differences);
     v.field("open_choices", open_choices);
     v.field("open_trainings", open_trainings);
+    v.field("open_differences", open_differences);
     v.field("ablations", ablations);
+    v.field("ablation_trainings", ablation_trainings);
   }
 };
 

@@ -39,6 +39,10 @@ struct Cell {
   std::vector<std::string> needs() const;
 };
 
+/// A cell may run verbs that write a run into --out and go on with it. Throws ConfigError for another; `what`
+/// begins its message.
+void check_verb(const std::string& verb, const std::string& what);
+
 /// Runs that need each other: the experiments of the paper, the steps of the quickstart, or a sweep of the
 /// user's.
 struct Plan {
@@ -94,7 +98,12 @@ struct StatusRow {
   std::optional<RunState> state;  ///< absent: not begun
   bool running = false;           ///< a process works on it right now
   std::string path = {};          ///< its folder
+  std::string waits_for = {};     ///< the first cell that it needs and that has not finished
+  std::string failure = {};       ///< what a cell said last that nobody works on and that waits for none
 };
+
+/// The last line of what a cell said; a text about that where there is none.
+std::string last_said(const std::string& log);
 
 /// The run in a folder, the cells of the plan in it, or all runs below it. Throws DataError where one is
 /// damaged, and ConfigError where there is none.

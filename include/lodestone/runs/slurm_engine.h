@@ -12,6 +12,9 @@
 
 namespace lodestone::runs {
 
+/// Cancels the jobs of a plan whose command has died; false where this folder gave Slurm none.
+bool cancel_left_jobs(const std::string& folder);
+
 /// Runs cells on a cluster: job arrays whose tasks wait for what they need, and a last job, all of one name,
 /// which is kept in the plan's folder. They go on when this process dies, and an engine that is started again
 /// finds them: what is running or waiting is not submitted twice. Needs Slurm 20.11 or newer, and a folder

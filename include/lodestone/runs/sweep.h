@@ -47,6 +47,9 @@ struct SweepHalving {
   std::int64_t factor = 3;  ///< of the budget from rung to rung, and of the settings that are dropped
   std::int64_t rungs = 1;
 
+  /// Of a rung, from 1. Not more than 2^53 where check() lets it pass.
+  std::int64_t budget(std::int64_t rung) const;
+
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("key", key);
