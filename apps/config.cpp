@@ -54,7 +54,11 @@ std::vector<common::ConfigRow> configuration_rows(const std::vector<std::string>
                               known);
   }
   parse_only(program, words, what + path + ": ");
-  return verb->configuration();
+  try {
+    return verb->configuration();
+  } catch (const common::ConfigError& error) {
+    throw common::ConfigError(what + path + ": " + error.what());
+  }
 }
 
 void add_config(Verb& program) {

@@ -185,6 +185,8 @@ void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const st
 void run_plan_in_folder(const Plan& plan, const PlanPlace& place, Engine& engine, const std::string& verb,
                         common::Json settings, const std::string& only, const std::function<void()>& prepare,
                         std::map<std::string, std::string> inputs) {
+  plan.validate();
+  wanted_cells(plan, only);
   check_finished_cells(plan, place);
   settings["rig_file"] = place.rig_file;
   RunRequest request{place.folder, verb, settings, plan.seed, /*resume=*/true};

@@ -166,6 +166,22 @@ def a_cell_that_fails(cluster):
     assert state("failing", "goes_on").get("finished"), "a cell that needs nothing that failed was not run"
 
 
+def a_sweep_that_lost_its_command(cluster):
+    """Its jobs outlive it, and are cancelled from elsewhere."""
+    (root / "sweep.json").write_text(json.dumps({
+        "verb": "train-dynamics", "config": ["quickstart/dynamics.json"], "seeds": 2, "score": "evaluation.position_rms_mm",
+        "settings": [f"data={root / 'ninja/data/transitions.h5'}", "training.epochs=5000"]}))
+    running = subprocess.Popen([program, "sweep", str(root / "sweep.json"), "--out", str(root / "sweep"), "--engine", "slurm"],
+                               env=cluster.environment, stderr=subprocess.DEVNULL)
+    cluster.wait_for(lambda: cluster.ask("squeue", "-h", "--states=RUNNING"), "the sweep does not begin", 60)
+    running.kill()
+    running.wait()
+    assert cluster.ask("squeue", "-h"), "the jobs ended with the command"
+    said = subprocess.run([program, "sweep", "cancel", str(root / "sweep")], env=cluster.environment, capture_output=True, text=True, check=True).stdout
+    assert "its jobs are cancelled" in said, said
+    cluster.wait_for(lambda: cluster.ask("squeue", "-h") == "", "sweep cancel left jobs")
+
+
 def the_last_job_reports(cluster):
     """Though the command is gone, and most cells were cancelled."""
     (root / "tiny.json").write_text(json.dumps({"seeds": 1, "ablation_seeds": 1, "transitions": 600, "data_sizes": [300], "trials": 1}))
@@ -186,6 +202,7 @@ def main():
     expected = results("ninja")
     with Cluster() as cluster:
         a_cell_that_fails(cluster)
+        a_sweep_that_lost_its_command(cluster)
         the_last_job_reports(cluster)
         everything_that_ends_tasks(cluster)
         assert results("all") == expected
