@@ -82,21 +82,29 @@ assert errors == sorted(errors), errors
 assert "seeds = 3 (there: 2)" in run(sweep("a", "straight", seeds=3), 2)
 
 # Random search and successive halving: the last rung's budget is the largest, and fewer come there.
-run(sweep("b", "halved", grid={}, seeds=1, random={"count": 4, "ranges": {"td3.learning_rate": {"from": 1e-4, "to": 1e-2, "log": True}}},
-          settings=[text for text in whole["settings"] if "env_steps" not in text],
-          halving={"key": "training.env_steps", "first": 1500, "factor": 2, "rungs": 3}))
+halving = {"key": "training.env_steps", "first": 1500, "factor": 2, "rungs": 3}
+halved = {"grid": {}, "seeds": 1, "random": {"count": 4, "ranges": {"td3.learning_rate": {"from": 1e-4, "to": 1e-2, "log": True}}},
+          "settings": [text for text in whole["settings"] if "env_steps" not in text], "halving": halving}
+run(sweep("b", "halved", **halved))
 assert sorted(row["rung"] for row in results("halved")["rows"]) == [1, 1, 2, 3], results("halved")
 best = results("halved")["rows"][0]["point"]["name"]
 assert json.loads((folder / "halved/rung3" / best / "1/config.json").read_text())["training"]["env_steps"] == 6000
 
+# Cancelled while nothing works on it, it goes on all the same.
+assert "nothing works on it" in run([program, "sweep", "cancel", str(folder / "halved")])
+before = results("halved")
+run(sweep("b", "halved", **halved))
+assert results("halved") == before
+
 # What is wrong is said in one line, and nothing is left behind.
 for changes, what in (({"grid": {"td3.learning_rat": [1]}}, "td3.learning_rate"), ({"verb": "dance"}, "dance"),
                       ({"grid": {"td3.learning_rate": ["fast"]}}, "td3.learning_rate"), ({"config": ["nowhere.json"]}, "nowhere.json"),
-                      ({"verb": "check"}, "check"), ({"score": "x"}, "result.success_rate")):
+                      ({"verb": "check"}, "check"), ({"verb": "evaluate dynamics"}, "bench rigs"),
+                      ({**halved, "halving": {**halving, "factor": 100000}}, "training.env_steps = 15000000000000"), ({"score": "x"}, "result.success_rate")):
     said = run(sweep("bad", "bad", **changes), 2)
     assert what in said and len(said.splitlines()) == 1, said
     assert not (folder / "bad").exists(), changes
 assert "holds no sweep" in run([program, "sweep", "status", str(folder)], 2)
-assert "holds no plan" in run([program, "sweep", "cancel", str(folder)], 2)
+assert "holds no sweep" in run([program, "sweep", "cancel", str(folder)], 2)
 
 print("sweep: straight, killed, cancelled, scored otherwise, halved")
