@@ -187,7 +187,6 @@ void run_plan_in_folder(const Plan& plan, const PlanPlace& place, Engine& engine
                         std::map<std::string, std::string> inputs) {
   plan.validate();
   wanted_cells(plan, only);
-  check_finished_cells(plan, place);
   settings["rig_file"] = place.rig_file;
   RunRequest request{place.folder, verb, settings, plan.seed, /*resume=*/true};
   // Score: what is told of the runs, not what is run. Cells: see check_finished_cells().
@@ -197,6 +196,7 @@ void run_plan_in_folder(const Plan& plan, const PlanPlace& place, Engine& engine
   for (const Cell& cell : plan.cells)
     if (!cell.config.empty()) request.inputs["preset " + cell.config] = preset_file(place, cell);
   RunFolder run(std::move(request));
+  check_finished_cells(plan, place);
   run.begin();
   prepare();
   run_plan(plan, place, engine, verb, only);
