@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <map>
 #include <opencv2/core/utility.hpp>
@@ -42,6 +43,13 @@ void check_output() {
     throw common::IoError("the results could not be written to standard output: check where it goes to");
 }
 
+/// A page that this call did not write: it only listed cells, or ran one of them.
+bool opens_nothing(const std::string& step) {
+  const std::string open = "open ";
+  return step.rfind(open, 0) == 0 &&
+         !std::filesystem::exists(step.substr(open.size(), step.find(" in a browser") - open.size()));
+}
+
 int run(int argc, char** argv) {
   apps::Verb program{
       "lodestone",
@@ -63,7 +71,7 @@ int run(int argc, char** argv) {
       given[row.key] = row.value.is_string() ? row.value.get<std::string>() : row.value.dump();
   const std::string step = apps::next_step(parsed.path, given);
   // On standard error: results go to standard output.
-  if (!step.empty()) std::fprintf(stderr, "next: %s\n", step.c_str());
+  if (!step.empty() && !opens_nothing(step)) std::fprintf(stderr, "next: %s\n", step.c_str());
   return 0;
 }
 

@@ -42,7 +42,9 @@ for row in ("paper", "paper_simulator", "simulator", "randomised", "best", "any_
     for variant in ("bare", "decorated") + (("identified", "identified_decorated") if ours else ()):
         for task in ("centre", "point", "square"):
             assert f"transfer/{row}/{variant}/{task}/1" in cells, (row, variant, task)
-commands = run("--list").splitlines()[1::2]
+listed = subprocess.run(bench("--list"), capture_output=True, text=True, check=True)
+assert "next:" not in listed.stderr, "there is no page yet"
+commands = listed.stdout.splitlines()[1::2]
 seeds = [line.split("--seed ")[1].split()[0] for line in commands if line.split()[1] != "deploy"]
 assert len(set(seeds)) == len(seeds), "runs share a seed"
 
@@ -102,6 +104,10 @@ assert not (elsewhere / "cells/transfer").exists() or not list((elsewhere / "cel
 assert json.loads((elsewhere / "cells/dynamics/paper/1/manifest.json").read_text()) == json.loads(
     (out / "cells/dynamics/paper/1/manifest.json").read_text()), "made again, though its weights were kept"
 assert "mix/3/1" in [cell for cell, state in states().items() if state == "done"], "what was run elsewhere counts here"
+
+# What is kept for everybody stays small.
+kept = sum(file.stat().st_size for file in (source / "results/paper").rglob("*") if file.is_file())
+assert 0 < kept <= 40e6, f"results/paper holds {kept / 1e6:.1f} MB"
 
 # The same folder does not take cells of another size.
 scale.write_text(scale.read_text().replace('"trials": 1', '"trials": 2'))
