@@ -10,6 +10,7 @@
 #include "lodestone/common/statistics.h"
 #include "lodestone/common/student_interval.h"
 #include "lodestone/runs/run_folder.h"
+#include "mean_bootstrap.h"
 
 namespace lodestone::report {
 namespace {
@@ -24,7 +25,8 @@ using Groups = std::vector<std::vector<double>>;
 std::array<double, 2> ends(const Interval& interval) { return {interval.low, interval.high}; }
 
 Interval interval_of(const Groups& groups) {
-  return common::nested_bootstrap_interval(groups, mean, common::RandomStream(1, "bootstrap"));
+  thread_local MeanBootstrap bootstrap("bootstrap");
+  return bootstrap.interval(groups);
 }
 
 std::vector<double> all_of(const Groups& groups) {
