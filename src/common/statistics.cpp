@@ -54,8 +54,10 @@ double exact_tail(const std::vector<std::int64_t>& twice_ranks, std::int64_t twi
 
 double percentile(std::vector<double> values, double fraction) {
   if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(fraction * static_cast<double>(values.size() - 1))];
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
 }
 
 double median(std::vector<double> values) {

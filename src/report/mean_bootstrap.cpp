@@ -7,7 +7,9 @@ namespace {
 
 constexpr std::size_t kResamples = 2000;
 constexpr std::size_t kMostKept = 1 << 16;  // values of all groups: half a gigabyte of indices
+constexpr std::size_t kAtATime = 8;
 constexpr double kTail = 0.025;
+static_assert(kResamples % kAtATime == 0);
 
 }  // namespace
 
@@ -42,10 +44,13 @@ common::Interval MeanBootstrap::interval(const std::vector<std::vector<double>>&
     return common::nested_bootstrap_interval(groups, common::mean, common::RandomStream(1, name_));
   const std::vector<std::uint32_t>& draws = draws_of({filled, size});
   std::vector<double> means;
-  for (std::size_t i = 0; i < kResamples; ++i) {
-    double sum = 0.0;
-    for (std::size_t k = i * values.size(); k < (i + 1) * values.size(); ++k) sum += values[draws[k]];
-    means.push_back(sum / static_cast<double>(values.size()));
+  for (std::size_t i = 0; i < kResamples;
+       i += kAtATime) {  // each sum in its order, and none waits for another
+    const std::uint32_t* drawn = draws.data() + i * values.size();
+    double sums[kAtATime] = {};
+    for (std::size_t k = 0; k < values.size(); ++k)
+      for (std::size_t r = 0; r < kAtATime; ++r) sums[r] += values[drawn[r * values.size() + k]];
+    for (const double sum : sums) means.push_back(sum / static_cast<double>(values.size()));
   }
   return {common::percentile(means, kTail), common::percentile(means, 1.0 - kTail)};
 }
