@@ -11,11 +11,10 @@ namespace {
 
 void print_run(const runs::StatusRow& row, int width) {
   if (!row.state) {
-    std::printf("%-*s  %-8s%s%s\n", width, row.name.c_str(), row.failure.empty() ? "waiting" : "failed",
-                row.failure.empty() && row.waits_for.empty() ? ""
-                : row.failure.empty()                        ? "  for "
-                                                             : "  ",
-                common::escaped(row.failure.empty() ? row.waits_for : row.failure).c_str());
+    const std::string waits =
+        "waiting" + (row.waits_for.empty() ? "" : "   for " + common::escaped(row.waits_for));
+    const std::string how = row.failure.empty() ? waits : "failed    " + common::escaped(row.failure);
+    std::printf("%-*s  %s\n", width, row.name.c_str(), how.c_str());
     return;
   }
   const runs::RunState& state = *row.state;

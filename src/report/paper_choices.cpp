@@ -33,7 +33,7 @@ void add_open_choices(PaperPage& page) {
                            trials ? error_text(*trials) : "–",
                            trials != nullptr && trials != ours_driven ? from_reference_text(*trials) : "–",
                            trials ? success_text(*trials) : "–", seeds_text(training->origin)});
-    table.came_from(training->origin);
+    table.add_commits(training->origin);
   };
   const auto* paper = find(page.result.training, "paper");
   const runs::PooledTraining* ours = paper != nullptr ? find(*paper, "centre") : nullptr;
@@ -78,7 +78,7 @@ void add_ablations(PaperPage& page) {
   PaperTable table{{"our TD3 for points with one change", "point, mean (95 % interval) (mm)",
                     "from best preset, same trials (mm)", "point, success",
                     "square, mean (95 % interval) (mm)", "square, success", "trials of each", "seeds",
-                    "steps", "products"}};
+                    "steps", "precision"}};
   table.text_columns = 1;
   std::size_t few = 0;
   for (const std::string& folder : names) {
@@ -100,15 +100,15 @@ void add_ablations(PaperPage& page) {
                            error_text(*square), success_text(*square), std::to_string(trials),
                            seeds_text(fewest), training != nullptr ? grouped(training->env_steps) : "–",
                            training != nullptr ? joined(training->products) : "–"});
-    table.came_from(point->origin);
-    if (training != nullptr) table.came_from(training->origin);
+    table.add_commits(point->origin);
+    if (training != nullptr) table.add_commits(training->origin);
   }
   if (table.cells.empty()) return;
   std::string note =
-      "Each row changes one thing, and is trained for as many steps as the row named best preset: see the "
-      "column, where that is fewer than in Table II. Unseen rigs, by camera, bare. Products of matrices are "
-      "in "
-      "bfloat16 where a processor is faster so: where a row's differ from best preset's, so does that. ";
+      "Each row changes one thing, and is trained for as many steps as the row named best preset: see "
+      "the column, where that is fewer than in Table II. Unseen rigs, by camera, bare. Products of "
+      "matrices are in bfloat16 where a processor is faster so: where a row's differ from best preset's, "
+      "so does that. ";
   if (few > 0)
     note += std::to_string(few) + " of these rows have fewer than " + std::to_string(kEnoughTrials) +
             " trials or " + std::to_string(kEnoughSeeds) + " seeds: no sentence can be built on them.";

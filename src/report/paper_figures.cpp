@@ -61,8 +61,9 @@ runs::CellOrigin origin_of(const SeedRecords& seeds) {
   origin.n_seeds = static_cast<std::int64_t>(seeds.found.size());
   origin.n_seeds_planned = seeds.planned;
   for (const auto& [seed, record] : seeds.found) {
-    for (const std::string& commit : record->told("git_commit")) add_once(origin.commits, commit);
-    for (const std::string& processor : record->told("processor")) add_once(origin.processors, processor);
+    for (const std::string& commit : record->manifest_texts("git_commit")) add_once(origin.commits, commit);
+    for (const std::string& processor : record->manifest_texts("processor"))
+      add_once(origin.processors, processor);
   }
   return origin;
 }
@@ -233,7 +234,7 @@ runs::PooledTraining pooled_training(const SeedRecords& seeds) {
   return out;
 }
 
-SeedRecords of_seeds(const SeedRecords& seeds, const SeedRecords& others) {
+SeedRecords with_seeds_of(const SeedRecords& seeds, const SeedRecords& others) {
   SeedRecords shared;
   shared.planned = seeds.planned;
   for (const auto& own : seeds.found)
@@ -254,7 +255,7 @@ bool are_trainings(const SeedRecords& seeds) {
 /// Absent where they share no seed.
 std::optional<runs::TrainingDifference> training_difference(const SeedRecords& seeds,
                                                             const SeedRecords& others) {
-  const SeedRecords own = of_seeds(seeds, others), other = of_seeds(others, seeds);
+  const SeedRecords own = with_seeds_of(seeds, others), other = with_seeds_of(others, seeds);
   if (own.found.empty()) return std::nullopt;
   std::vector<double> returns;
   for (std::size_t i = 0; i < own.found.size(); ++i)
@@ -332,14 +333,15 @@ void note_origins(const runs::KeptPlan& kept, runs::PaperResult& out) {
     const auto found = kept.records.find(cell.id);
     if (found == kept.records.end()) continue;
     const CellRecord& record = found->second;
-    for (const std::string& commit : record.told("git_commit")) add_once(out.commits, commit);
+    for (const std::string& commit : record.manifest_texts("git_commit")) add_once(out.commits, commit);
     for (const common::Json& part : runs::manifests_of(record.machine)) {
       const common::Json name = part.value("processor", common::Json());
       const common::Json processors = part.value("processors", common::Json());
       if (name.is_string() && processors.is_number_integer())
         add_once(out.machines, name.get<std::string>() + ", " + processors.dump() + " processors");
     }
-    for (const std::string& time_utc : record.told("time_utc")) dates.insert(time_utc.substr(0, 10));
+    for (const std::string& time_utc : record.manifest_texts("time_utc"))
+      dates.insert(time_utc.substr(0, 10));
     out.cell_hours += record.seconds / 3600.0;
   }
   out.dates.assign(dates.begin(), dates.end());

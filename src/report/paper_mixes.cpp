@@ -37,9 +37,8 @@ std::string collapse(const runs::PooledTraining& alone) {
   if (alone.n_fallen > 0) return "Nothing but recorded steps fell back in " + seeds + " seeds. ";
   return "Unlike in the paper, nothing but recorded steps collapsed in " + seeds +
          " seeds. Our reading, which no cell tests: the paper's operator steered, while these recorded "
-         "pulses "
-         "are drawn at random in every part of the dish, so that nearly all that a policy comes to want has "
-         "been tried there. ";
+         "pulses are drawn at random in every part of the dish, so that nearly all that a policy comes "
+         "to want has been tried there. ";
 }
 
 std::string order(const PaperPage& page) {
@@ -92,23 +91,18 @@ void add_mixes(PaperPage& page) {
          f->steps_to_maximum ? grouped(*f->steps_to_maximum) : "had not converged",
          std::to_string(f->n_fallen) + " of " + std::to_string(f->origin.n_seeds),
          formatted("%.0f %%", 100.0 * f->success_rate), grouped(f->env_steps), seeds_text(f->origin)});
-    table.came_from(f->origin);
+    table.add_commits(f->origin);
   }
   if (table.cells.empty()) return;
   page.add_part(
       "mixes", "Fig. 5, mixes with recorded pseudo-episodes",
-      "Of the paper's three environments, so many play back recorded stretches of 10 to 15 steps, towards "
-      "the "
-      "centre, for as many steps as the table says. Evaluated in the MBS, without them. From 0 of 3: of the "
-      "same seeds, which learn in the same simulators, with the 95 % interval by Student's t over seeds; "
-      "rows "
-      "of other numbers of seeds are not comparable otherwise. Scatter: standard deviation of the last fifth "
-      "of "
-      "the evaluations of a training; steps to maximum as in Table I. Fell back: the last five evaluations "
-      "are "
-      "more than 5 % of the rise below the maximum. The best policy is the one that is kept, the final "
-      "return "
-      "that of the last. " +
+      "Of the paper's three environments, so many play back recorded stretches of 10 to 15 steps, "
+      "towards the centre, for as many steps as the table says. Evaluated in the MBS, without them. From "
+      "0 of 3: of the same seeds, which learn in the same simulators, with the 95 % interval by "
+      "Student's t over seeds; rows of other numbers of seeds are not comparable otherwise. Scatter: "
+      "standard deviation of the last fifth of the evaluations of a training; steps to maximum as in "
+      "Table I. Fell back: the last five evaluations are more than 5 % of the rise below the maximum. "
+      "The best policy is the one that is kept, the final return that of the last. " +
           order(page),
       {{"", table}},
       figure(page.return_chart("fig5", "Return over steps", lines),

@@ -45,7 +45,7 @@ std::string joined(const std::vector<std::string>& parts) {
   return text;
 }
 
-void PaperTable::came_from(const runs::CellOrigin& origin) {
+void PaperTable::add_commits(const runs::CellOrigin& origin) {
   for (const std::string& commit : origin.commits)
     if (std::find(commits.begin(), commits.end(), commit) == commits.end()) commits.push_back(commit);
 }
@@ -105,7 +105,7 @@ std::optional<runs::PooledTraining> PaperPage::training_of(const std::string& ro
   if (row == "offline") prefixes = {"mix/offline"};
   for (const std::string& prefix : prefixes) {
     if (!planned(prefix)) continue;
-    const SeedRecords seeds = of_seeds(*by_id.at(prefix), driven);
+    const SeedRecords seeds = with_seeds_of(*by_id.at(prefix), driven);
     return seeds.found.empty() ? std::nullopt : std::optional(pooled_training(seeds));
   }
   return std::nullopt;

@@ -35,7 +35,7 @@ struct PaperTable {
 
   /// A row whose figures are not there.
   void add_missing(std::vector<std::string> named);
-  void came_from(const runs::CellOrigin& origin);
+  void add_commits(const runs::CellOrigin& origin);
   std::string html() const;
   std::string markdown() const;
 };

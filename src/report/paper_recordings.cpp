@@ -23,7 +23,7 @@ void add_dynamics(PaperPage& page) {
                            formatted("%.3f", f->test_loss), formatted("%.2f", f->position_rms_mm),
                            or_dash("%.2f", f->no_motion_mm), or_dash("%.2f", f->neighbours_mm),
                            or_dash("%.1f", f->heading_rms_deg), seeds_text(f->origin)});
-    table.came_from(f->origin);
+    table.add_commits(f->origin);
   }
   std::string data;
   for (const auto& [id, name] : {std::pair{"data/paper", "the paper's way"}, {"data/best", "our explorer"}}) {

@@ -48,8 +48,8 @@ void add_origins(PaperPage& page) {
     }
     const runs::CellRecord& record = found->second;
     cells.push_back({escape(cell.id), escape(cell.config.empty() ? "–" : cell.config),
-                     std::to_string(record.seed), escape(joined(record.told("git_commit"))),
-                     escape(joined(record.told("processor"))), std::to_string(record.threads()),
+                     std::to_string(record.seed), escape(joined(record.manifest_texts("git_commit"))),
+                     escape(joined(record.manifest_texts("processor"))), std::to_string(record.threads()),
                      formatted("%.0f", record.seconds)});
   }
   page.html.add_section(

@@ -47,23 +47,22 @@ void add_training(PaperPage& page) {
                            std::to_string(f->n_converged) + " of " + std::to_string(f->origin.n_seeds) +
                                ", " + std::to_string(f->origin.n_seeds_planned) + " planned",
                            joined(f->origin.processors)});
-    table.came_from(f->origin);
+    table.add_commits(f->origin);
     charts += page.return_chart(std::string("fig4-") + t.row + "-" + t.task, t.name, {{t.name, prefix}});
   }
   if (table.cells.empty()) return;
   page.add_part(
       "training", "Table I and Fig. 4, training",
       "Seconds are those of seeds that had one thread, evaluations included, on the clock and of the "
-      "processor: the clock also counts what other cells and programs took of the machine meanwhile; a dash "
-      "stands where none had. To the maximum: until the evaluation return was within 5 % of its rise of its "
-      "maximum, and stayed there over five evaluations; given only where no seed's return rose by more than "
-      "that in its last fifth, and no finer than evaluations lie apart. Success is that of each row's own "
-      "task: within what distance, on what share of the dish and in how many steps differ between the "
-      "paper's "
-      "rows, our TD3's and the gradient's, so that it does not compare them. The paper's hours are its Table "
-      "I, "
-      "on its own machine, where three environments took 700 steps/s, 233 times as many as its rig (3 Hz). "
-      "Fig. 4, returns over steps, is drawn on the page that bench paper writes.",
+      "processor: the clock also counts what other cells and programs took of the machine meanwhile; a "
+      "dash stands where none had. To the maximum: until the evaluation return was within 5 % of its "
+      "rise of its maximum, and stayed there over five evaluations; given only where no seed's return "
+      "rose by more than that in its last fifth, and no finer than evaluations lie apart. Success is "
+      "that of each row's own task: within what distance, on what share of the dish and in how many "
+      "steps differ between the paper's rows, our TD3's and the gradient's, so that it does not compare "
+      "them. The paper's hours are its Table I, on its own machine, where three environments took 700 "
+      "steps/s, 233 times as many as its rig (3 Hz). Fig. 4, returns over steps, is drawn on the page "
+      "that bench paper writes.",
       {{"", table}},
       figure("<div class=\"two\">" + charts + "</div>",
              "<b>Fig. 4.</b> Return of fixed evaluation episodes in the simulator that the policy "

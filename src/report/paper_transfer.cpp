@@ -9,31 +9,26 @@ namespace {
 
 constexpr double kDishRadius_mm = 42.5;
 constexpr const char* kTransferNote =
-    "Of a training seed, every row meets the same starts, targets, friction maps, temperatures and cameras, "
-    "each trial on a rig of its own, and none of them was used for any choice; rows of other numbers of "
-    "seeds "
-    "have other trials, too: compare such rows by their differences from the bare pull, which are of the "
-    "same "
-    "trials. Bare: the controller alone. Identified: it is told how strongly the rig answers, which the "
-    "pulses "
-    "themselves say in our MBS. Decorated: stalled commands grow, pulls swing from side to side, no current "
-    "within 1 mm of the target. Paper: its deviation from the targets, on its real rig. Deviation, mean ± "
-    "std: "
-    "of points the distance at the end of a trial of 20 s, of the square the mean distance to the point that "
-    "is fed at the time (they are fed one by one). Error, mean with its 95 % interval: of points the same, "
-    "of "
-    "the square the cross-track RMS; in time: the RMS distance to the point that is fed. From the bare pull: "
-    "mean difference on the same trials with its interval. Completion: share of the square's points that the "
-    "needle came within 3 mm of, in order, within 3 s of their time. Success: within 3 mm; of the square a "
-    "completion of 95 %, every corner within 3 mm, and a cross-track RMS within 3 mm. A trial that was "
-    "stopped "
-    "is scored with the needle where it lay. Intervals draw training seeds and, in them, trials anew; of "
-    "one seed its trials alone, so that they say nothing of other seeds. Where seeds differ more than "
-    "trials do, such an interval is hardly wider than the means of seeds lie apart: two have the mean of all "
-    "between them half of the time, three three times of four, five fifteen of sixteen. Simulators and pull "
-    "have the description's parameters: how a rig differs from it is hidden from everybody. Trained: the "
-    "seeds that drove; seconds are of those that had one thread, beside whatever else the machine did (Table "
-    "I says of which processor), and a dash stands where none had.";
+    "Of a training seed, every row meets the same starts, targets, friction maps, temperatures and "
+    "cameras, each trial on a rig of its own, and none of them was used for any choice; rows of other "
+    "numbers of seeds have other trials, too: compare such rows by their differences from the bare pull, "
+    "which are of the same trials. Bare: the controller alone. Identified: it is told how strongly the "
+    "rig answers, which the pulses themselves say in our MBS. Decorated: stalled commands grow, pulls "
+    "swing from side to side, no current within 1 mm of the target. Paper: its deviation from the "
+    "targets, on its real rig. Deviation, mean ± std: of points the distance at the end of a trial of 20 "
+    "s, of the square the mean distance to the point that is fed at the time (they are fed one by one). "
+    "Error, mean with its 95 % interval: of points the same, of the square the cross-track RMS; in time: "
+    "the RMS distance to the point that is fed. From the bare pull: mean difference on the same trials "
+    "with its interval. Completion: share of the square's points that the needle came within 3 mm of, in "
+    "order, within 3 s of their time. Success: within 3 mm; of the square a completion of 95 %, every "
+    "corner within 3 mm, and a cross-track RMS within 3 mm. A trial that was stopped is scored with the "
+    "needle where it lay. Intervals draw training seeds and, in them, trials anew; of one seed its "
+    "trials alone, so that they say nothing of other seeds. Where seeds differ more than trials do, such "
+    "an interval is hardly wider than the means of seeds lie apart: two have the mean of all between "
+    "them half of the time, three three times of four, five fifteen of sixteen. Simulators and pull have "
+    "the description's parameters: how a rig differs from it is hidden from everybody. Trained: the "
+    "seeds that drove; seconds are of those that had one thread, beside whatever else the machine did "
+    "(Table I says of which processor), and a dash stands where none had.";
 
 /// A row of table II: what drives, and what the paper measured with it.
 struct Row {
@@ -144,8 +139,9 @@ void add_transfer(PaperPage& page) {
         }
         const SeedRecords& driven = *page.by_id.at(prefix);
         table.cells.push_back(cells_of(page, row, variant, variant_name, task, *f, driven));
-        table.came_from(f->origin);
-        if (const auto training = page.training_of(row.key, task, driven)) table.came_from(training->origin);
+        table.add_commits(f->origin);
+        if (const auto training = page.training_of(row.key, task, driven))
+          table.add_commits(training->origin);
         drawings += drawing(page, driven, row, variant, variant_name, task);
       }
     }

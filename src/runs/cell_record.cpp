@@ -115,7 +115,7 @@ void forget_host(Json& manifest) {
 
 }  // namespace
 
-std::vector<std::string> CellRecord::told(const std::string& key) const {
+std::vector<std::string> CellRecord::manifest_texts(const std::string& key) const {
   std::vector<std::string> all;
   for (const Json& part : manifests_of(machine)) {
     const Json value = part.value(key, Json());

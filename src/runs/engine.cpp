@@ -13,6 +13,7 @@
 #include "lodestone/common/files.h"
 #include "lodestone/common/interrupt.h"
 #include "lodestone/common/progress.h"
+#include "lodestone/runs/cell_record.h"
 #include "lodestone/runs/kept_results.h"
 #include "lodestone/runs/open_cells.h"
 
@@ -118,6 +119,17 @@ std::string failure(const Plan& plan, const PlanPlace& place, const Watch& watch
   return text + "; the first, " + failed->id + ": " + last_said(log) + " (" + log + ")";
 }
 
+/// Whether a finished run is that of a cell which the folder's last plan did not have: one before it may
+/// have.
+bool is_run_of_cell(const std::string& folder, const RunState& state, const Plan& plan,
+                    const PlanPlace& place, const Cell& cell) {
+  const common::Json config = common::read_json_if_there(folder + "/config.json");
+  const common::Json manifest = common::read_json_if_there(folder + "/manifest.json");
+  return state.verb == cell.verb && manifest.is_object() &&
+         manifest.value("seed", common::Json()) == cell.seed.value_or(plan.seed) + cell.seed_offset &&
+         is_run_of(config, cell, preset_of(place, cell));
+}
+
 /// A cell that has not finished may be corrected, and others may come and go; what has finished stays what it
 /// was.
 void check_finished_cells(const Plan& plan, const PlanPlace& place) {
@@ -127,9 +139,11 @@ void check_finished_cells(const Plan& plan, const PlanPlace& place) {
   for (const Cell& cell : before.cells) by_id.emplace(cell.id, &cell);
   for (const Cell& cell : plan.cells) {
     const auto old = by_id.find(cell.id);
-    if (old == by_id.end() || is_same_work(*old->second, cell)) continue;
-    const auto state = find_run(cell_folder(before, place, cell.id));
-    if (state && state->finished)
+    if (old != by_id.end() && is_same_work(*old->second, cell)) continue;
+    const std::string folder = cell_folder(plan, place, cell.id);
+    const auto state = find_run(folder);
+    if (!state || !state->finished) continue;
+    if (old != by_id.end() || !is_run_of_cell(folder, *state, plan, place, cell))
       throw common::ConfigError(
           place.folder + ": the cell " + cell.id +
           " has finished with other settings: give it another id, or name another --out");
@@ -189,14 +203,15 @@ void run_plan_in_folder(const Plan& plan, const PlanPlace& place, Engine& engine
   wanted_cells(plan, only);
   settings["rig_file"] = place.rig_file;
   RunRequest request{place.folder, verb, settings, plan.seed, /*resume=*/true};
-  // Score: what is told of the runs, not what is run. Cells: see check_finished_cells().
+  // Score: what is told of the runs, not what is run. Cells (of a plan that a user wrote): see
+  // check_finished_cells().
   request.free_keys = {"threads", "score", "lower_is_better", "cells"};
   request.inputs = std::move(inputs);
   if (!place.rig_file.empty()) request.inputs["--rig"] = place.rig_file;
   for (const Cell& cell : plan.cells)
     if (!cell.config.empty()) request.inputs["preset " + cell.config] = preset_file(place, cell);
   RunFolder run(std::move(request));
-  check_finished_cells(plan, place);
+  if (settings.contains("cells")) check_finished_cells(plan, place);
   run.begin();
   prepare();
   run_plan(plan, place, engine, verb, only);

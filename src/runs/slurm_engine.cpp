@@ -117,7 +117,9 @@ std::vector<const Cell*> to_submit(const std::vector<const Cell*>& cells,
 bool cancel_left_jobs(const std::string& folder) {
   const std::string name = folder + "/slurm/name";
   if (!fs::exists(name)) return false;
-  common::run_command({"scancel", "--name=" + common::read_file(name)});
+  const common::CommandResult said = common::run_command({"scancel", "--name=" + common::read_file(name)});
+  if (said.exit_code != 0)
+    throw common::Error("Slurm does not cancel the jobs: " + said.output.substr(0, said.output.find('\n')));
   return true;
 }
 

@@ -38,10 +38,10 @@ TEST_CASE("a training's record holds its result and its curve, to six digits") {
   CHECK(record.curve->processor_seconds == std::vector<double>{0, 9});
   CHECK(record.machine["git_commit"] == "abc");
   CHECK(record.machine.dump().find("secret") == std::string::npos);
-  CHECK(record.told("git_commit") == std::vector<std::string>{"abc", "def"});
-  CHECK(record.told("processor") == std::vector<std::string>{"unknown"});
+  CHECK(record.manifest_texts("git_commit") == std::vector<std::string>{"abc", "def"});
+  CHECK(record.manifest_texts("processor") == std::vector<std::string>{"unknown"});
   CHECK(record.threads() == 4);
-  CHECK(runs::CellRecord().told("git_commit") == std::vector<std::string>{"unknown"});
+  CHECK(runs::CellRecord().manifest_texts("git_commit") == std::vector<std::string>{"unknown"});
   const auto again = common::artefact_from_json<runs::CellRecord>(artefact_to_json(record), "record");
   CHECK(artefact_to_json(again) == artefact_to_json(record));
 }

@@ -102,6 +102,14 @@ TEST_CASE("a cell that has not finished may be corrected in its folder, one that
   CHECK(run(corrected, {}) == Ids{"b", "c"});
   CHECK_THROWS_WITH(run(plan({cell("a", {"sessions=3"}), cell("b", {"sessions=2"})}), {}),
                     Catch::Contains("the cell a has finished with other settings"));
+
+  // Also where the plan before did not have it, and another one had.
+  CHECK(run(plan({cell("c")}), {}).empty());
+  CHECK_THROWS_WITH(run(plan({cell("a", {"sessions=3"}), cell("c")}), {}),
+                    Catch::Contains("the cell a has finished"));
+  common::write_file_atomically(folder / "out/a/config.json", R"({"sessions": 1})");
+  CHECK(run(plan({cell("a", {"sessions=1"}), cell("c")}), {}).empty());
+  common::write_file_atomically(folder / "out/b/config.json", R"({"sessions": 2})");
   FakeEngine engine;
   runs::run_plan_in_folder(corrected, place, engine, "plan run", common::artefact_to_json(corrected), "a");
   CHECK(runs::find_run(place.folder)->finished);  // nothing is left of it

@@ -21,7 +21,7 @@ struct SeedRecords {
 std::vector<std::pair<std::string, SeedRecords>> by_prefix(const runs::KeptPlan& kept);
 
 /// Those of the seeds that others have, too.
-SeedRecords of_seeds(const SeedRecords& seeds, const SeedRecords& others);
+SeedRecords with_seeds_of(const SeedRecords& seeds, const SeedRecords& others);
 
 /// How learning went. All of them are trainings with a curve that is not empty.
 runs::PooledTraining pooled_training(const SeedRecords& seeds);

@@ -70,7 +70,7 @@ struct CellRecord {
 
   /// What its manifest says under a key ("git_commit", "processor"), each text once, in the order in which
   /// the run was worked on; "unknown" where that is not said.
-  std::vector<std::string> told(const std::string& key) const;
+  std::vector<std::string> manifest_texts(const std::string& key) const;
   /// Most that worked on it at a time; 1 where that is not said.
   std::int64_t threads() const;
 

@@ -12,7 +12,8 @@
 
 namespace lodestone::runs {
 
-/// Cancels the jobs of a plan whose command has died; false where this folder gave Slurm none.
+/// Cancels the jobs of a plan whose command has died; false where this folder gave Slurm none. Throws Error
+/// where Slurm does not.
 bool cancel_left_jobs(const std::string& folder);
 
 /// Runs cells on a cluster: job arrays whose tasks wait for what they need, and a last job, all of one name,
