@@ -13,7 +13,7 @@ void add_training(PaperPage& page) {
   PaperTable table{{"policy", "paper: time to maximum", "steps", "steps to maximum", "time to maximum (s)",
                     "of the processor (s)", "whole training (s)", "of the processor (s)",
                     "steps/s of the processor", "success in its own simulator", "within (mm)", "timed seeds",
-                    "seeds that had converged", "processor"}};
+                    "seeds that had converged", "precision", "processor"}};
   std::string charts;
   for (const Trained& t : std::initializer_list<Trained>{
            {"paper", "centre", "as the paper's, MBS, centre", "1.5 h"},
@@ -46,7 +46,7 @@ void add_training(PaperPage& page) {
                            or_dash("%.0f", f->success_radius_mm), std::to_string(f->n_timed),
                            std::to_string(f->n_converged) + " of " + std::to_string(f->origin.n_seeds) +
                                ", " + std::to_string(f->origin.n_seeds_planned) + " planned",
-                           joined(f->origin.processors)});
+                           f->products.empty() ? "–" : joined(f->products), joined(f->origin.processors)});
     table.add_commits(f->origin);
     charts += page.return_chart(std::string("fig4-") + t.row + "-" + t.task, t.name, {{t.name, prefix}});
   }
@@ -61,8 +61,9 @@ void add_training(PaperPage& page) {
       "that of each row's own task: within what distance, on what share of the dish and in how many "
       "steps differ between the paper's rows, our TD3's and the gradient's, so that it does not compare "
       "them. The paper's hours are its Table I, on its own machine, where three environments took 700 "
-      "steps/s, 233 times as many as its rig (3 Hz). Fig. 4, returns over steps, is drawn on the page "
-      "that bench paper writes.",
+      "steps/s, 233 times as many as its rig (3 Hz). Precision: of the matrix products of TD3, "
+      "bfloat16 where a processor is faster so; the seeds of a row may differ in it. Fig. 4, returns over "
+      "steps, is drawn on the page that bench paper writes.",
       {{"", table}},
       figure("<div class=\"two\">" + charts + "</div>",
              "<b>Fig. 4.</b> Return of fixed evaluation episodes in the simulator that the policy "
