@@ -14,8 +14,17 @@ namespace {
 // Colours of the error map end here, so that a few bad cells do not flatten the rest.
 constexpr double kMapQuantile = 0.97;
 
+/// Whether likelihood was learned: then that is what training and validation tell of, and no distance.
+bool learned_likelihood(const RunData& run) {
+  const common::Json::json_pointer components("/model/components");
+  const common::Json& config = run.dynamics.config;
+  return config.is_object() && config.contains(components) && config.at(components).is_number() &&
+         config.at(components).get<double>() > 0.0;
+}
+
 std::string learning_curve(const RunData& run, const std::string& prefix) {
-  LineChart chart{prefix + "-loss", "Loss during training", "epoch", "normalised loss"};
+  LineChart chart{prefix + "-loss", "Loss during training", "epoch",
+                  learned_likelihood(run) ? "negative log-likelihood" : "normalised loss"};
   const Curve train = curve(run.dynamics.metrics, runs::curves::kTrainLoss);
   const Curve validation = curve(run.dynamics.metrics, runs::curves::kValidationLoss);
   const auto positive = [](const auto& point) { return point.second > 0.0; };
@@ -169,14 +178,6 @@ std::string coverage_html(const runs::DynamicsEvaluation& evaluation) {
   add("position", coverage.position);
   if (coverage.pose) add("position and heading", *coverage.pose);
   return table(headers, rows, 1);
-}
-
-/// Whether likelihood was learned: then that is what training and validation tell of, and no distance.
-bool learned_likelihood(const RunData& run) {
-  const common::Json::json_pointer components("/model/components");
-  const common::Json& config = run.dynamics.config;
-  return config.is_object() && config.contains(components) && config.at(components).is_number() &&
-         config.at(components).get<double>() > 0.0;
 }
 
 std::string metrics_table(const runs::DynamicsEvaluation& evaluation, bool likelihood) {

@@ -50,3 +50,17 @@ TEST_CASE("what baselines miss open loop and how often regions hold is told wher
   CHECK(holds(html, "position</td><td class=\"number\">87.5 % (86.1 to 88.8)"));
   CHECK(holds(html, "position and heading</td><td class=\"number\">75.0 % (86.1 to 88.8)"));
 }
+
+TEST_CASE("a likelihood does not stand beside the paper's distance") {
+  lodestone::report::RunData run;
+  lodestone::runs::DynamicsEvaluation& evaluation = run.evaluation.emplace();
+  evaluation.normalised_l2 = 0.04;
+  evaluation.training.emplace().validation_loss = 0.05;
+  for (const int components : {0, 3}) {
+    run.dynamics.config = {{"model", {{"components", components}}}};
+    const std::string html = lodestone::report::dynamics_section(run, "d");
+    CHECK(holds(html, "0.033") == (components == 0));
+    CHECK(holds(html, "negative log-likelihood") == (components > 0));
+    CHECK(holds(html, "0.045"));  // what is tested is a distance, whatever was learned
+  }
+}
