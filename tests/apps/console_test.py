@@ -119,30 +119,45 @@ navigator.getGamepads = () => [{connected: true, axes: window.pulled, buttons: [
 
 
 def drives_by_stick_and_gamepad(operator):
-    """By finger on the stick of the page, and by a gamepad that has to rest first; its button stops."""
+    """By finger on the stick of the page, and by a gamepad that has to rest first; its button stops. Pulled again where
+    the machine is so busy that the page was silent: what was held then has let go."""
     page = operator.page.ready()
     page.choose("hand")
-    def drives(what):
-        page.wait_for_mode("running")
-        page.wait_for(lambda: any(page.state["on_A"]), f"a current by {what}")
+    again = []
+    def drives(pull, let_go):
+        for _ in range(3):
+            count = len(operator.console.events())
+            ended = lambda: [event["text"] for event in operator.console.events()[count:] if "run ended: " in event["text"]]
+            pull()
+            wait_until(lambda: any(page.state["on_A"]) or ended(),
+                       lambda: f"a current, or the end of the run: {page.said}, {page.state}")
+            if not ended():
+                return
+            again.extend(ended())
+            let_go()
+            page.ready()
+        raise AssertionError(f"no run lasts: {again}")
     box = page.script("const stick = document.getElementById('stick'); stick.scrollIntoView({block: 'center'});"
                       "const box = stick.getBoundingClientRect(); return [box.left, box.top, box.width]")
     at = {"x": box[0] + 0.9 * box[2], "y": box[1] + 0.5 * box[2]}
-    page.do("Input.dispatchTouchEvent", type="touchStart", touchPoints=[at])
-    drives("stick")
-    page.do("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+    def let_stick_go():
+        page.do("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+    drives(lambda: page.do("Input.dispatchTouchEvent", type="touchStart", touchPoints=[at]), let_stick_go)
+    let_stick_go()
     page.wait_for_mode("armed")
     page.script(kGamepad)  # pulled before it may drive
     time.sleep(1.0)
     assert page.mode == "armed", page.said
-    page.script("window.pulled = [0, 0]")
-    time.sleep(0.3)
-    page.script("window.pulled = [0.9, 0]")
-    drives("gamepad")
+    def pull_pad(pulled):
+        page.script(f"window.pulled = {pulled}")
+        time.sleep(0.3)
+    pull_pad([0, 0])
+    drives(lambda: pull_pad([0.9, 0]), lambda: pull_pad([0, 0]))
     page.script("window.pad_stops = true")
     page.shows_stop("(button)")
     page.script("window.pulled = [0, 0]; window.pad_stops = false; delete navigator.getGamepads")
     page.ready().choose("planner")
+    return f"pulled again after: {again}" if again else "done"
 
 
 kCountAsked = """window.asked = { seen: 0, hidden: 0 }; window.hidden_ms = 0;
@@ -573,7 +588,11 @@ with tempfile.TemporaryDirectory() as name:
             if len(sys.argv) > 2 and case.__name__ not in sys.argv[2:]:
                 continue
             begun_s = time.monotonic()
-            told = case(operator) or "done"
+            try:
+                told = case(operator) or "done"
+            except AssertionError as error:
+                error.add_note(f"the last that happened: {[event['text'] for event in operator.console.events()[-6:]]}")
+                raise
             print(f"{case.__name__} ({time.monotonic() - begun_s:.1f} s): {told}", flush=True)
         operator.watcher.check_off(operator.console.events())
 print("the console drives, and stops whatever happens to its page")
