@@ -26,9 +26,9 @@ struct TaskConfig {
   double goal_radius = 0.7;    ///< disc the point goals are drawn from, in dish radii
   double start_radius = 0.82;  ///< disc the starts are drawn from, in dish radii
   Within within = Within::kDisc;
-  double alpha = -10.0;  ///< per dish radius of change of distance (paper-notes: the unit that fits -5..10)
-  double beta = 10.0;    ///< bonus within the success radius
-  double tau = -0.04;    ///< per step
+  double alpha = -10.0;       ///< per dish radius of change of distance; the paper names no unit
+  double beta = 10.0;         ///< bonus within the success radius
+  double tau = -0.04;         ///< per step
   double current_cost = 0.0;  ///< per step and squared action: what holding still saves
   double success_radius_m = 0.003;
   double final_success_radius_m = 0.0;  ///< to which the radius shrinks while training; 0: it stays
