@@ -23,6 +23,7 @@ struct PaperOptions : CommonOptions {
   std::string results;
   std::string from;
   std::string engine = "ninja";
+  bool pace = false;
   bool list = false;
   bool report = false;
 };
@@ -41,8 +42,15 @@ void list_cells(const runs::Plan& plan, const runs::PlanPlace& place) {
   }
 }
 
+/// Below a run's folder, and below that of its results.
+constexpr const char* kPaces = "/pace";
+
 void write_page(const std::string& results, const std::string& folder) {
-  std::printf("%s", report::write_paper_report(runs::read_kept_plan(results), folder).c_str());
+  const std::string paces = results + kPaces;
+  const std::string text = report::write_paper_report(
+      runs::read_kept_plan(results), runs::holds_plan(paces) ? runs::read_kept_plan(paces) : runs::KeptPlan{},
+      folder);
+  std::printf("%s", text.c_str());
   std::printf("report   %s/report.html\n", folder.c_str());
 }
 
@@ -64,6 +72,8 @@ void bench_paper(const PaperOptions& given) {
     throw common::ConfigError("bench paper: --scale " + options.scale + " must be smoke, quick or full");
   if (!options.from.empty())
     return write_page(options.from, options.out.empty() ? "runs/paper-page" : options.out);
+  if (options.pace && options.engine != "ninja")
+    throw common::ConfigError("bench paper: --pace is measured on this machine: leave --engine out");
   if (options.out.empty()) options.out = "runs/paper-" + options.scale;
   if (options.results.empty()) options.results = options.out + "/results";
   if (!options.config_files.empty())
@@ -71,32 +81,37 @@ void bench_paper(const PaperOptions& given) {
   if (options.config_files.empty())
     options.config_files = {shipped_folder("configs") + "/bench/paper_" + options.scale + ".json"};
   const auto scale = resolve_config<experiments::PaperScale>(options);
-  runs::Plan plan = experiments::paper_plan(scale);
+  runs::Plan plan = options.pace ? experiments::paper_pace_plan(scale) : experiments::paper_plan(scale);
   plan.name = options.scale;
   runs::PlanPlace place{options.out,
                         own_path(),
                         shipped_folder("configs"),
                         options.rig_file,
-                        common::thread_count(scale.threads),
+                        options.pace ? 1 : common::thread_count(scale.threads),
                         options.results};
+  if (options.pace) {
+    place.folder += kPaces;
+    place.results += kPaces;
+  }
   if (options.list) return list_cells(plan, place);
   if (!options.only.empty() && runs::cells_named(plan, options.only).empty())
     throw common::ConfigError("bench paper: there is no cell \"" + options.only +
                               "\"; --list prints all of them");
   if (options.report) {
-    runs::KeptResults results(options.results);
+    runs::KeptResults results(place.results);
     if (const std::int64_t n = results.changed(plan); n > 0)
-      throw common::ConfigError("bench paper --report: " + options.results + " keeps " + std::to_string(n) +
+      throw common::ConfigError("bench paper --report: " + place.results + " keeps " + std::to_string(n) +
                                 " cells with other settings: give the --config and --set that they were run "
                                 "with, or --from for the page of what is there");
     results.keep(plan, place);
   } else {
-    if (options.only.empty()) place.last_command = report_command(given, place);
+    if (options.only.empty() && !options.pace) place.last_command = report_command(given, place);
     const std::unique_ptr<runs::Engine> engine = runs::make_engine(options.engine);
     runs::run_plan_in_folder(plan, place, *engine, "bench paper", common::config_to_json(scale),
                              options.only);
     if (!options.only.empty()) return;
   }
+  if (options.pace && !runs::holds_plan(options.results)) return;  // nothing yet for the pace to stand beside
   write_page(options.results, options.out);
 }
 
@@ -110,6 +125,9 @@ void add_bench_paper(Verb& bench) {
   add_common_options(verb, options);
   verb.add_option("--scale", &options.scale,
                   "smoke (about 5 min on 2 cores), quick, or full (the paper's own sizes)");
+  verb.add_option("--pace", &options.pace,
+                  "run instead the beginnings of Table I's trainings, one at a time, for times with nothing "
+                  "beside them: leave the machine to it (about 25 min at the full scale)");
   verb.add_option("--list", &options.list, "print the cells, what is done of them, and the command of each");
   verb.add_option("--report", &options.report, "run nothing; write the report of what is done so far");
   verb.add_option("--results", &options.results,

@@ -1,6 +1,7 @@
 #include "lodestone/common/resource_use.h"
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <ctime>
 #include <filesystem>
@@ -19,6 +20,18 @@ double processor_seconds() {
   timespec used{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
   return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+}
+
+std::optional<double> other_processor_seconds() {
+  // Of all processors together: user, nice, system, idle, waiting, interrupts of two kinds, and stolen.
+  std::ifstream counted("/proc/stat");
+  std::string label;
+  double user = 0.0, nice = 0.0, system = 0.0, idle = 0.0, waiting = 0.0, hard = 0.0, soft = 0.0,
+         stolen = 0.0;
+  counted >> label >> user >> nice >> system >> idle >> waiting >> hard >> soft >> stolen;
+  if (!counted || label != "cpu") return std::nullopt;
+  const double ticks = user + nice + system + hard + soft + stolen;
+  return ticks / static_cast<double>(sysconf(_SC_CLK_TCK)) - processor_seconds();
 }
 
 std::map<std::string, double> processor_seconds_by_thread() {

@@ -1,6 +1,7 @@
 #include "lodestone/experiments/paper_plan.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "lodestone/common/random.h"
@@ -33,6 +34,9 @@ struct PolicyRow {
   std::string presets;  ///< folder of policy_centre.json and policy_target.json
   Settings settings;
   bool learned_here;  ///< is one of ours, so that it is also driven with what identification knows
+
+  std::string centre_config() const { return presets + "/policy_centre.json"; }
+  std::string target_config() const { return presets + "/policy_target.json"; }
 };
 
 /// What an ablation changes in the best preset.
@@ -52,10 +56,7 @@ class Builder {
 
   /// Seed by seed, so that the tables are whole as early as possible.
   runs::Plan take() {
-    add("data/paper", "collect", "paper/collect.json", {set("transitions", scale_.transitions), "sessions=2"})
-        .all_threads = true;
-    add("data/best", "collect", "best/collect_explorer.json", {set("transitions", scale_.transitions)})
-        .all_threads = true;
+    add_recordings();
     for (std::int64_t s = 1; s <= std::max(scale_.seeds, scale_.ablation_seeds); ++s) {
       if (s <= scale_.seeds) add_seed(s);
       if (s > scale_.ablation_seeds) continue;
@@ -64,7 +65,38 @@ class Builder {
     return std::move(plan_);
   }
 
+  /// Every policy of Table I, for a while.
+  runs::Plan take_paces() {
+    add_recordings();
+    const auto add_simulator = [this](const std::string& name) {
+      add(name, "train-dynamics", name == "dynamics/paper" ? "paper/dynamics.json" : "best/dynamics.json",
+          {"data={data/" + name.substr(name.find('/') + 1) + "}/transitions.h5", "training.epochs=1"});
+    };
+    add_simulator("dynamics/paper");
+    add_simulator("dynamics/best");
+    const auto add_pace = [this](const std::string& row, const std::string& task, const std::string& config,
+                                 const Settings& settings, std::int64_t steps) {
+      const std::int64_t evaluations = is_as_the_paper(config) ? kPacedEvaluations : kPacedEvaluationsOfOurs;
+      add_policy("pace/" + row + "/" + task, config, settings, steps,
+                 evaluations * steps_between_evaluations(steps));
+    };
+    for (const PolicyRow& row : rows("dynamics/paper", "dynamics/best")) {
+      add_pace(row.name, "centre", row.centre_config(), row.settings, scale_.centre_steps);
+      add_pace(row.name, "target", row.target_config(), row.settings, scale_.target_steps);
+    }
+    add_pace("any_rig", "target", kGradient, {"dynamics=" + checkpoint_of("dynamics/best")},
+             scale_.target_steps);
+    return std::move(plan_);
+  }
+
  private:
+  void add_recordings() {
+    add("data/paper", "collect", "paper/collect.json", {set("transitions", scale_.transitions), "sessions=2"})
+        .all_threads = true;
+    add("data/best", "collect", "best/collect_explorer.json", {set("transitions", scale_.transitions)})
+        .all_threads = true;
+  }
+
   runs::Cell& add(const std::string& id, const std::string& verb, const std::string& config,
                   Settings settings) {
     runs::Cell cell;
@@ -83,13 +115,21 @@ class Builder {
                                      12);
   }
 
-  void add_policy(const std::string& id, const std::string& config, Settings settings, std::int64_t steps) {
-    const bool as_the_paper = config.rfind("paper/", 0) == 0;
-    settings.insert(settings.end(), {set("training.env_steps", steps),
-                                     set("training.buffer_size", std::min<std::int64_t>(steps, 1000000)),
-                                     set("training.warm_up_steps",
-                                         std::min<std::int64_t>(steps / 20, as_the_paper ? 5000 : 20000)),
-                                     set("training.evaluate_every", std::max<std::int64_t>(steps / 50, 1))});
+  static bool is_as_the_paper(const std::string& config) { return config.rfind("paper/", 0) == 0; }
+
+  static std::int64_t steps_between_evaluations(std::int64_t steps) {
+    return std::max<std::int64_t>(steps / 50, 1);
+  }
+
+  /// A training of so many steps, and how many of them it does.
+  void add_policy(const std::string& id, const std::string& config, Settings settings, std::int64_t steps,
+                  std::optional<std::int64_t> done = std::nullopt) {
+    settings.insert(settings.end(),
+                    {set("training.env_steps", done.value_or(steps)),
+                     set("training.buffer_size", std::min<std::int64_t>(steps, 1000000)),
+                     set("training.warm_up_steps",
+                         std::min<std::int64_t>(steps / 20, is_as_the_paper(config) ? 5000 : 20000)),
+                     set("training.evaluate_every", steps_between_evaluations(steps))});
     if (config != kGradient)
       settings.emplace_back("td3.products=bfloat16");  // where the processor is faster so
     add(id, "train-policy", config, std::move(settings));
@@ -134,32 +174,35 @@ class Builder {
     add_open_choices(s, paper);
   }
 
-  /// Rows of tables I and II and figures 4 and 6 for one training seed.
-  void add_tables(std::int64_t s, const std::string& paper, const std::string& best) {
-    const Settings in_paper = {"dynamics=" + checkpoint_of(paper)};
-    const Settings in_best = {"dynamics=" + checkpoint_of(best)};
-    const std::string any_rig = with_seed("policy/any_rig/target", s);
-    add_policy(any_rig, kGradient, in_best, scale_.target_steps);
-    for (const char* task : {"centre", "point", "square"}) {
-      add_transfer("any_rig", task, s, {"controller=policy", "policy=" + checkpoint_of(any_rig)}, best);
-      add_transfer("planner", task, s, {"controller=planner"}, best);
-      add_transfer("baseline", task, s, {"controller=baseline"}, best);
-    }
-    const std::vector<PolicyRow> rows = {
-        {"best", "best", in_best, true},
+  /// Policies of tables I and II that learn by trial, in simulators that these cells learn or in none of
+  /// them.
+  static std::vector<PolicyRow> rows(const std::string& paper, const std::string& best) {
+    return {
+        {"best", "best", {"dynamics=" + checkpoint_of(best)}, true},
         {"simulator", "simulator", {}, false},
         {"randomised", "simulator", {"physics.randomise.enabled=true"}, false},
-        {"paper", "paper", in_paper, false},  // by far the longest
+        {"paper", "paper", {"dynamics=" + checkpoint_of(paper)}, false},  // by far the longest
         {"paper_simulator",
          "paper",
          {"simulator=physics", "task.start_radius=0.82"},
          false},  // clear of the wall
     };
-    for (const PolicyRow& row : rows) {
+  }
+
+  /// Rows of tables I and II and figures 4 and 6 for one training seed.
+  void add_tables(std::int64_t s, const std::string& paper, const std::string& best) {
+    const std::string any_rig = with_seed("policy/any_rig/target", s);
+    add_policy(any_rig, kGradient, {"dynamics=" + checkpoint_of(best)}, scale_.target_steps);
+    for (const char* task : {"centre", "point", "square"}) {
+      add_transfer("any_rig", task, s, {"controller=policy", "policy=" + checkpoint_of(any_rig)}, best);
+      add_transfer("planner", task, s, {"controller=planner"}, best);
+      add_transfer("baseline", task, s, {"controller=baseline"}, best);
+    }
+    for (const PolicyRow& row : rows(paper, best)) {
       const std::string centre = with_seed("policy/" + row.name + "/centre", s);
       const std::string target = with_seed("policy/" + row.name + "/target", s);
-      add_policy(centre, row.presets + "/policy_centre.json", row.settings, scale_.centre_steps);
-      add_policy(target, row.presets + "/policy_target.json", row.settings, scale_.target_steps);
+      add_policy(centre, row.centre_config(), row.settings, scale_.centre_steps);
+      add_policy(target, row.target_config(), row.settings, scale_.target_steps);
       const std::string identified_by = row.learned_here ? best : "";
       for (const char* task : {"centre", "point", "square"}) {
         const std::string& policy = std::string(task) == "centre" ? centre : target;
@@ -261,6 +304,8 @@ class Builder {
   }
 
   static constexpr std::int64_t kDrawnTrials = 8;  // of the first seed
+  // The second half of them is timed, which warming up ends before; ours are quick.
+  static constexpr std::int64_t kPacedEvaluations = 2, kPacedEvaluationsOfOurs = 10;
   static constexpr const char* kGradient = "best/policy_any_rig.json";
   static constexpr const char* kBare = "paper/deploy.json";
   static constexpr const char* kDecorated = "best/deploy.json";
@@ -272,5 +317,12 @@ class Builder {
 }  // namespace
 
 runs::Plan paper_plan(const PaperScale& scale) { return Builder(scale).take(); }
+
+runs::Plan paper_pace_plan(const PaperScale& scale) {
+  constexpr std::int64_t kEnoughPulses = 2000;
+  PaperScale small = scale;
+  small.transitions = std::min(scale.transitions, kEnoughPulses);
+  return Builder(small).take_paces();
+}
 
 }  // namespace lodestone::experiments

@@ -325,6 +325,23 @@ runs::PooledDynamics dynamics_of(const SeedRecords& seeds) {
   return out;
 }
 
+/// Between the evaluations of the second half; absent where there is none of one.
+std::optional<runs::TrainingPace> pace_of(const SeedRecords& seeds) {
+  const CellRecord& record = *seeds.found.front().second;
+  const KeptCurve& curve = *record.curve;
+  const std::size_t from = curve.env_steps.size() / 2;
+  if (curve.env_steps.size() < 2 || curve.seconds.back() <= curve.seconds[from]) return std::nullopt;
+  const double seconds = curve.seconds.back() - curve.seconds[from];
+  runs::TrainingPace pace;
+  pace.steps_per_s = (curve.env_steps.back() - curve.env_steps[from]) / seconds;
+  pace.processor_share = (curve.processor_seconds.back() - curve.processor_seconds[from]) / seconds;
+  if (record.policy->other_processor_seconds)
+    pace.others = *record.policy->other_processor_seconds / record.policy->train_seconds;
+  if (record.policy->products) pace.products.push_back(*record.policy->products);
+  pace.origin = origin_of(seeds);
+  return pace;
+}
+
 void note_origins(const runs::KeptPlan& kept, runs::PaperResult& out) {
   out.n_cells = static_cast<std::int64_t>(kept.records.size());
   out.n_cells_planned = static_cast<std::int64_t>(kept.plan.cells.size());
@@ -366,7 +383,7 @@ std::vector<std::pair<std::string, SeedRecords>> by_prefix(const runs::KeptPlan&
   return groups;
 }
 
-runs::PaperResult paper_figures(const runs::KeptPlan& kept) {
+runs::PaperResult paper_figures(const runs::KeptPlan& kept, const runs::KeptPlan& paces) {
   runs::PaperResult out;
   out.scale = kept.plan.name;
   note_origins(kept, out);
@@ -405,6 +422,11 @@ runs::PaperResult paper_figures(const runs::KeptPlan& kept) {
     }
   }
   compare_trainings(by_id, out);
+  for (const auto& [id, cell] : by_prefix(paces)) {
+    const std::vector<std::string> parts = parts_of(id);
+    if (parts.front() != "pace" || cell.found.empty() || !are_trainings(cell)) continue;
+    if (const auto pace = pace_of(cell)) out.paces[parts[1]][parts[2]] = *pace;
+  }
   return out;
 }
 

@@ -80,10 +80,10 @@ std::string PaperTable::markdown() const {
   return out + (commits.empty() ? "" : "\nCommits: " + joined(commits) + ".\n");
 }
 
-PaperPage::PaperPage(const runs::KeptPlan& kept_plan)
+PaperPage::PaperPage(const runs::KeptPlan& kept_plan, const runs::KeptPlan& paces)
     : kept(kept_plan),
       groups(by_prefix(kept)),
-      result(paper_figures(kept)),
+      result(paper_figures(kept, paces)),
       html("The paper's experiments, on the virtual rig",
            "Section V beside ours: every figure of ours is measured against the true pose on virtual rigs "
            "that no "

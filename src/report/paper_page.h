@@ -48,8 +48,8 @@ const typename Map::mapped_type* find(const Map& map, const std::string& key) {
 
 /// What every part of the paper's page reads, and adds itself to.
 struct PaperPage {
-  /// `kept` must outlive it.
-  explicit PaperPage(const runs::KeptPlan& kept);
+  /// `kept` must outlive it. Paces: of the trainings of Table I, where they were measured.
+  explicit PaperPage(const runs::KeptPlan& kept, const runs::KeptPlan& paces = {});
 
   bool planned(const std::string& prefix) const { return by_id.count(prefix) > 0; }
   /// Null where nothing of it is there.

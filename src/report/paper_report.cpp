@@ -61,8 +61,9 @@ void add_origins(PaperPage& page) {
 
 }  // namespace
 
-std::string write_paper_report(const runs::KeptPlan& kept, const std::string& folder) {
-  PaperPage page(kept);
+std::string write_paper_report(const runs::KeptPlan& kept, const runs::KeptPlan& paces,
+                               const std::string& folder) {
+  PaperPage page(kept, paces);
   add_summary(page);
   add_transfer(page);
   add_training(page);

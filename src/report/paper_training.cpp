@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <initializer_list>
 #include <optional>
 
@@ -5,14 +6,45 @@
 #include "paper_page.h"
 
 namespace lodestone::report {
+namespace {
+
+void add_new(std::vector<std::string>& list, const std::vector<std::string>& texts) {
+  for (const std::string& text : texts)
+    if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
+}
+
+/// What the columns of trainings that were alone rest on.
+std::string alone_text(const PaperPage& page) {
+  std::vector<std::string> commits, processors, products;
+  double least_share = 1.0, most_others = 0.0;
+  std::size_t count = 0;
+  for (const auto& [row, tasks] : page.result.paces)
+    for (const auto& [task, pace] : tasks) {
+      ++count;
+      add_new(commits, pace.origin.commits);
+      add_new(processors, pace.origin.processors);
+      add_new(products, pace.products);
+      least_share = std::min(least_share, pace.processor_share);
+      most_others = std::max(most_others, pace.others.value_or(0.0));
+    }
+  if (count == 0) return "Alone: not measured yet (bench paper --pace).";
+  return "Alone: at the pace, once warm, of " + std::to_string(count) +
+         " trainings that were begun one after another, on one thread with nothing beside it (bench paper "
+         "--pace; " +
+         joined(processors) + "; " + joined(products) + "; commits " + joined(commits) +
+         formatted("), of which each had at least %.0f %% of a processor; others kept at most %.2f busy.",
+                   100.0 * least_share, most_others);
+}
+
+}  // namespace
 
 void add_training(PaperPage& page) {
   struct Trained {
     const char *row, *task, *name, *published;
   };
-  PaperTable table{{"policy", "paper: time to maximum", "steps", "steps to maximum", "time to maximum (s)",
-                    "of the processor (s)", "whole training (s)", "of the processor (s)",
-                    "steps/s of the processor", "success in its own simulator", "within (mm)", "timed seeds",
+  PaperTable table{{"policy", "paper: time to maximum", "steps", "steps to maximum", "steps/s, alone",
+                    "time to maximum (s), alone", "as it ran (s)", "whole training (s), alone",
+                    "as it ran (s)", "success in its own simulator", "within (mm)", "timed seeds",
                     "seeds that had converged", "precision", "processor"}};
   std::string charts;
   for (const Trained& t : std::initializer_list<Trained>{
@@ -35,35 +67,40 @@ void add_training(PaperPage& page) {
       table.add_missing({t.name, t.published});
       continue;
     }
-    const auto steps_per_s =
-        f->processor_seconds ? std::optional(f->env_steps / *f->processor_seconds) : std::nullopt;
+    const auto* paces = find(page.result.paces, t.row);
+    const runs::TrainingPace* pace = paces != nullptr ? find(*paces, t.task) : nullptr;
+    const auto alone_s = [pace](const std::optional<double>& steps) {
+      return pace != nullptr && steps ? std::optional(*steps / pace->steps_per_s) : std::nullopt;
+    };
     table.cells.push_back({t.name, t.published, grouped(f->env_steps),
                            f->steps_to_maximum ? grouped(*f->steps_to_maximum) : "had not converged",
-                           or_dash("%.0f", f->seconds_to_maximum),
-                           or_dash("%.0f", f->processor_seconds_to_maximum),
-                           or_dash("%.0f", f->train_seconds), or_dash("%.0f", f->processor_seconds),
-                           or_dash("%.0f", steps_per_s), formatted("%.0f %%", 100.0 * f->success_rate),
+                           pace != nullptr ? grouped(pace->steps_per_s) : "–",
+                           or_dash("%.0f", alone_s(f->steps_to_maximum)),
+                           or_dash("%.0f", f->seconds_to_maximum), or_dash("%.0f", alone_s(f->env_steps)),
+                           or_dash("%.0f", f->train_seconds), formatted("%.0f %%", 100.0 * f->success_rate),
                            or_dash("%.0f", f->success_radius_mm), std::to_string(f->n_timed),
                            std::to_string(f->n_converged) + " of " + std::to_string(f->origin.n_seeds) +
                                ", " + std::to_string(f->origin.n_seeds_planned) + " planned",
                            f->products.empty() ? "–" : joined(f->products), joined(f->origin.processors)});
     table.add_commits(f->origin);
+    if (pace != nullptr) table.add_commits(pace->origin);
     charts += page.return_chart(std::string("fig4-") + t.row + "-" + t.task, t.name, {{t.name, prefix}});
   }
   if (table.cells.empty()) return;
   page.add_part(
       "training", "Table I and Fig. 4, training",
-      "Seconds are those of seeds that had one thread, evaluations included, on the clock and of the "
-      "processor: the clock also counts what other cells and programs took of the machine meanwhile; a "
-      "dash stands where none had. To the maximum: until the evaluation return was within 5 % of its "
-      "rise of its maximum, and stayed there over five evaluations; given only where no seed's return "
-      "rose by more than that in its last fifth, and no finer than evaluations lie apart. Success is "
-      "that of each row's own task: within what distance, on what share of the dish and in how many "
-      "steps differ between the paper's rows, our TD3's and the gradient's, so that it does not compare "
-      "them. The paper's hours are its Table I, on its own machine, where three environments took 700 "
-      "steps/s, 233 times as many as its rig (3 Hz). Precision: of the matrix products of TD3, "
-      "bfloat16 where a processor is faster so; the seeds of a row may differ in it. Fig. 4, returns over "
-      "steps, is drawn on the page that bench paper writes.",
+      "Seconds include evaluations. " + alone_text(page) +
+          " As it ran: of the seeds that had one thread, on whatever processor, beside other cells; a dash "
+          "stands where none had. To the maximum: until the evaluation return was within 5 % of its "
+          "rise of its maximum, and stayed there over five evaluations; given only where no seed's return "
+          "rose by more than that in its last fifth, and no finer than evaluations lie apart. Success is "
+          "that of each row's own task: within what distance, on what share of the dish and in how many "
+          "steps differ between the paper's rows, our TD3's and the gradient's, so that it does not compare "
+          "them. The paper's hours are its Table I, on its own machine, where three environments took 700 "
+          "steps/s, 233 times as many as its rig (3 Hz). Precision: of the matrix products of TD3, "
+          "bfloat16 where a processor is faster so; the seeds of a row may differ in it. Fig. 4, returns "
+          "over "
+          "steps, is drawn on the page that bench paper writes.",
       {{"", table}},
       figure("<div class=\"two\">" + charts + "</div>",
              "<b>Fig. 4.</b> Return of fixed evaluation episodes in the simulator that the policy "

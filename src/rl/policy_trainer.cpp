@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -81,6 +82,8 @@ class Training : public runs::ResumableWork {
       next_evaluation_ = run.at("next_evaluation").get<std::int64_t>();
       result_.train_seconds = run.at("train_seconds").get<double>();
       result_.processor_seconds = run.at("processor_seconds").get<double>();
+      if (run.contains("other_processor_seconds"))
+        result_.other_processor_seconds = run.at("other_processor_seconds").get<double>();
       result_.best_env_steps = run.at("best_env_steps").get<std::int64_t>();
       returns_ = run.at("returns").get<std::vector<std::pair<double, double>>>();
       if (returns_.empty()) throw common::CheckpointError(folder + "/training: no evaluation is in it");
@@ -98,6 +101,7 @@ class Training : public runs::ResumableWork {
   }
 
   void step(common::MetricsLog& metrics) override {
+    if (!others_before_s_) begin_to_watch_others();
     const Stopwatch watch(clock_, result_);
     if (returns_.empty()) evaluate(metrics);  // where learning starts from
     learner_.step();
@@ -106,6 +110,7 @@ class Training : public runs::ResumableWork {
       while (next_evaluation_ <= learner_.env_steps()) next_evaluation_ += config_.training.evaluate_every;
       evaluate(metrics);
       watch.read(result_);
+      watch_others();
     }
   }
 
@@ -114,11 +119,14 @@ class Training : public runs::ResumableWork {
     checkpoint.kind = kKind;
     checkpoint.config = common::config_to_json(config_);
     learner_.save(checkpoint);
+    watch_others();
     checkpoint.facts["run"] = {{"next_evaluation", next_evaluation_},
                                {"train_seconds", result_.train_seconds},
                                {"processor_seconds", result_.processor_seconds.value_or(0.0)},
                                {"best_env_steps", result_.best_env_steps},
                                {"returns", returns_}};
+    if (result_.other_processor_seconds)
+      checkpoint.facts["run"]["other_processor_seconds"] = *result_.other_processor_seconds;
     if (result_.best_evaluation)
       checkpoint.facts["run"]["best"] = common::artefact_to_json(*result_.best_evaluation);
     nets::save_checkpoint(folder + "/training", checkpoint);
@@ -145,6 +153,17 @@ class Training : public runs::ResumableWork {
  private:
   bool out_of_time() const {
     return config_.training.max_seconds > 0.0 && result_.train_seconds >= config_.training.max_seconds;
+  }
+
+  void begin_to_watch_others() {
+    if (result_.train_seconds > 0.0 && !result_.other_processor_seconds) return;  // nobody saw its beginning
+    others_before_s_ =
+        common::other_processor_seconds().value_or(0.0) - result_.other_processor_seconds.value_or(0.0);
+  }
+  void watch_others() {
+    const std::optional<double> now_s = common::other_processor_seconds();
+    if (now_s && others_before_s_)
+      result_.other_processor_seconds = std::max(0.0, *now_s - *others_before_s_);
   }
 
   void evaluate(common::MetricsLog& metrics) {
@@ -214,6 +233,7 @@ class Training : public runs::ResumableWork {
   PolicyEvaluation fresh_;
   PolicyLearner& learner_;
   common::SteadyClock clock_;
+  std::optional<double> others_before_s_;
   std::int64_t next_evaluation_;
   std::vector<std::pair<double, double>> returns_;  // of every evaluation: training time in s, mean return
   runs::PolicyResult result_;

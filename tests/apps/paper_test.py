@@ -86,11 +86,20 @@ assert not (out / "cells/policy/paper/centre/1/training").exists(), "hundreds of
 told = subprocess.run([program, "status", str(out)], capture_output=True, text=True).stdout
 assert "policy/paper/centre/1" in told and "waiting" in told and "runs are finished" in told, told
 
+# How fast trainings are alone: one at a time, on one thread, kept beside the others.
+run("--pace", "--only", "pace/best/centre")
+pace = json.loads((out / "results/pace/records/pace/best/centre.json").read_text())
+assert pace["machine"]["threads"] == 1 and pace["policy"]["other_processor_seconds"] >= 0.0, pace
+assert "pool = wide" in (out / "pace/build.ninja").read_text() and "--threads' '1'" in (out / "pace/build.ninja").read_text()
+refused = subprocess.run(bench("--pace", "--engine", "slurm"), capture_output=True, text=True)
+assert refused.returncode == 2 and "--pace is measured on this machine" in refused.stderr, refused.stderr
+
 # A report of what is there, whenever one is wanted.
 said = run("--report")
 assert "proportional pull | bare" in said and "not run yet" in said, said
 report = json.loads((out / "report.json").read_text())
 assert report["transfer"]["baseline"]["bare"]["point"]["n_trials"] == 1, report
+assert report["paces"]["best"]["centre"]["steps_per_s"] > 0.0, report["paces"]
 
 # What was kept is enough for the page, and for another machine to go on: nothing that is finished is run again there.
 page = pathlib.Path(scratch.name) / "page"

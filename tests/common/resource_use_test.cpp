@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <cstdlib>
 #include <thread>
 #include <vector>
 
@@ -24,6 +25,25 @@ TEST_CASE("processor_seconds grows with work") {
   for (int i = 0; i < 20000000; ++i) sum = sum + 1.0 / (1.0 + i);
   CHECK(before_s > 0.0);
   CHECK(lodestone::common::processor_seconds() > before_s);
+}
+
+TEST_CASE("what other programs use of the machine is counted, and one's own work is taken off once") {
+  const auto used_by_others_s = [](const auto& work) {
+    const auto before_s = lodestone::common::other_processor_seconds();
+    REQUIRE(before_s);
+    work();
+    return *lodestone::common::other_processor_seconds() - *before_s;
+  };
+  const auto work_elsewhere = [] {
+    CHECK(std::system("i=0; while [ $i -lt 400000 ]; do i=$((i+1)); done") == 0);
+  };
+  CHECK(used_by_others_s(work_elsewhere) > 0.0);
+  constexpr double kWorkS = 0.5, kCountedInS = 0.01;
+  const auto work_here = [until_s = lodestone::common::processor_seconds() + kWorkS] {
+    while (lodestone::common::processor_seconds() < until_s) {
+    }
+  };
+  CHECK(used_by_others_s(work_here) > -10.0 * kCountedInS);
 }
 
 TEST_CASE("what threads have used is told by their names") {

@@ -41,3 +41,29 @@ TEST_CASE("every row of a table meets the same trials, and no two trainings shar
   }
   CHECK(training.size() == trainings);
 }
+
+TEST_CASE("the pace of every training of Table I is measured, of its own length but for the end") {
+  experiments::PaperScale scale;
+  scale.seeds = scale.ablation_seeds = 1;
+  const runs::Plan whole = experiments::paper_plan(scale);
+  const runs::Plan paces = experiments::paper_pace_plan(scale);
+  paces.validate();
+  std::size_t count = 0;
+  for (const runs::Cell& cell : whole.cells) {
+    if (cell.id.rfind("policy/", 0) != 0) continue;
+    const std::string id = "pace" + cell.id.substr(cell.id.find('/'), cell.id.rfind('/') - cell.id.find('/'));
+    CAPTURE(id);
+    const runs::Cell* pace = paces.find(id);
+    REQUIRE(pace != nullptr);
+    ++count;
+    CHECK(pace->config == cell.config);
+    REQUIRE(pace->settings.size() == cell.settings.size());
+    for (std::size_t i = 0; i < cell.settings.size(); ++i) {
+      const std::string key = cell.settings[i].substr(0, cell.settings[i].find('='));
+      const bool shorter = key == "training.env_steps";
+      if (key != "dynamics") CHECK((pace->settings[i] == cell.settings[i]) != shorter);
+      CHECK(pace->settings[i].rfind(key + "=", 0) == 0);
+    }
+  }
+  CHECK(count == 11);
+}

@@ -131,6 +131,8 @@ TEST_CASE("A run leaves its best policy, its curves and its figures", "[rl]") {
   CHECK(result.seconds_to_95_percent > 0.0);
   CHECK(result.seconds_to_95_percent <= result.train_seconds);
   CHECK(result.peak_memory_mb > 10.0);
+  REQUIRE(result.other_processor_seconds);
+  CHECK(*result.other_processor_seconds >= 0.0);
   CHECK(count_lines_with(folder + "/metrics.jsonl", "\"step\":0,") == 1);  // the untrained policy
   for (const char* key :
        {"evaluation/success_rate", "evaluation/episode_end_error_mm", "train/critic_loss", "train/q_mean",

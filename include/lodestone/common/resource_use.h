@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 
 namespace lodestone::common {
@@ -12,7 +13,13 @@ double peak_memory_mb();
 /// hardly grows where other programs want the processors, too.
 double processor_seconds();
 
-/// The same of each thread that is there now, by its name (common/thread_name.h); those of one name together.
+/// Processor time, in s, that others have used of this machine since it started: its other programs, and
+/// those beside it on the same processors where it is a virtual one. Counted in hundredths of a second;
+/// absent where the system does not count it.
+std::optional<double> other_processor_seconds();
+
+/// The same as processor_seconds() of each thread that is there now, by its name (common/thread_name.h);
+/// those of one name together.
 std::map<std::string, double> processor_seconds_by_thread();
 
 }  // namespace lodestone::common

@@ -51,4 +51,8 @@ struct PaperScale {
 /// meets the same starts, targets and rigs.
 runs::Plan paper_plan(const PaperScale& scale);
 
+/// The same trainings as Table I's, begun and broken off, to be run one at a time with nothing beside them:
+/// how fast they are does not depend on what their simulators have learned from, which is little here.
+runs::Plan paper_pace_plan(const PaperScale& scale);
+
 }  // namespace lodestone::experiments

@@ -26,7 +26,8 @@ SeedRecords with_seeds_of(const SeedRecords& seeds, const SeedRecords& others);
 /// How learning went. All of them are trainings with a curve that is not empty.
 runs::PooledTraining pooled_training(const SeedRecords& seeds);
 
-/// All figures of the paper's experiments. Pooled over what is there; what is not there at all has no entry.
-runs::PaperResult paper_figures(const runs::KeptPlan& kept);
+/// All figures of the paper's experiments, and of their paces (experiments::paper_pace_plan()). Pooled over
+/// what is there; what is not there at all has no entry.
+runs::PaperResult paper_figures(const runs::KeptPlan& kept, const runs::KeptPlan& paces = {});
 
 }  // namespace lodestone::report

@@ -108,6 +108,24 @@ struct PooledTraining {
   }
 };
 
+/// How fast a training is that has the machine to itself, on one thread (Table I), after warming up.
+struct TrainingPace {
+  double steps_per_s = 0.0;      ///< of the environments, with the updates and evaluations that go with them
+  double processor_share = 0.0;  ///< of that time, on a processor
+  std::optional<double> others;  ///< processors that others kept busy meanwhile, on average
+  std::vector<std::string> products;  ///< of matrices; none where nothing says
+  CellOrigin origin;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("steps_per_s", steps_per_s);
+    v.field("processor_share", processor_share);
+    v.field("others", others);
+    v.field("products", products);
+    origin.visit(v);
+  }
+};
+
 /// One training against another (a mix against none, Fig. 5; an open choice against the chosen one), over the
 /// seeds that both have: of a seed both learn in the same simulator.
 struct TrainingDifference {
@@ -162,6 +180,7 @@ struct PaperResult {
   std::map<std::string, std::map<std::string, std::map<std::string, PooledErrors>>>
       transfer;                                                           ///< row, variant, task
   std::map<std::string, std::map<std::string, PooledTraining>> training;  ///< row, task
+  std::map<std::string, std::map<std::string, TrainingPace>> paces;       ///< row, task
   std::map<std::string, PooledDynamics> dynamics;
   std::map<std::string, PooledTraining> mixes;                ///< environments that replay, or "offline"
   std::map<std::string, TrainingDifference> mix_differences;  ///< of 1 to 3 environments from none
@@ -182,6 +201,7 @@ struct PaperResult {
     v.field("cell_hours", cell_hours);
     v.field("transfer", transfer);
     v.field("training", training);
+    v.field("paces", paces);
     v.field("dynamics", dynamics);
     v.field("mixes", mixes);
     v.field("mix_differences", mix_differences);

@@ -39,6 +39,8 @@ struct PolicyFacts {
   std::int64_t updates = 0;
   double train_seconds = 0.0;               ///< wall time of learning, interruptions left out
   std::optional<double> processor_seconds;  ///< of all threads meanwhile; absent in older runs
+  /// What others used of the machine meanwhile (common::other_processor_seconds()).
+  std::optional<double> other_processor_seconds;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -46,6 +48,7 @@ struct PolicyFacts {
     v.field("updates", updates);
     v.field("train_seconds", train_seconds);
     v.field("processor_seconds", processor_seconds);
+    v.field("other_processor_seconds", other_processor_seconds);
   }
 };
 
