@@ -102,6 +102,13 @@ void write_result(const runs::Sweep& sweep, const std::vector<std::vector<runs::
   std::printf("report   %s/report.html\n", folder.c_str());
 }
 
+/// A sweep may grow where it was: what has been run stays as it was.
+std::vector<std::string> keys_that_grow(const runs::Sweep& sweep) {
+  if (sweep.halving) return {};  // its rungs chose from what there was
+  if (sweep.grid.empty()) return {"seeds", "random.count"};
+  return {"seeds", "grid"};
+}
+
 void run_sweep(const SweepOptions& options) {
   if (options.file.empty()) throw common::ConfigError("sweep: name a JSON file, or status, cancel or logs");
   if (options.out.empty())
@@ -129,7 +136,7 @@ void run_sweep(const SweepOptions& options) {
     const std::unique_ptr<runs::Engine> engine = runs::make_engine(options.engine);
     runs::run_plan_in_folder(
         plan, place, *engine, "sweep", common::artefact_to_json(sweep), "",
-        [&] { write_preset(sweep, options.out); }, preset_inputs(sweep));
+        [&] { write_preset(sweep, options.out); }, preset_inputs(sweep), keys_that_grow(sweep));
     rungs.push_back(runs::rung_results(sweep, points, rung, plan, place));
   }
   write_result(sweep, rungs, options.out);

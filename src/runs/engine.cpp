@@ -198,7 +198,8 @@ void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const st
 
 void run_plan_in_folder(const Plan& plan, const PlanPlace& place, Engine& engine, const std::string& verb,
                         common::Json settings, const std::string& only, const std::function<void()>& prepare,
-                        std::map<std::string, std::string> inputs) {
+                        std::map<std::string, std::string> inputs,
+                        const std::vector<std::string>& free_keys) {
   plan.validate();
   wanted_cells(plan, only);
   settings["rig_file"] = place.rig_file;
@@ -206,6 +207,7 @@ void run_plan_in_folder(const Plan& plan, const PlanPlace& place, Engine& engine
   // Score: what is told of the runs, not what is run. Cells (of a plan that a user wrote): see
   // check_finished_cells().
   request.free_keys = {"threads", "score", "lower_is_better", "cells"};
+  request.free_keys.insert(request.free_keys.end(), free_keys.begin(), free_keys.end());
   request.inputs = std::move(inputs);
   if (!place.rig_file.empty()) request.inputs["--rig"] = place.rig_file;
   for (const Cell& cell : plan.cells)

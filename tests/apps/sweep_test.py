@@ -75,11 +75,18 @@ assert "== learning_rate=" in run([program, "sweep", "logs", str(folder / "cance
 run(sweep("a", "cancelled"))
 assert results("cancelled") == results("straight")
 
-# Another score of the same runs; other settings are another sweep.
+# Another score of the same runs.
 run(sweep("a", "straight", score="result.fresh_evaluation.episode_end_error_mm", lower_is_better=True))
 errors = [row["mean"] for row in results("straight")["rows"]]
 assert errors == sorted(errors), errors
-assert "seeds = 3 (there: 2)" in run(sweep("a", "straight", seeds=3), 2)
+
+# More seeds and values join what was run, which is not run again; other settings are another sweep.
+manifests = {path: path.read_bytes() for path in (folder / "straight").rglob("*/manifest.json")}
+run(sweep("a", "straight", seeds=3, grid={"td3.learning_rate": [3e-4, 1e-3, 3e-3]}))
+assert [len(row["scores"]) for row in results("straight")["rows"]] == [3, 3, 3], results("straight")
+assert all(path.read_bytes() == there for path, there in manifests.items())
+longer = [text.replace("env_steps=4000", "env_steps=5000") for text in whole["settings"]]
+assert 'settings = ["simulator=physics","training.env_steps=5000"' in run(sweep("a", "straight", settings=longer), 2)
 
 # Random search and successive halving: the last rung's budget is the largest, and fewer come there.
 halving = {"key": "training.env_steps", "first": 1500, "factor": 2, "rungs": 3}
@@ -95,6 +102,7 @@ assert "nothing works on it" in run([program, "sweep", "cancel", str(folder / "h
 before = results("halved")
 run(sweep("b", "halved", **halved))
 assert results("halved") == before
+assert "seeds = 2 (there: 1)" in run(sweep("b", "halved", **{**halved, "seeds": 2}), 2), "rungs chose by the seeds there were"
 
 # What is wrong is said in one line, and nothing is left behind.
 for changes, what in (({"grid": {"td3.learning_rat": [1]}}, "td3.learning_rate"), ({"verb": "dance"}, "dance"),

@@ -36,11 +36,12 @@ void run_plan(const Plan& plan, const PlanPlace& place, Engine& engine, const st
 /// The same as a run of `verb` in the plan's folder, which holds one plan with the same `settings` and rig:
 /// the same call goes on where it was. It is finished once all cells are. Throws ConfigError, too, where the
 /// folder holds something else, or one of the presets, the rig or the `inputs` (RunRequest) something else
-/// than when it began. `prepare` is called once the folder is this run's, before any cell.
+/// than when it began. `prepare` is called once the folder is this run's, before any cell. Settings of which
+/// no cell's work depends may differ (`free_keys`): they say which cells there are.
 void run_plan_in_folder(
     const Plan& plan, const PlanPlace& place, Engine& engine, const std::string& verb, common::Json settings,
     const std::string& only, const std::function<void()>& prepare = [] {},
-    std::map<std::string, std::string> inputs = {});
+    std::map<std::string, std::string> inputs = {}, const std::vector<std::string>& free_keys = {});
 
 /// Asks the process that runs a plan in this folder to stop, as Ctrl-C there would; on any machine that
 /// shares the folder. Throws IoError.
