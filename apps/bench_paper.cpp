@@ -105,13 +105,20 @@ void bench_paper(const PaperOptions& given) {
                                 "with, or --from for the page of what is there");
     results.keep(plan, place);
   } else {
+    if (options.pace && runs::unfinished_cells(plan, place, runs::wanted_cells(plan, options.only)).empty())
+      std::printf("paces    measured before; to measure this machine, remove %s and %s\n",
+                  place.results.c_str(), place.folder.c_str());
     if (options.only.empty() && !options.pace) place.last_command = report_command(given, place);
     const std::unique_ptr<runs::Engine> engine = runs::make_engine(options.engine);
     runs::run_plan_in_folder(plan, place, *engine, "bench paper", common::config_to_json(scale),
                              options.only);
     if (!options.only.empty()) return;
   }
-  if (options.pace && !runs::holds_plan(options.results)) return;  // nothing yet for the pace to stand beside
+  if (options.pace && !runs::holds_plan(options.results)) {
+    std::printf("paces    kept in %s, for the page of the cells that are run with the same --results\n",
+                place.results.c_str());
+    return;
+  }
   write_page(options.results, options.out);
 }
 

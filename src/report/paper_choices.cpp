@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "lodestone/report/html.h"
 #include "paper_page.h"
@@ -16,23 +18,44 @@ std::string from_ours(const runs::TrainingDifference* d) {
   return text + " (" + std::to_string(d->n_seeds) + (d->n_seeds == 1 ? " seed)" : " seeds)");
 }
 
+/// Which unit's returns are most like those that the paper tells.
+std::string nearest_unit(const PaperPage& page) {
+  constexpr double kLowest = -5.0, kHighest = 10.0;
+  const auto* paper = find(page.result.training, "paper");
+  const std::pair<const char*, const runs::PooledTraining*> units[] = {
+      {"dish radii (ours)", paper != nullptr ? find(*paper, "centre") : nullptr},
+      {"mm", find(page.result.open_trainings, "reward in mm")},
+      {"m", find(page.result.open_trainings, "reward in m")}};
+  const char* nearest = nullptr;
+  double least = 0.0;
+  for (const auto& [unit, training] : units) {
+    if (training == nullptr) return "";
+    const double off =
+        std::abs(training->lowest_return - kLowest) + std::abs(training->highest_return - kHighest);
+    if (nearest != nullptr && off >= least) continue;
+    nearest = unit;
+    least = off;
+  }
+  return std::string("Nearest to that come distances in ") + nearest + ". ";
+}
+
 }  // namespace
 
 void add_open_choices(PaperPage& page) {
   PaperTable table{{"what the paper leaves open", "choice", "final return", "lowest to highest",
                     "final return from ours, same seeds", "success in the MBS",
                     "centre on unseen rigs, mean (95 % interval) (mm)", "from ours on the same trials (mm)",
-                    "success there", "seeds"}};
+                    "success there", "seeds", "precision"}};
   const runs::PooledErrors* ours_driven = page.errors("paper", "bare", "centre");
   const auto add = [&](const char* what, const std::string& choice, const runs::PooledTraining* training,
                        const std::string& from, const runs::PooledErrors* trials) {
     if (training == nullptr) return table.add_missing({what, choice});
-    table.cells.push_back({what, choice, formatted("%.2f", training->final_return),
-                           formatted("%.1f to %.1f", training->lowest_return, training->highest_return), from,
-                           formatted("%.0f %%", 100.0 * training->success_rate),
-                           trials ? error_text(*trials) : "–",
-                           trials != nullptr && trials != ours_driven ? from_reference_text(*trials) : "–",
-                           trials ? success_text(*trials) : "–", seeds_text(training->origin)});
+    table.cells.push_back(
+        {what, choice, formatted("%.2f", training->final_return),
+         formatted("%.1f to %.1f", training->lowest_return, training->highest_return), from,
+         formatted("%.0f %%", 100.0 * training->success_rate), trials ? error_text(*trials) : "–",
+         trials != nullptr && trials != ours_driven ? from_reference_text(*trials) : "–",
+         trials ? success_text(*trials) : "–", seeds_text(training->origin), joined(training->products)});
     table.add_commits(training->origin);
   };
   const auto* paper = find(page.result.training, "paper");
@@ -56,12 +79,15 @@ void add_open_choices(PaperPage& page) {
   }
   page.add_part(
       "open", "What the paper leaves open",
-      "Three of the choices that it leaves, as we took them and otherwise, as the paper's TD3 learns "
-      "(not tried otherwise: how fast the square is fed, and step, momentum and epochs of the dynamics "
-      "network). It says that the rewards of an episode lie between -5 and 10: compare the lowest and "
-      "the highest evaluation. Returns with distances in other units are on other scales; what such a "
-      "policy does on unseen rigs, bare, is not. Intervals of differences: of returns by Student's t "
-      "over seeds, of trials as in Table II.",
+      "Three of the choices that it leaves, as we took them and otherwise, as the paper's TD3 learns (not "
+      "tried otherwise: how fast the square is fed, and step, momentum and epochs of the dynamics network). "
+      "It says that the rewards of an episode lie between -5 and 10: compare the lowest and "
+      "the highest evaluation. " +
+          nearest_unit(page) +
+          "Returns with distances in other units are on other scales; what such a policy does on unseen "
+          "rigs, bare, is not. Intervals of differences: of returns by Student's t over seeds, of trials as "
+          "in Table II. Precision, of matrix products: the seeds of a row may differ in it, from those of "
+          "the row they are compared with, too.",
       {{"", table}});
 }
 
@@ -105,10 +131,9 @@ void add_ablations(PaperPage& page) {
   }
   if (table.cells.empty()) return;
   std::string note =
-      "Each row changes one thing, and is trained for as many steps as the row named best preset: see "
-      "the column, where that is fewer than in Table II. Unseen rigs, by camera, bare. Products of "
-      "matrices are in bfloat16 where a processor is faster so: where a row's differ from best preset's, "
-      "so does that. ";
+      "Each row changes one thing, and is trained for as many steps as the row named best preset: see the "
+      "column, where that is fewer than in Table II. Unseen rigs, by camera, bare. Products of matrices are "
+      "in bfloat16 where a processor is faster so: where a row's differ from best preset's, so does that. ";
   if (few > 0)
     note += std::to_string(few) + " of these rows have fewer than " + std::to_string(kEnoughTrials) +
             " trials or " + std::to_string(kEnoughSeeds) + " seeds: no sentence can be built on them.";

@@ -68,8 +68,15 @@ runs::CellOrigin origin_of(const SeedRecords& seeds) {
   return origin;
 }
 
-Groups values_of(const SeedRecords& seeds,
-                 const std::function<std::vector<double>(const KeptTrials&)>& pick) {
+using Pick = std::function<std::vector<double>(const KeptTrials&)>;
+
+std::vector<double> errors_mm(const KeptTrials& trials) { return trials.error_mm; }
+std::vector<double> deviations_mm(const KeptTrials& trials) { return trials.target_deviation_mm; }
+std::vector<double> successes(const KeptTrials& trials) {
+  return {trials.success.begin(), trials.success.end()};
+}
+
+Groups values_of(const SeedRecords& seeds, const Pick& pick) {
   Groups groups;
   for (const auto& [seed, record] : seeds.found) groups.push_back(pick(*record->trials));
   return groups;
@@ -81,13 +88,13 @@ std::optional<double> mean_of(const SeedRecords& seeds, std::vector<double> Kept
   return all.empty() ? std::nullopt : std::optional(mean(all));
 }
 
-/// Differences of the errors on the same trials of the same seeds.
-Groups differences(const SeedRecords& seeds, const SeedRecords& reference) {
+/// Differences of a figure on the same trials of the same seeds.
+Groups differences(const SeedRecords& seeds, const SeedRecords& reference, const Pick& pick) {
   Groups groups;
   for (const auto& [seed, record] : seeds.found)
     for (const auto& [other_seed, other] : reference.found) {
       if (seed != other_seed || record->seed != other->seed) continue;
-      const std::vector<double>&a = record->trials->error_mm, &b = other->trials->error_mm;
+      const std::vector<double> a = pick(*record->trials), b = pick(*other->trials);
       groups.emplace_back();
       for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) groups.back().push_back(a[i] - b[i]);
     }
@@ -96,15 +103,13 @@ Groups differences(const SeedRecords& seeds, const SeedRecords& reference) {
 
 runs::PooledErrors errors_of(const SeedRecords& seeds, const SeedRecords* reference) {
   runs::PooledErrors out;
-  const Groups errors = values_of(seeds, [](const KeptTrials& trials) { return trials.error_mm; });
+  const Groups errors = values_of(seeds, errors_mm);
   const std::vector<double> all = all_of(errors);
   out.mean_error_mm = mean(all);
   out.std_error_mm = common::standard_deviation(all);
   out.median_error_mm = common::median(all);
   out.mean_interval_mm = ends(interval_of(errors));
-  const Groups success = values_of(seeds, [](const KeptTrials& trials) {
-    return std::vector<double>(trials.success.begin(), trials.success.end());
-  });
+  const Groups success = values_of(seeds, successes);
   const std::vector<double> succeeded = all_of(success);
   out.success_rate = mean(succeeded);
   const Interval drawn = interval_of(success);
@@ -113,15 +118,17 @@ runs::PooledErrors errors_of(const SeedRecords& seeds, const SeedRecords* refere
                               static_cast<std::int64_t>(all.size()));
   out.success_interval = {std::min(drawn.low, wilson.low), std::max(drawn.high, wilson.high)};
   out.target_deviation_mm = mean_of(seeds, &KeptTrials::target_deviation_mm);
-  if (out.target_deviation_mm)
-    out.target_deviation_std_mm = common::standard_deviation(
-        all_of(values_of(seeds, [](const KeptTrials& trials) { return trials.target_deviation_mm; })));
+  if (out.target_deviation_mm) {
+    const Groups deviations = values_of(seeds, deviations_mm);
+    out.target_deviation_std_mm = common::standard_deviation(all_of(deviations));
+    out.target_deviation_interval_mm = ends(interval_of(deviations));
+  }
   out.time_rms_error_mm = mean_of(seeds, &KeptTrials::time_rms_error_mm);
   out.completion = mean_of(seeds, &KeptTrials::completion);
   out.corners_reached = mean_of(seeds, &KeptTrials::corners_reached);
   out.frechet_mm = mean_of(seeds, &KeptTrials::frechet_mm);
   if (reference != nullptr) {
-    const Groups paired = differences(seeds, *reference);
+    const Groups paired = differences(seeds, *reference, errors_mm);
     const std::vector<double> shared = all_of(paired);
     if (!shared.empty()) {
       out.from_reference_mm = mean(shared);
@@ -133,6 +140,24 @@ runs::PooledErrors errors_of(const SeedRecords& seeds, const SeedRecords* refere
   for (const auto& [seed, record] : seeds.found)
     out.n_stopped += std::count(record->trials->stopped.begin(), record->trials->stopped.end(), 1);
   out.origin = origin_of(seeds);
+  return out;
+}
+
+/// Absent where they share no trial.
+std::optional<runs::PairedErrors> paired_errors(const SeedRecords& seeds, const SeedRecords& others) {
+  const auto pooled = [&](const Pick& pick) -> std::optional<runs::PooledMean> {
+    const Groups groups = differences(seeds, others, pick);
+    const std::vector<double> all = all_of(groups);
+    if (all.empty()) return std::nullopt;
+    return runs::PooledMean{mean(all), ends(interval_of(groups))};
+  };
+  const auto error_mm = pooled(errors_mm), success_rate = pooled(successes);
+  if (!error_mm || !success_rate) return std::nullopt;
+  runs::PairedErrors out{*error_mm, *success_rate, pooled(deviations_mm)};
+  for (const auto& group : differences(seeds, others, errors_mm)) {
+    out.n_trials += static_cast<std::int64_t>(group.size());
+    ++out.n_seeds;
+  }
   return out;
 }
 
@@ -293,6 +318,21 @@ void compare_trainings(const std::map<std::string, const SeedRecords*>& groups, 
   }
 }
 
+/// Where the same controller learned: in a simulator that was learned, and in the plain one.
+void compare_simulators(const std::map<std::string, const SeedRecords*>& groups, runs::PaperResult& out) {
+  for (const auto& [learned, plain] :
+       {std::pair<std::string, std::string>{"paper", "paper_simulator"}, {"best", "simulator"}})
+    for (const std::string variant : {"bare", "decorated"})
+      for (const std::string task : {"centre", "point", "square"}) {
+        const std::string end = "/" + variant + "/" + task;
+        const auto own = groups.find("transfer/" + learned + end),
+                   other = groups.find("transfer/" + plain + end);
+        if (own == groups.end() || other == groups.end()) continue;
+        if (const auto paired = paired_errors(*own->second, *other->second))
+          out.learned_minus_plain[learned][variant][task] = *paired;
+      }
+}
+
 /// Whether likelihood was learned, of which the loss is no distance.
 bool learned_likelihood(const CellRecord& record) {
   const common::Json model =
@@ -333,6 +373,8 @@ std::optional<runs::TrainingPace> pace_of(const SeedRecords& seeds) {
   if (curve.env_steps.size() < 2 || curve.seconds.back() <= curve.seconds[from]) return std::nullopt;
   const double seconds = curve.seconds.back() - curve.seconds[from];
   runs::TrainingPace pace;
+  pace.warm_up_steps = curve.env_steps[from];
+  pace.warm_up_s = curve.seconds[from];
   pace.steps_per_s = (curve.env_steps.back() - curve.env_steps[from]) / seconds;
   pace.processor_share = (curve.processor_seconds.back() - curve.processor_seconds[from]) / seconds;
   if (record.policy->other_processor_seconds)
@@ -422,6 +464,7 @@ runs::PaperResult paper_figures(const runs::KeptPlan& kept, const runs::KeptPlan
     }
   }
   compare_trainings(by_id, out);
+  compare_simulators(by_id, out);
   for (const auto& [id, cell] : by_prefix(paces)) {
     const std::vector<std::string> parts = parts_of(id);
     if (parts.front() != "pace" || cell.found.empty() || !are_trainings(cell)) continue;

@@ -37,8 +37,8 @@ std::string collapse(const runs::PooledTraining& alone) {
   if (alone.n_fallen > 0) return "Nothing but recorded steps fell back in " + seeds + " seeds. ";
   return "Unlike in the paper, nothing but recorded steps collapsed in " + seeds +
          " seeds. Our reading, which no cell tests: the paper's operator steered, while these recorded "
-         "pulses are drawn at random in every part of the dish, so that nearly all that a policy comes "
-         "to want has been tried there. ";
+         "pulses are drawn at random in every part of the dish, so that nearly all that a policy comes to "
+         "want has been tried there. ";
 }
 
 std::string order(const PaperPage& page) {
@@ -68,7 +68,7 @@ std::string order(const PaperPage& page) {
 void add_mixes(PaperPage& page) {
   PaperTable table{{"environments that replay", "final return", "from 0 of 3, same seeds",
                     "scatter at the end", "steps to maximum", "seeds that fell back",
-                    "success of the best policy in the MBS", "steps", "seeds"}};
+                    "success of the best policy in the MBS", "steps", "seeds", "precision"}};
   table.text_columns = 1;
   std::vector<std::pair<std::string, std::string>> lines;
   for (const auto& [k, name] : {std::pair<const char*, const char*>{"0", "0 of 3"},
@@ -85,23 +85,25 @@ void add_mixes(PaperPage& page) {
       continue;
     }
     const runs::TrainingDifference* from_none = find(page.result.mix_differences, k);
-    table.cells.push_back(
-        {name, formatted("%.2f", f->final_return), from_none != nullptr ? difference_text(*from_none) : "–",
-         formatted("%.3f", f->unsteadiness),
-         f->steps_to_maximum ? grouped(*f->steps_to_maximum) : "had not converged",
-         std::to_string(f->n_fallen) + " of " + std::to_string(f->origin.n_seeds),
-         formatted("%.0f %%", 100.0 * f->success_rate), grouped(f->env_steps), seeds_text(f->origin)});
+    table.cells.push_back({name, formatted("%.2f", f->final_return),
+                           from_none != nullptr ? difference_text(*from_none) : "–",
+                           formatted("%.3f", f->unsteadiness),
+                           f->steps_to_maximum ? grouped(*f->steps_to_maximum) : "had not converged",
+                           std::to_string(f->n_fallen) + " of " + std::to_string(f->origin.n_seeds),
+                           formatted("%.0f %%", 100.0 * f->success_rate), grouped(f->env_steps),
+                           seeds_text(f->origin), joined(f->products)});
     table.add_commits(f->origin);
   }
   if (table.cells.empty()) return;
   page.add_part(
       "mixes", "Fig. 5, mixes with recorded pseudo-episodes",
-      "Of the paper's three environments, so many play back recorded stretches of 10 to 15 steps, "
-      "towards the centre, for as many steps as the table says. Evaluated in the MBS, without them. From "
-      "0 of 3: of the same seeds, which learn in the same simulators, with the 95 % interval by "
-      "Student's t over seeds; rows of other numbers of seeds are not comparable otherwise. Scatter: "
-      "standard deviation of the last fifth of the evaluations of a training; steps to maximum as in "
-      "Table I. Fell back: the last five evaluations are more than 5 % of the rise below the maximum. "
+      "Of the paper's three environments, so many play back recorded stretches of 10 to 15 steps, towards "
+      "the centre, for as many steps as the table says. Evaluated in the MBS, without them. From 0 of 3: of "
+      "the same seeds, which learn in the same simulators (though some in another precision of matrix "
+      "products: see the column), with the 95 % interval by Student's t over seeds; rows of other numbers "
+      "of seeds are not comparable otherwise. Scatter: standard deviation of the last fifth of the "
+      "evaluations of a training; steps to maximum as in Table I. Fell back: the last five evaluations are "
+      "more than 5 % of the rise below the maximum. "
       "The best policy is the one that is kept, the final return that of the last. " +
           order(page),
       {{"", table}},

@@ -45,6 +45,16 @@ std::string joined(const std::vector<std::string>& parts) {
   return text;
 }
 
+namespace {
+
+std::string commits_text(const std::vector<std::string>& commits) {
+  const std::string text = "Commits: " + joined(commits) + ".";
+  const bool changed = text.find("+changes") != std::string::npos;
+  return text + (changed ? " +changes: with changes that were not committed." : "");
+}
+
+}  // namespace
+
 void PaperTable::add_commits(const runs::CellOrigin& origin) {
   for (const std::string& commit : origin.commits)
     if (std::find(commits.begin(), commits.end(), commit) == commits.end()) commits.push_back(commit);
@@ -64,7 +74,7 @@ std::string PaperTable::html() const {
       if (static_cast<int>(i) < text_columns) row[i] = "<span class=\"whole\">" + row[i] + "</span>";
     }
   return table(headers, escaped, text_columns) +
-         (commits.empty() ? "" : "<p>Commits: " + escape(joined(commits)) + ".</p>");
+         (commits.empty() ? "" : "<p>" + escape(commits_text(commits)) + "</p>");
 }
 
 std::string PaperTable::markdown() const {
@@ -77,7 +87,7 @@ std::string PaperTable::markdown() const {
   for (std::size_t i = 0; i < headers.size(); ++i) out += " --- |";
   out += "\n";
   for (const auto& row : cells) out += line(row);
-  return out + (commits.empty() ? "" : "\nCommits: " + joined(commits) + ".\n");
+  return out + (commits.empty() ? "" : "\n" + commits_text(commits) + "\n");
 }
 
 PaperPage::PaperPage(const runs::KeptPlan& kept_plan, const runs::KeptPlan& paces)

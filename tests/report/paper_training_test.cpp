@@ -15,7 +15,7 @@ TEST_CASE("a training that had not converged has no time") {
   report::add_training(page);
   CHECK(page.markdown.find("| as the paper's, MBS, centre | 1.5 h | 1\u202f900 | had not converged | – |") !=
         std::string::npos);
-  CHECK(page.markdown.find("| our TD3, MBS, centre | – | 1\u202f900 | 500 | – | – | 50 | – | 190 |") !=
+  CHECK(page.markdown.find("| our TD3, MBS, centre | – | 1\u202f900 | 500 | – | – | – | 50 | – | 190 |") !=
         std::string::npos);
   CHECK(page.markdown.find("| our TD3, MBS, random target | – | not run yet |") != std::string::npos);
 }
@@ -31,10 +31,10 @@ TEST_CASE("a seed that had more threads than one counts for all but the time") {
   report::PaperPage page(made.kept);
   report::add_training(page);
   CHECK(page.markdown.find(
-            "| our TD3, MBS, centre | – | 1\u202f900 | 500 | – | – | 50 | – | 190 | 80 % | – | 1 | "
+            "| our TD3, MBS, centre | – | 1\u202f900 | 500 | – | – | – | 50 | – | 190 | 80 % | – | 1 | "
             "2 of 2, 2 planned | – | Fast") != std::string::npos);
   CHECK(page.markdown.find(
-            "| our TD3, MBS, random target | – | 1\u202f900 | 500 | – | – | – | – | – | 80 % | – | 0 | "
+            "| our TD3, MBS, random target | – | 1\u202f900 | 500 | – | – | – | – | – | – | 80 % | – | 0 | "
             "1 of 1, 1 planned |") != std::string::npos);
 }
 
@@ -45,16 +45,17 @@ TEST_CASE("times alone are the steps at the pace that was measured alone") {
   alone.add_training("pace/best/centre", {0.0, 1.0, 2.0, 3.0, 4.0});
   runs::CellRecord& record = alone.kept.records["pace/best/centre"];
   record.machine["git_commit"] = "def";
-  record.curve->seconds = {0.0, 50.0, 60.0, 60.5, 61.0};  // warms up until the second evaluation
-  record.curve->processor_seconds = {0.0, 49.0, 59.0, 59.45, 59.9};
-  record.policy->train_seconds = 61.0;
-  record.policy->other_processor_seconds = 3.05;
+  record.curve->seconds = {0.0, 50.0, 60.0, 61.0, 62.0};  // warms up until the second evaluation
+  record.curve->processor_seconds = {0.0, 49.0, 59.0, 59.9, 60.8};
+  record.policy->train_seconds = 62.0;
+  record.policy->other_processor_seconds = 3.1;
   record.policy->products = "float32";
   SECTION("measured") {
     report::PaperPage page(made.kept, alone.kept);
     report::add_training(page);
-    CHECK(page.markdown.find("| our TD3, MBS, centre | – | 1\u202f900 | 500 | 200 | 2 | 50 | 10 | 190 |") !=
-          std::string::npos);  // 200 steps in a second
+    CHECK(page.markdown.find(
+              "| our TD3, MBS, centre | – | 1\u202f900 | 500 | 100 | 33 | 63 | 50 | 77 | 190 |") !=
+          std::string::npos);  // after 200 steps in a minute 100 in a second
     CHECK(
         page.markdown.find("| as the paper's, MBS, centre | 1.5 h | 1\u202f900 | had not converged | – |") !=
         std::string::npos);

@@ -31,11 +31,39 @@ TEST_CASE("a row tells of the training of what drove, and of how many trials its
   made.add_training("policy/best/target/1", tests::kRisen);
   made.add_training("policy/best/target/2", tests::kRisen);
   made.add_training("policy/best/target/3", tests::kRisen);  // has not driven yet
-  made.kept.records["policy/best/target/3"].policy->train_seconds = 1000.0;
   made.kept.records["policy/best/target/2"].machine["git_commit"] = "def";
   report::PaperPage page(made.kept);
   report::add_transfer(page);
   CHECK(page.markdown.find("+4.00 (+3.00 to +5.00) on 2 |") != std::string::npos);
-  CHECK(page.markdown.find("| 4 | 2 of 2 | 1\u202f900 | 190 |") != std::string::npos);
+  CHECK(page.markdown.find("| 4 | 2 of 2 | 1\u202f900 | – |") != std::string::npos);
   CHECK(page.markdown.find("Commits: abc, def.") != std::string::npos);
+}
+
+TEST_CASE(
+    "a training's seconds are those that it takes alone, and one policy's are the same for every task") {
+  Kept made, alone;
+  made.add_trials("transfer/any_rig/bare/centre/1", 11, {1.0});
+  made.add_training("policy/any_rig/target/1", tests::kRisen);
+  alone.add_training("pace/any_rig/target", {0.0, 1.0, 2.0});
+  report::PaperPage page(made.kept, alone.kept);
+  report::add_transfer(page);
+  CHECK(page.markdown.find("| 1 of 1 | 1\u202f900 | 190 |") != std::string::npos);  // 10 steps/s
+}
+
+TEST_CASE(
+    "what learned in a learned simulator is compared with its like in the plain one, as far as told apart") {
+  Kept made;
+  made.add_trials("transfer/paper/bare/centre/1", 11, {2.0, 3.0, 1.0});
+  made.add_trials("transfer/paper/bare/centre/2", 12, {9.0});  // the other has not driven with this seed
+  made.add_trials("transfer/paper_simulator/bare/centre/1", 11, {4.0, 6.0, 2.0});
+  made.add_trials("transfer/best/decorated/centre/1", 11, {2.0, 3.0});
+  made.add_trials("transfer/simulator/decorated/centre/1", 11, {1.0, 4.0});
+  report::PaperPage page(made.kept);
+  report::add_transfer(page);
+  CHECK(page.markdown.find(
+            "| TD3 as the paper's | bare | centre | -2.00 (-3.00 to -1.00) | learned | -2.00 (") !=
+        std::string::npos);
+  CHECK(page.markdown.find("| 3 | 1 |") != std::string::npos);
+  CHECK(page.markdown.find("| our TD3 | decorated | centre | +0.00 (-1.00 to +1.00) | not told apart |") !=
+        std::string::npos);
 }

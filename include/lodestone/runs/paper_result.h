@@ -35,6 +35,7 @@ struct PooledErrors {
   double success_rate = 0.0;
   std::array<double, 2> success_interval = {};
   std::optional<double> target_deviation_mm, target_deviation_std_mm;  ///< the paper's measure of a path
+  std::optional<std::array<double, 2>> target_deviation_interval_mm;
   std::optional<double> time_rms_error_mm, completion, corners_reached, frechet_mm;
   /// Mean difference on the same trials from a reference; negative is closer. Of Table II that is the bare
   /// baseline, of an open choice the chosen one, of an ablation the best preset; absent for these themselves.
@@ -54,6 +55,7 @@ struct PooledErrors {
     v.field("success_interval", success_interval);
     v.field("target_deviation_mm", target_deviation_mm);
     v.field("target_deviation_std_mm", target_deviation_std_mm);
+    v.field("target_deviation_interval_mm", target_deviation_interval_mm);
     v.field("time_rms_error_mm", time_rms_error_mm);
     v.field("completion", completion);
     v.field("corners_reached", corners_reached);
@@ -64,6 +66,34 @@ struct PooledErrors {
     v.field("n_trials", n_trials);
     v.field("n_stopped", n_stopped);
     origin.visit(v);
+  }
+};
+
+/// A mean with its interval, as those of PooledErrors.
+struct PooledMean {
+  double mean = 0.0;
+  std::array<double, 2> interval = {};
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("mean", mean);
+    v.field("interval", interval);
+  }
+};
+
+/// One controller minus another, on the same trials of the seeds that both have.
+struct PairedErrors {
+  PooledMean error_mm, success_rate;
+  std::optional<PooledMean> target_deviation_mm;  ///< of paths
+  std::int64_t n_trials = 0, n_seeds = 0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("error_mm", error_mm);
+    v.field("success_rate", success_rate);
+    v.field("target_deviation_mm", target_deviation_mm);
+    v.field("n_trials", n_trials);
+    v.field("n_seeds", n_seeds);
   }
 };
 
@@ -110,14 +140,24 @@ struct PooledTraining {
 
 /// How fast a training is that has the machine to itself, on one thread (Table I), after warming up.
 struct TrainingPace {
-  double steps_per_s = 0.0;      ///< of the environments, with the updates and evaluations that go with them
-  double processor_share = 0.0;  ///< of that time, on a processor
-  std::optional<double> others;  ///< processors that others kept busy meanwhile, on average
+  double warm_up_steps = 0.0, warm_up_s = 0.0;  ///< begin, and the time that took
+  double steps_per_s =
+      0.0;  ///< afterwards, of the environments, with the updates and evaluations that go with them
+  double processor_share = 0.0;       ///< of that time, on a processor
+  std::optional<double> others;       ///< processors that others kept busy meanwhile, on average
   std::vector<std::string> products;  ///< of matrices; none where nothing says
   CellOrigin origin;
 
+  /// Time on the clock that so many steps take from the start.
+  double seconds_to(double steps) const {
+    if (steps < warm_up_steps) return warm_up_s * steps / warm_up_steps;
+    return warm_up_s + (steps - warm_up_steps) / steps_per_s;
+  }
+
   template <class Visitor>
   void visit(Visitor& v) {
+    v.field("warm_up_steps", warm_up_steps);
+    v.field("warm_up_s", warm_up_s);
     v.field("steps_per_s", steps_per_s);
     v.field("processor_share", processor_share);
     v.field("others", others);
@@ -178,7 +218,9 @@ struct PaperResult {
   std::vector<std::string> machines, commits, dates;
   double cell_hours = 0.0;  ///< of all cells, one after another
   std::map<std::string, std::map<std::string, std::map<std::string, PooledErrors>>>
-      transfer;                                                           ///< row, variant, task
+      transfer;  ///< row, variant, task
+  /// A row that learned in a learned simulator minus its like that did in the plain one: row, variant, task.
+  std::map<std::string, std::map<std::string, std::map<std::string, PairedErrors>>> learned_minus_plain;
   std::map<std::string, std::map<std::string, PooledTraining>> training;  ///< row, task
   std::map<std::string, std::map<std::string, TrainingPace>> paces;       ///< row, task
   std::map<std::string, PooledDynamics> dynamics;
@@ -200,6 +242,7 @@ struct PaperResult {
     v.field("dates", dates);
     v.field("cell_hours", cell_hours);
     v.field("transfer", transfer);
+    v.field("learned_minus_plain", learned_minus_plain);
     v.field("training", training);
     v.field("paces", paces);
     v.field("dynamics", dynamics);
