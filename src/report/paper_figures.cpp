@@ -11,6 +11,7 @@
 #include "lodestone/common/student_interval.h"
 #include "lodestone/runs/run_folder.h"
 #include "mean_bootstrap.h"
+#include "paper_page.h"
 
 namespace lodestone::report {
 namespace {
@@ -52,18 +53,13 @@ std::string shown(std::string name) {
   return name;
 }
 
-void add_once(std::vector<std::string>& list, const std::string& text) {
-  if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
-}
-
 runs::CellOrigin origin_of(const SeedRecords& seeds) {
   runs::CellOrigin origin;
   origin.n_seeds = static_cast<std::int64_t>(seeds.found.size());
   origin.n_seeds_planned = seeds.planned;
   for (const auto& [seed, record] : seeds.found) {
-    for (const std::string& commit : record->manifest_texts("git_commit")) add_once(origin.commits, commit);
-    for (const std::string& processor : record->manifest_texts("processor"))
-      add_once(origin.processors, processor);
+    add_new(origin.commits, record->manifest_texts("git_commit"));
+    add_new(origin.processors, record->manifest_texts("processor"));
   }
   return origin;
 }
@@ -213,18 +209,17 @@ std::optional<double> success_radius_mm(const CellRecord& record) {
 
 runs::PooledTraining pooled_training(const SeedRecords& seeds) {
   runs::PooledTraining out;
-  std::vector<double> steps, wall, processor, returns, lowest, highest, success, unsteadiness;
-  std::vector<double> wall_to, processor_to, steps_to;
+  std::vector<double> steps, wall, returns, lowest, highest, success, unsteadiness;
+  std::vector<double> wall_to, steps_to;
   for (const auto& [seed, record] : seeds.found) {
     const KeptCurve& curve = *record->curve;
     steps.push_back(static_cast<double>(record->policy->env_steps));
     const bool timed = record->threads() == 1;
     if (timed) wall.push_back(record->policy->train_seconds);
-    if (timed) processor.push_back(record->policy->processor_seconds.value_or(0.0));
     returns.push_back(curve.episode_return.back());
     lowest.push_back(*std::min_element(curve.episode_return.begin(), curve.episode_return.end()));
     highest.push_back(*std::max_element(curve.episode_return.begin(), curve.episode_return.end()));
-    if (record->policy->products) add_once(out.products, *record->policy->products);
+    if (record->policy->products) add_new(out.products, {*record->policy->products});
     if (!out.success_radius_mm) out.success_radius_mm = success_radius_mm(*record);
     success.push_back(record->policy->fresh_evaluation ? record->policy->fresh_evaluation->success_rate
                                                        : 0.0);
@@ -234,15 +229,11 @@ runs::PooledTraining pooled_training(const SeedRecords& seeds) {
     if (!convergence.converged) continue;
     ++out.n_converged;
     if (timed) wall_to.push_back(curve.seconds[convergence.reached]);
-    if (timed) processor_to.push_back(curve.processor_seconds[convergence.reached]);
     steps_to.push_back(curve.env_steps[convergence.reached]);
   }
   out.env_steps = mean(steps);
   out.n_timed = static_cast<std::int64_t>(wall.size());
-  if (!wall.empty()) {
-    out.train_seconds = mean(wall);
-    out.processor_seconds = mean(processor);
-  }
+  if (!wall.empty()) out.train_seconds = mean(wall);
   out.final_return = mean(returns);
   out.lowest_return = mean(lowest);
   out.highest_return = mean(highest);
@@ -250,10 +241,7 @@ runs::PooledTraining pooled_training(const SeedRecords& seeds) {
   out.unsteadiness = mean(unsteadiness);
   if (steps_to.size() == seeds.found.size()) {
     out.steps_to_maximum = mean(steps_to);
-    if (!wall_to.empty()) {
-      out.seconds_to_maximum = mean(wall_to);
-      out.processor_seconds_to_maximum = mean(processor_to);
-    }
+    if (!wall_to.empty()) out.seconds_to_maximum = mean(wall_to);
   }
   out.origin = origin_of(seeds);
   return out;
@@ -392,12 +380,12 @@ void note_origins(const runs::KeptPlan& kept, runs::PaperResult& out) {
     const auto found = kept.records.find(cell.id);
     if (found == kept.records.end()) continue;
     const CellRecord& record = found->second;
-    for (const std::string& commit : record.manifest_texts("git_commit")) add_once(out.commits, commit);
+    add_new(out.commits, record.manifest_texts("git_commit"));
     for (const common::Json& part : runs::manifests_of(record.machine)) {
       const common::Json name = part.value("processor", common::Json());
       const common::Json processors = part.value("processors", common::Json());
       if (name.is_string() && processors.is_number_integer())
-        add_once(out.machines, name.get<std::string>() + ", " + processors.dump() + " processors");
+        add_new(out.machines, {name.get<std::string>() + ", " + processors.dump() + " processors"});
     }
     for (const std::string& time_utc : record.manifest_texts("time_utc"))
       dates.insert(time_utc.substr(0, 10));

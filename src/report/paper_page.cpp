@@ -45,6 +45,11 @@ std::string joined(const std::vector<std::string>& parts) {
   return text;
 }
 
+void add_new(std::vector<std::string>& list, const std::vector<std::string>& texts) {
+  for (const std::string& text : texts)
+    if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
+}
+
 namespace {
 
 std::string commits_text(const std::vector<std::string>& commits) {
@@ -55,10 +60,7 @@ std::string commits_text(const std::vector<std::string>& commits) {
 
 }  // namespace
 
-void PaperTable::add_commits(const runs::CellOrigin& origin) {
-  for (const std::string& commit : origin.commits)
-    if (std::find(commits.begin(), commits.end(), commit) == commits.end()) commits.push_back(commit);
-}
+void PaperTable::add_commits(const runs::CellOrigin& origin) { add_new(commits, origin.commits); }
 
 void PaperTable::add_missing(std::vector<std::string> named) {
   named.emplace_back(kMissing);

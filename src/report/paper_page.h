@@ -25,6 +25,8 @@ std::string seeds_text(const runs::CellOrigin& origin);
 /// Mean difference from the reference with its interval; says of how many trials where those are not all.
 std::string from_reference_text(const runs::PooledErrors& errors);
 std::string joined(const std::vector<std::string>& parts);
+/// Those that the list does not have yet.
+void add_new(std::vector<std::string>& list, const std::vector<std::string>& texts);
 
 /// A table of the paper's page, as HTML and Markdown at once.
 struct PaperTable {

@@ -8,11 +8,6 @@
 namespace lodestone::report {
 namespace {
 
-void add_new(std::vector<std::string>& list, const std::vector<std::string>& texts) {
-  for (const std::string& text : texts)
-    if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
-}
-
 /// What the columns of trainings that were alone rest on.
 std::string alone_text(const PaperPage& page) {
   std::vector<std::string> commits, processors, products;

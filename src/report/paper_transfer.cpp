@@ -119,6 +119,18 @@ std::string closer(const runs::PooledMean& difference) {
   return difference.interval[0] > 0.0 ? "plain" : "not told apart";
 }
 
+/// What "closer" rests on.
+std::string compared_note(const PaperPage& page) {
+  std::size_t few = 0;
+  for (const auto& [row, its_variants] : page.result.learned_minus_plain)
+    for (const auto& [variant, tasks] : its_variants)
+      for (const auto& [task, paired] : tasks) few += paired.n_seeds < kEnoughSeeds ? 1 : 0;
+  if (few == 0) return "";
+  return " Closer, in the last table, is where the interval leaves no doubt; " + std::to_string(few) +
+         " of its rows have fewer than " + std::to_string(kEnoughSeeds) +
+         " training seeds, and say so of these alone.";
+}
+
 PaperTable learned_minus_plain(const PaperPage& page) {
   constexpr const char* kMillimetres = "%+.2f (%+.2f to %+.2f)";
   PaperTable table{{"controller", "around it", "task", "error (mm)", "closer", "deviation (mm)", "closer",
@@ -192,7 +204,8 @@ void add_transfer(PaperPage& page) {
   if (!compared.cells.empty())
     tables.emplace_back("Table II: trained in a learned simulator minus in the plain one, on the same trials",
                         std::move(compared));
-  page.add_part("transfer", "Table II and Fig. 6, transfer to unseen rigs by camera", kTransferNote, tables,
+  page.add_part("transfer", "Table II and Fig. 6, transfer to unseen rigs by camera",
+                std::string(kTransferNote) + compared_note(page), tables,
                 figure("<div class=\"panels\">" + drawings + "</div>",
                        "<b>Fig. 6.</b> True trajectories of one training seed on unseen rigs."));
 }

@@ -42,7 +42,6 @@ TEST_CASE("the time to the maximum is that of a training that has come there") {
   REQUIRE(risen.seconds_to_maximum);
   CHECK(*risen.seconds_to_maximum ==
         Approx(50.0));  // of 8, 10, 10, 10 and 10, whose mean is 9.6, the first 10
-  CHECK(*risen.processor_seconds_to_maximum == Approx(45.0));
   CHECK(risen.lowest_return == 0.0);
   CHECK(risen.highest_return == 10.0);
   CHECK(risen.success_rate == Approx(0.8));

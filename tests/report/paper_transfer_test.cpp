@@ -64,6 +64,7 @@ TEST_CASE(
             "| TD3 as the paper's | bare | centre | -2.00 (-3.00 to -1.00) | learned | -2.00 (") !=
         std::string::npos);
   CHECK(page.markdown.find("| 3 | 1 |") != std::string::npos);
+  CHECK(page.markdown.find("2 of its rows have fewer than 5 training seeds") != std::string::npos);
   CHECK(page.markdown.find("| our TD3 | decorated | centre | +0.00 (-1.00 to +1.00) | not told apart |") !=
         std::string::npos);
 }

@@ -100,8 +100,7 @@ struct PairedErrors {
 /// How learning went, means over training seeds (Table I, Fig. 5).
 struct PooledTraining {
   double env_steps = 0.0;
-  /// Of the seeds that learned on one thread: on the clock, and of the processor. Absent where none did.
-  std::optional<double> train_seconds, processor_seconds;
+  std::optional<double> train_seconds;               ///< of the seeds that learned on one thread
   std::int64_t n_timed = 0;                          ///< those seeds
   double final_return = 0.0;                         ///< of the last evaluation
   double lowest_return = 0.0, highest_return = 0.0;  ///< of all evaluations
@@ -113,14 +112,13 @@ struct PooledTraining {
   std::optional<double> success_radius_mm;  ///< of the task that it learned
   /// Until the return was within 5 % of its rise below its maximum; absent unless every seed had converged.
   /// Seconds: as above.
-  std::optional<double> seconds_to_maximum, processor_seconds_to_maximum, steps_to_maximum;
+  std::optional<double> seconds_to_maximum, steps_to_maximum;
   CellOrigin origin;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("env_steps", env_steps);
     v.field("train_seconds", train_seconds);
-    v.field("processor_seconds", processor_seconds);
     v.field("n_timed", n_timed);
     v.field("final_return", final_return);
     v.field("lowest_return", lowest_return);
@@ -132,7 +130,6 @@ struct PooledTraining {
     v.field("products", products);
     v.field("success_radius_mm", success_radius_mm);
     v.field("seconds_to_maximum", seconds_to_maximum);
-    v.field("processor_seconds_to_maximum", processor_seconds_to_maximum);
     v.field("steps_to_maximum", steps_to_maximum);
     origin.visit(v);
   }
