@@ -70,6 +70,19 @@ std::unordered_set<std::string> needed(const Plan& plan, const std::unordered_se
   return ids;
 }
 
+/// A page would read past the end of the shorter ones.
+void check_curve(const CellRecord& record, const std::string& file) {
+  if (!record.curve) return;
+  const KeptCurve& curve = *record.curve;
+  const std::size_t evaluations = curve.env_steps.size();
+  for (const auto* list :
+       {&curve.episode_return, &curve.success_rate, &curve.seconds, &curve.processor_seconds})
+    if (list->size() != evaluations)
+      throw common::DataError(file +
+                              ": curve: the lists of evaluations differ in length; the file is damaged: "
+                              "remove it, and run the cell again");
+}
+
 }  // namespace
 
 KeptResults::KeptResults(std::string folder) : folder_(std::move(folder)) {}
@@ -146,7 +159,9 @@ KeptPlan read_kept_plan(const std::string& folder) {
   KeptPlan kept;
   kept.plan = find_plan(folder);
   for (const Cell& cell : kept.plan.cells) {
-    auto record = common::find_artefact<CellRecord>(folder + "/records/" + cell.id + ".json");
+    const std::string file = folder + "/records/" + cell.id + ".json";
+    auto record = common::find_artefact<CellRecord>(file);
+    if (record) check_curve(*record, file);
     if (!record || !is_record_of(*record, kept.plan, cell, record->preset)) continue;
     const std::vector<std::string> needs = cell.needs();
     if (std::all_of(needs.begin(), needs.end(),

@@ -150,4 +150,9 @@ TEST_CASE("a folder of results without a plan, and a damaged record, are named")
   runs::KeptResults(place.results).keep(made, place);
   common::write_file_atomically(folder / "kept/records/a.json", "{\"verb\": ");
   CHECK_THROWS_AS(runs::read_kept_plan(folder / "kept"), common::DataError);
+  runs::CellRecord uneven;
+  uneven.curve.emplace().env_steps = {0.0, 100.0};
+  uneven.curve->episode_return = uneven.curve->success_rate = uneven.curve->seconds = {0.0, 1.0};
+  common::write_artefact(folder / "kept/records/a.json", uneven);
+  CHECK_THROWS_WITH(runs::read_kept_plan(folder / "kept"), Catch::Contains("differ in length"));
 }
