@@ -144,6 +144,14 @@ class Builder {
     cell.drawn_trials = s == 1 ? drawn : 0;
   }
 
+  /// Bare, where the paper's TD3 trains, too: with the dead zones at the wall. Squares keep away from it.
+  void add_whole_dish(const std::string& row, const std::string& task, std::int64_t s,
+                      const Settings& driver) {
+    if (task != "square")
+      add_trials("transfer/" + row + "/whole_dish", task, s, kBare,
+                 joined(driver, {"trials.start_radius=0.96", "trials.goal_radius=1"}), scale_.trials);
+  }
+
   /// Bare and decorated; with an `identified_by`, both also with what is identified in that simulator.
   void add_transfer(const std::string& row, const std::string& task, std::int64_t s, const Settings& driver,
                     const std::string& identified_by = "") {
@@ -197,6 +205,7 @@ class Builder {
       add_transfer("any_rig", task, s, {"controller=policy", "policy=" + checkpoint_of(any_rig)}, best);
       add_transfer("planner", task, s, {"controller=planner"}, best);
       add_transfer("baseline", task, s, {"controller=baseline"}, best);
+      add_whole_dish("baseline", task, s, {"controller=baseline"});
     }
     for (const PolicyRow& row : rows(paper, best)) {
       const std::string centre = with_seed("policy/" + row.name + "/centre", s);
@@ -206,8 +215,9 @@ class Builder {
       const std::string identified_by = row.learned_here ? best : "";
       for (const char* task : {"centre", "point", "square"}) {
         const std::string& policy = std::string(task) == "centre" ? centre : target;
-        add_transfer(row.name, task, s, {"controller=policy", "policy=" + checkpoint_of(policy)},
-                     identified_by);
+        const Settings driver = {"controller=policy", "policy=" + checkpoint_of(policy)};
+        add_transfer(row.name, task, s, driver, identified_by);
+        if (is_as_the_paper(row.centre_config())) add_whole_dish(row.name, task, s, driver);
       }
     }
   }

@@ -310,7 +310,7 @@ void compare_trainings(const std::map<std::string, const SeedRecords*>& groups, 
 void compare_simulators(const std::map<std::string, const SeedRecords*>& groups, runs::PaperResult& out) {
   for (const auto& [learned, plain] :
        {std::pair<std::string, std::string>{"paper", "paper_simulator"}, {"best", "simulator"}})
-    for (const std::string variant : {"bare", "decorated"})
+    for (const std::string variant : {"bare", "decorated", "whole_dish"})
       for (const std::string task : {"centre", "point", "square"}) {
         const std::string end = "/" + variant + "/" + task;
         const auto own = groups.find("transfer/" + learned + end),
@@ -319,6 +319,11 @@ void compare_simulators(const std::map<std::string, const SeedRecords*>& groups,
         if (const auto paired = paired_errors(*own->second, *other->second))
           out.learned_minus_plain[learned][variant][task] = *paired;
       }
+}
+
+/// What meets the same trials as a variant of Table II.
+std::string bare_pull(const std::string& variant, const std::string& task) {
+  return "transfer/baseline/" + (variant == "whole_dish" ? variant : "bare") + "/" + task;
 }
 
 /// Whether likelihood was learned, of which the loss is no distance.
@@ -433,7 +438,7 @@ runs::PaperResult paper_figures(const runs::KeptPlan& kept, const runs::KeptPlan
       const std::string& task = parts.back();
       if (kind == "transfer")
         out.transfer[parts[1]][parts[2]][task] =
-            errors_of(seeds, reference(prefix, "transfer/baseline/bare/" + task));
+            errors_of(seeds, reference(prefix, bare_pull(parts[2], task)));
       if (kind == "open")
         out.open_choices[shown(parts[1])][task] =
             errors_of(seeds, reference(prefix, "transfer/paper/bare/" + task));

@@ -42,6 +42,9 @@ for row in ("paper", "paper_simulator", "simulator", "randomised", "best", "any_
     for variant in ("bare", "decorated") + (("identified", "identified_decorated") if ours else ()):
         for task in ("centre", "point", "square"):
             assert f"transfer/{row}/{variant}/{task}/1" in cells, (row, variant, task)
+    for task in ("centre", "point", "square"):
+        over_all = row in ("paper", "paper_simulator", "baseline") and task != "square"
+        assert (f"transfer/{row}/whole_dish/{task}/1" in cells) == over_all, (row, task)
 listed = subprocess.run(bench("--list"), capture_output=True, text=True, check=True)
 assert "next:" not in listed.stderr, "there is no page yet"
 commands = listed.stdout.splitlines()[1::2]

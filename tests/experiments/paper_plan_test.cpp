@@ -1,5 +1,6 @@
 #include "lodestone/experiments/paper_plan.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <map>
 #include <set>
@@ -40,6 +41,21 @@ TEST_CASE("every row of a table meets the same trials, and no two trainings shar
     CHECK(seeds.size() == 1);
   }
   CHECK(training.size() == trainings);
+}
+
+TEST_CASE("trials over the whole dish lie where the paper's TD3 trains") {
+  const runs::Plan plan = experiments::paper_plan({});
+  for (const char* row : {"baseline", "paper", "paper_simulator"}) {
+    const std::string id = std::string("transfer/") + row;
+    const runs::Cell* whole = plan.find(id + "/whole_dish/point/1");
+    const runs::Cell* bare = plan.find(id + "/bare/point/1");
+    REQUIRE(whole != nullptr);
+    REQUIRE(bare != nullptr);
+    CHECK(whole->seed == bare->seed);
+    const auto& settings = whole->settings;
+    for (const char* radius : {"trials.start_radius=0.96", "trials.goal_radius=1"})
+      CHECK(std::count(settings.begin(), settings.end(), radius) == 1);
+  }
 }
 
 TEST_CASE("the pace of every training of Table I is measured, of its own length but for the end") {

@@ -32,6 +32,18 @@ TEST_CASE("errors are pooled over what is there, and paired with the bare baseli
   CHECK_FALSE(result.transfer.at("baseline").at("bare").at("centre").from_reference_mm);
 }
 
+TEST_CASE("over the whole dish a row is paired with the pull on those trials, and learned with plain") {
+  Kept made;
+  made.add_trials("transfer/baseline/bare/point/1", 11, {2.0, 4.0});
+  made.add_trials("transfer/baseline/whole_dish/point/1", 11, {5.0, 7.0});
+  made.add_trials("transfer/paper/whole_dish/point/1", 11, {6.0, 10.0});
+  made.add_trials("transfer/paper_simulator/whole_dish/point/1", 11, {9.0, 11.0});
+  const runs::PaperResult result = report::paper_figures(made.kept);
+  CHECK(*result.transfer.at("paper").at("whole_dish").at("point").from_reference_mm == Approx(2.0));
+  CHECK_FALSE(result.transfer.at("baseline").at("whole_dish").at("point").from_reference_mm);
+  CHECK(result.learned_minus_plain.at("paper").at("whole_dish").at("point").error_mm.mean == Approx(-2.0));
+}
+
 TEST_CASE("the time to the maximum is that of a training that has come there") {
   Kept made;
   made.add_training("policy/best/centre/1", tests::kRisen);
