@@ -51,9 +51,9 @@ void add_open_choices(PaperPage& page) {
                        const std::string& from, const runs::PooledErrors* trials) {
     if (training == nullptr) return table.add_missing({what, choice});
     table.cells.push_back(
-        {what, choice, formatted("%.2f", training->final_return),
+        {what, choice, with_interval("%.2f", training->final_return, training->final_return_interval),
          formatted("%.1f to %.1f", training->lowest_return, training->highest_return), from,
-         formatted("%.0f %%", 100.0 * training->success_rate), trials ? error_text(*trials) : "–",
+         success_text(*training), trials ? error_text(*trials) : "–",
          trials != nullptr && trials != ours_driven ? from_reference_text(*trials) : "–",
          trials ? success_text(*trials) : "–", seeds_text(training->origin), joined(training->products)});
     table.add_commits(training->origin);
@@ -85,7 +85,7 @@ void add_open_choices(PaperPage& page) {
       "the highest evaluation. " +
           nearest_unit(page) +
           "Returns with distances in other units are on other scales; what such a policy does on unseen "
-          "rigs, bare, is not. Intervals of differences: of returns by Student's t over seeds, of trials as "
+          "rigs, bare, is not. Intervals: of returns by Student's t over seeds, of trials as "
           "in Table II. Precision, of matrix products: the seeds of a row may differ in it, from those of "
           "the row they are compared with, too.",
       {{"", table}});

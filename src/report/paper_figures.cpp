@@ -25,6 +25,17 @@ using Groups = std::vector<std::vector<double>>;
 
 std::array<double, 2> ends(const Interval& interval) { return {interval.low, interval.high}; }
 
+/// Of what seeds have, one value of each.
+std::optional<std::array<double, 2>> over_seeds(const std::vector<double>& values) {
+  const auto interval = common::student_interval(values);
+  return interval ? std::optional(ends(*interval)) : std::nullopt;
+}
+
+std::array<double, 2> range_of(const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return {*low, *high};
+}
+
 Interval interval_of(const Groups& groups) {
   thread_local MeanBootstrap bootstrap("bootstrap");
   return bootstrap.interval(groups);
@@ -235,12 +246,16 @@ runs::PooledTraining pooled_training(const SeedRecords& seeds) {
   out.n_timed = static_cast<std::int64_t>(wall.size());
   if (!wall.empty()) out.train_seconds = mean(wall);
   out.final_return = mean(returns);
+  out.final_return_interval = over_seeds(returns);
   out.lowest_return = mean(lowest);
   out.highest_return = mean(highest);
   out.success_rate = mean(success);
+  out.success_range = range_of(success);
   out.unsteadiness = mean(unsteadiness);
+  out.unsteadiness_range = range_of(unsteadiness);
   if (steps_to.size() == seeds.found.size()) {
     out.steps_to_maximum = mean(steps_to);
+    out.steps_to_maximum_range = range_of(steps_to);
     if (!wall_to.empty()) out.seconds_to_maximum = mean(wall_to);
   }
   out.origin = origin_of(seeds);
@@ -277,7 +292,7 @@ std::optional<runs::TrainingDifference> training_difference(const SeedRecords& s
   const runs::PooledTraining a = pooled_training(own), b = pooled_training(other);
   runs::TrainingDifference out;
   out.final_return = mean(returns);
-  if (const auto interval = common::student_interval(returns)) out.final_return_interval = ends(*interval);
+  out.final_return_interval = over_seeds(returns);
   out.unsteadiness = a.unsteadiness;
   out.unsteadiness_of_other = b.unsteadiness;
   out.steps_to_maximum = a.steps_to_maximum;
@@ -349,9 +364,13 @@ runs::PooledDynamics dynamics_of(const SeedRecords& seeds) {
     if (evaluation.one_step.heading_rms_deg) heading.push_back(*evaluation.one_step.heading_rms_deg);
   }
   if (!validation.empty()) out.validation_loss = mean(validation);
+  out.validation_loss_interval = over_seeds(validation);
   out.test_loss = mean(test);
+  out.test_loss_interval = over_seeds(test);
   out.position_rms_mm = mean(position);
+  out.position_rms_interval_mm = over_seeds(position);
   if (!heading.empty()) out.heading_rms_deg = mean(heading);
+  out.heading_rms_interval_deg = over_seeds(heading);
   if (!no_motion.empty()) out.no_motion_mm = mean(no_motion);
   if (!neighbours.empty()) out.neighbours_mm = mean(neighbours);
   out.origin = origin_of(seeds);

@@ -85,13 +85,12 @@ void add_mixes(PaperPage& page) {
       continue;
     }
     const runs::TrainingDifference* from_none = find(page.result.mix_differences, k);
-    table.cells.push_back({name, formatted("%.2f", f->final_return),
-                           from_none != nullptr ? difference_text(*from_none) : "–",
-                           formatted("%.3f", f->unsteadiness),
-                           f->steps_to_maximum ? grouped(*f->steps_to_maximum) : "had not converged",
-                           std::to_string(f->n_fallen) + " of " + std::to_string(f->origin.n_seeds),
-                           formatted("%.0f %%", 100.0 * f->success_rate), grouped(f->env_steps),
-                           seeds_text(f->origin), joined(f->products)});
+    table.cells.push_back(
+        {name, with_interval("%.2f", f->final_return, f->final_return_interval),
+         from_none != nullptr ? difference_text(*from_none) : "–",
+         with_interval("%.3f", f->unsteadiness, f->unsteadiness_range), steps_to_maximum_text(*f),
+         std::to_string(f->n_fallen) + " of " + std::to_string(f->origin.n_seeds), success_text(*f),
+         grouped(f->env_steps), seeds_text(f->origin), joined(f->products)});
     table.add_commits(f->origin);
   }
   if (table.cells.empty()) return;
@@ -100,10 +99,11 @@ void add_mixes(PaperPage& page) {
       "Of the paper's three environments, so many play back recorded stretches of 10 to 15 steps, towards "
       "the centre, for as many steps as the table says. Evaluated in the MBS, without them. From 0 of 3: of "
       "the same seeds, which learn in the same simulators (though some in another precision of matrix "
-      "products: see the column), with the 95 % interval by Student's t over seeds; rows of other numbers "
-      "of seeds are not comparable otherwise. Scatter: standard deviation of the last fifth of the "
-      "evaluations of a training; steps to maximum as in Table I. Fell back: the last five evaluations are "
-      "more than 5 % of the rise below the maximum. "
+      "products: see the column). Intervals are 95 %, by Student's t over seeds; rows of other numbers of "
+      "seeds are not comparable otherwise. Scatter: standard deviation of the last fifth of the evaluations "
+      "of a training; its, and those of steps to maximum and success (see Table I), are the mean, and the "
+      "lowest and highest seed. Fell back: the last five evaluations are more than 5 % of the rise below "
+      "the maximum. "
       "The best policy is the one that is kept, the final return that of the last. " +
           order(page),
       {{"", table}},

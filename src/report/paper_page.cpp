@@ -19,6 +19,23 @@ std::string or_dash(const char* format, const std::optional<double>& value, doub
   return value ? formatted(format, scale * *value) : "–";
 }
 
+namespace {
+
+/// Nothing where both are the same.
+std::string range_text(const std::string& low, const std::string& high) {
+  return low == high ? "" : " (" + low + " to " + high + ")";
+}
+
+}  // namespace
+
+std::string with_interval(const char* format, const std::optional<double>& mean,
+                          const std::optional<std::array<double, 2>>& interval, double scale) {
+  const std::string text = or_dash(format, mean, scale);
+  if (!mean || !interval) return text;
+  return text +
+         range_text(formatted(format, scale * (*interval)[0]), formatted(format, scale * (*interval)[1]));
+}
+
 std::string error_text(const runs::PooledErrors& e) {
   return formatted("%.2f (%.2f to %.2f)", e.mean_error_mm, e.mean_interval_mm[0], e.mean_interval_mm[1]);
 }
@@ -26,6 +43,18 @@ std::string error_text(const runs::PooledErrors& e) {
 std::string success_text(const runs::PooledErrors& e) {
   return formatted("%.0f %% (%.0f to %.0f)", 100.0 * e.success_rate, 100.0 * e.success_interval[0],
                    100.0 * e.success_interval[1]);
+}
+
+std::string success_text(const runs::PooledTraining& t) {
+  const auto percent = [](double share) { return formatted("%.0f", 100.0 * share); };
+  return percent(t.success_rate) + " %" +
+         range_text(percent(t.success_range[0]), percent(t.success_range[1]));
+}
+
+std::string steps_to_maximum_text(const runs::PooledTraining& t) {
+  if (!t.steps_to_maximum || !t.steps_to_maximum_range) return "had not converged";
+  return grouped(*t.steps_to_maximum) +
+         range_text(grouped((*t.steps_to_maximum_range)[0]), grouped((*t.steps_to_maximum_range)[1]));
 }
 
 std::string seeds_text(const runs::CellOrigin& origin) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -18,9 +19,16 @@ constexpr std::int64_t kEnoughSeeds = 5;
 
 std::string formatted(const char* format, double a, double b = 0.0, double c = 0.0);
 std::string or_dash(const char* format, const std::optional<double>& value, double scale = 1.0);
+/// Followed by its interval or range where there is one that shows, with the same format and scale; a dash
+/// where there is no mean.
+std::string with_interval(const char* format, const std::optional<double>& mean,
+                          const std::optional<std::array<double, 2>>& interval, double scale = 1.0);
 /// Mean (95 % interval).
 std::string error_text(const runs::PooledErrors& errors);
 std::string success_text(const runs::PooledErrors& errors);
+/// Mean (lowest to highest seed), as below.
+std::string success_text(const runs::PooledTraining& training);
+std::string steps_to_maximum_text(const runs::PooledTraining& training);
 std::string seeds_text(const runs::CellOrigin& origin);
 /// Mean difference from the reference with its interval; says of how many trials where those are not all.
 std::string from_reference_text(const runs::PooledErrors& errors);

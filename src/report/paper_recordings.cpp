@@ -19,10 +19,12 @@ void add_dynamics(PaperPage& page) {
       table.add_missing({name, published});
       continue;
     }
-    table.cells.push_back({name, published, or_dash("%.3f", f->validation_loss),
-                           formatted("%.3f", f->test_loss), formatted("%.2f", f->position_rms_mm),
-                           or_dash("%.2f", f->no_motion_mm), or_dash("%.2f", f->neighbours_mm),
-                           or_dash("%.1f", f->heading_rms_deg), seeds_text(f->origin)});
+    table.cells.push_back(
+        {name, published, with_interval("%.3f", f->validation_loss, f->validation_loss_interval),
+         with_interval("%.3f", f->test_loss, f->test_loss_interval),
+         with_interval("%.2f", f->position_rms_mm, f->position_rms_interval_mm),
+         or_dash("%.2f", f->no_motion_mm), or_dash("%.2f", f->neighbours_mm),
+         with_interval("%.1f", f->heading_rms_deg, f->heading_rms_interval_deg), seeds_text(f->origin)});
     table.add_commits(f->origin);
   }
   std::string data;
@@ -38,7 +40,7 @@ void add_dynamics(PaperPage& page) {
                     "Each row is of the test pulses of its own recording, which are not equally hard: "
                     "compare it with what nothing, and ten recorded neighbours, foretell of the same pulses. "
                     "Losses are distances in units of the data's spread; ours learns a likelihood, whose "
-                    "validation loss is none.",
+                    "validation loss is none. Intervals: 95 %, Student's over seeds.",
                 {{"", table}});
 }
 

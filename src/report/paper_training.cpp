@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <initializer_list>
 #include <optional>
 
@@ -69,13 +70,15 @@ void add_training(PaperPage& page) {
     const auto alone_s = [pace](const std::optional<double>& steps) {
       return pace != nullptr && steps ? std::optional(pace->seconds_to(*steps)) : std::nullopt;
     };
-    table.cells.push_back({t.name, t.published, grouped(f->env_steps),
-                           f->steps_to_maximum ? grouped(*f->steps_to_maximum) : "had not converged",
+    std::optional<std::array<double, 2>> alone_range_s;
+    if (const auto& steps = f->steps_to_maximum_range; pace != nullptr && steps)
+      alone_range_s = {pace->seconds_to((*steps)[0]), pace->seconds_to((*steps)[1])};
+    table.cells.push_back({t.name, t.published, grouped(f->env_steps), steps_to_maximum_text(*f),
                            pace != nullptr ? grouped(pace->steps_per_s) : "–",
                            pace != nullptr ? grouped(pace->steps_per_s / kRigRate_hz) : "–",
-                           or_dash("%.0f", alone_s(f->steps_to_maximum)),
+                           with_interval("%.0f", alone_s(f->steps_to_maximum), alone_range_s),
                            or_dash("%.0f", f->seconds_to_maximum), or_dash("%.0f", alone_s(f->env_steps)),
-                           or_dash("%.0f", f->train_seconds), formatted("%.0f %%", 100.0 * f->success_rate),
+                           or_dash("%.0f", f->train_seconds), success_text(*f),
                            or_dash("%.0f", f->success_radius_mm), std::to_string(f->n_timed),
                            std::to_string(f->n_converged) + " of " + std::to_string(f->origin.n_seeds) +
                                ", " + std::to_string(f->origin.n_seeds_planned) + " planned",
@@ -92,15 +95,16 @@ void add_training(PaperPage& page) {
           "stands where none had. To the maximum: until the return of evaluations in its own simulator was "
           "within 5 % of its rise of its maximum, and stayed there over five evaluations; given only where "
           "no seed's return rose by more than that in its last fifth, and no finer than evaluations lie "
-          "apart (one at the first evaluation may have been earlier). Means over seeds, whose scatter is "
-          "not shown. Success is that of each row's own task: within what distance, on what share of the "
-          "dish and in how many steps differ between the paper's rows, our TD3's and the gradient's, so "
-          "that it does not compare them. The paper's hours are its Table I, on its own machine. It says "
-          "that its MBS took 700 steps/s in three environments, 233 times as many as its rig (3 Hz); ours "
-          "include learning, in the rows as the paper's an update a step, and bench speed measures how many "
-          "the MBS takes without. Precision: of the matrix products of TD3, bfloat16 where a processor is "
-          "faster so; the seeds of a row may differ in it. Fig. 4, returns over steps, is drawn on the page "
-          "that bench paper writes.",
+          "apart (one at the first evaluation may have been earlier). Means over seeds, of steps, their "
+          "time alone and success with the lowest and the highest of them where they differ. Success is "
+          "that of each row's own task: within what distance, on what share of the dish and in how many "
+          "steps differ between the paper's rows, our TD3's and the gradient's, so that it does not compare "
+          "them. The paper's hours are its Table I, on its own machine. It says that its MBS took 700 "
+          "steps/s in three environments, 233 times as many as its rig (3 Hz); ours include learning, in "
+          "the rows as the paper's an update a step, and bench speed measures how many the MBS takes "
+          "without. Precision: of the matrix products of TD3, bfloat16 where a processor is faster so; the "
+          "seeds of a row may differ in it. Fig. 4, returns over steps, is drawn on the page that bench "
+          "paper writes.",
       {{"", table}},
       figure("<div class=\"two\">" + charts + "</div>",
              "<b>Fig. 4.</b> Return of fixed evaluation episodes in the simulator that the policy "

@@ -104,6 +104,16 @@ report = json.loads((out / "report.json").read_text())
 assert report["transfer"]["baseline"]["bare"]["point"]["n_trials"] == 1, report
 assert report["paces"]["best"]["centre"]["steps_per_s"] > 0.0, report["paces"]
 
+# What it says of the trials is what they were.
+run("--only", "transfer/baseline/whole_dish/point/1")
+discs = {variant: json.loads((out / f"cells/transfer/baseline/{variant}/point/1/config.json").read_text())["trials"] for variant in ("bare", "whole_dish")}
+for told in ("Trials start within {bare[start_radius]:g} dish radii of the middle, and points lie within {bare[goal_radius]:g}:",
+             "they start within {whole_dish[start_radius]:g}, wherever the needle fits, and lie within {whole_dish[goal_radius]:g}."):
+    assert told.format(**discs) in said, (told, discs)
+around = json.loads((source / "configs/best/deploy.json").read_text())["decorators"]
+assert (f"no current within {1e3 * around['hold_radius_m']:g} mm of the target, and a path's target is fed {around['lead_s']:g} s ahead") in said, around
+run("--report")
+
 # What was kept is enough for the page, and for another machine to go on: nothing that is finished is run again there.
 page = pathlib.Path(scratch.name) / "page"
 drawn = subprocess.run([program, "bench", "paper", "--report", "--from", str(out / "results"), "--out", str(page)], capture_output=True, text=True)

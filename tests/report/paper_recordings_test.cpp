@@ -6,6 +6,19 @@
 using namespace lodestone;
 using tests::Kept;
 
+TEST_CASE("losses of several seeds have an interval") {
+  Kept made;
+  for (const int seed : {1, 2}) {
+    runs::DynamicsEvaluation& evaluation =
+        made.add("dynamics/paper/" + std::to_string(seed)).dynamics.emplace();
+    evaluation.normalised_l2 = seed == 1 ? 0.06 : 0.062;
+  }
+  report::PaperPage page(made.kept);
+  report::add_dynamics(page);
+  CHECK(page.markdown.find("| as the paper's | 0.033, 0.045 | – | 0.061 (0.048 to 0.074) |") !=
+        std::string::npos);
+}
+
 TEST_CASE("losses stand beside the paper's, and how often somebody placed the needle is told") {
   Kept made;
   runs::DynamicsEvaluation& evaluation = made.add("dynamics/paper/1").dynamics.emplace();

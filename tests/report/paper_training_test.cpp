@@ -20,6 +20,20 @@ TEST_CASE("a training that had not converged has no time") {
   CHECK(page.markdown.find("| our TD3, MBS, random target | – | not run yet |") != std::string::npos);
 }
 
+TEST_CASE("where seeds differ, the lowest and the highest stand beside their mean") {
+  Kept made, alone;
+  std::vector<double> late = tests::kRisen;
+  for (std::size_t i = 1; i < 10; ++i) late[i] = 0.0;
+  made.add_training("policy/best/centre/1", tests::kRisen);
+  made.add_training("policy/best/centre/2", late);
+  made.kept.records["policy/best/centre/2"].policy->fresh_evaluation->success_rate = 1.0;
+  alone.add_training("pace/best/centre", {0.0, 1.0, 2.0});  // 10 steps/s
+  report::PaperPage page(made.kept, alone.kept);
+  report::add_training(page);
+  CHECK(page.markdown.find("| our TD3, MBS, centre | – | 1\u202f900 | 750 (500 to 1\u202f000) | 10 | 3 | "
+                           "75 (50 to 100) | 75 | 190 | 190 | 90 % (80 to 100) |") != std::string::npos);
+}
+
 TEST_CASE("a seed that had more threads than one counts for all but the time") {
   Kept made;
   made.add_training("policy/best/centre/1", tests::kRisen);

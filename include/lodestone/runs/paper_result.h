@@ -97,15 +97,19 @@ struct PairedErrors {
   }
 };
 
-/// How learning went, means over training seeds (Table I, Fig. 5).
+/// How learning went, means over training seeds (Table I, Fig. 5). Intervals: 95 %, Student's over seeds;
+/// absent of one. Ranges: of the lowest and the highest seed.
 struct PooledTraining {
   double env_steps = 0.0;
-  std::optional<double> train_seconds;               ///< of the seeds that learned on one thread
-  std::int64_t n_timed = 0;                          ///< those seeds
-  double final_return = 0.0;                         ///< of the last evaluation
+  std::optional<double> train_seconds;  ///< of the seeds that learned on one thread
+  std::int64_t n_timed = 0;             ///< those seeds
+  double final_return = 0.0;            ///< of the last evaluation
+  std::optional<std::array<double, 2>> final_return_interval;
   double lowest_return = 0.0, highest_return = 0.0;  ///< of all evaluations
-  double success_rate = 0.0;     ///< of the policy that was kept, in fresh episodes of its own simulator
-  double unsteadiness = 0.0;     ///< standard deviation of the returns in the last fifth, mean over seeds
+  double success_rate = 0.0;  ///< of the policy that was kept, in fresh episodes of its own simulator
+  std::array<double, 2> success_range = {};
+  double unsteadiness = 0.0;  ///< standard deviation of the returns in the last fifth, mean over seeds
+  std::array<double, 2> unsteadiness_range = {};
   std::int64_t n_converged = 0;  ///< seeds whose return had stopped rising
   std::int64_t n_fallen = 0;     ///< seeds whose return ended by more than 5 % of its rise below its maximum
   std::vector<std::string> products;        ///< of matrices, as their seeds computed them
@@ -113,6 +117,7 @@ struct PooledTraining {
   /// Until the return was within 5 % of its rise below its maximum; absent unless every seed had converged.
   /// Seconds: as above.
   std::optional<double> seconds_to_maximum, steps_to_maximum;
+  std::optional<std::array<double, 2>> steps_to_maximum_range;
   CellOrigin origin;
 
   template <class Visitor>
@@ -121,16 +126,20 @@ struct PooledTraining {
     v.field("train_seconds", train_seconds);
     v.field("n_timed", n_timed);
     v.field("final_return", final_return);
+    v.field("final_return_interval", final_return_interval);
     v.field("lowest_return", lowest_return);
     v.field("highest_return", highest_return);
     v.field("success_rate", success_rate);
+    v.field("success_range", success_range);
     v.field("unsteadiness", unsteadiness);
+    v.field("unsteadiness_range", unsteadiness_range);
     v.field("n_converged", n_converged);
     v.field("n_fallen", n_fallen);
     v.field("products", products);
     v.field("success_radius_mm", success_radius_mm);
     v.field("seconds_to_maximum", seconds_to_maximum);
     v.field("steps_to_maximum", steps_to_maximum);
+    v.field("steps_to_maximum_range", steps_to_maximum_range);
     origin.visit(v);
   }
 };
@@ -184,25 +193,34 @@ struct TrainingDifference {
   }
 };
 
-/// A learned simulator (section V-A), means over training seeds.
+/// A learned simulator (section V-A), means over training seeds, with 95 % intervals by Student's t; absent
+/// of one.
 struct PooledDynamics {
   /// Distance in units of the data's spread; that of validation is absent where likelihood was learned.
   std::optional<double> validation_loss;
+  std::optional<std::array<double, 2>> validation_loss_interval;
   double test_loss = 0.0;
+  std::optional<std::array<double, 2>> test_loss_interval;
   double position_rms_mm = 0.0;
+  std::optional<std::array<double, 2>> position_rms_interval_mm;
   /// On the same pulses: nothing moves, and ten nearest neighbours.
   std::optional<double> no_motion_mm, neighbours_mm;
   std::optional<double> heading_rms_deg;
+  std::optional<std::array<double, 2>> heading_rms_interval_deg;
   CellOrigin origin;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("validation_loss", validation_loss);
+    v.field("validation_loss_interval", validation_loss_interval);
     v.field("test_loss", test_loss);
+    v.field("test_loss_interval", test_loss_interval);
     v.field("position_rms_mm", position_rms_mm);
+    v.field("position_rms_interval_mm", position_rms_interval_mm);
     v.field("no_motion_mm", no_motion_mm);
     v.field("neighbours_mm", neighbours_mm);
     v.field("heading_rms_deg", heading_rms_deg);
+    v.field("heading_rms_interval_deg", heading_rms_interval_deg);
     origin.visit(v);
   }
 };
