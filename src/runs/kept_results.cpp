@@ -49,6 +49,14 @@ void copy_needed(const std::string& from, const std::string& to) {
   common::sync_path(fs::path(to).parent_path().string());
 }
 
+/// A tree without files, which no commit holds, would be left otherwise.
+void remove_with_empty_parents(const std::string& folder, const std::string& root) {
+  fs::remove_all(folder);
+  std::error_code not_empty;
+  for (fs::path at = fs::path(folder).parent_path(); at != root && fs::remove(at, not_empty);)
+    at = at.parent_path();
+}
+
 /// Results of another plan would be taken for outdated ones of this.
 void check_same_plan(const std::string& folder, const Plan& plan) {
   if (!holds_plan(folder)) return;
@@ -137,7 +145,7 @@ void KeptResults::keep(const Plan& plan, const PlanPlace& place) {
     if (filed_->count(cell.id) == 0) continue;
     const bool recording = fs::exists(kept + "/" + kRecording) || fs::exists(run + "/" + kRecording);
     if (wanted.count(cell.id) == 0 && !recording) {
-      fs::remove_all(kept);
+      if (fs::exists(kept)) remove_with_empty_parents(kept, folder_ + "/weights");
     } else if (!fs::exists(kept) && finished_in(run)) {
       common::make_folders(fs::path(kept).parent_path().string());
       copy_needed(run, kept);

@@ -75,6 +75,24 @@ TEST_CASE("a recording is kept also when nothing needs it any more") {
   CHECK(data::read_dataset(folder / "kept/weights/a/transitions.h5").episodes.size() == 3);
 }
 
+TEST_CASE("weights that nothing needs any more leave no folders behind") {
+  const tests::TemporaryFolder folder;
+  const Plan made = plan({cell("policy/a/1"), cell("b", {"policy={policy/a/1}/checkpoint"}),
+                          cell("policy/c/1"), cell("d", {"policy={policy/c/1}/checkpoint"})});
+  const runs::PlanPlace place{folder / "out", "lodestone", "configs", "", 1, folder / "kept"};
+  runs::KeptResults kept(place.results);
+  for (const char* id : {"policy/a/1", "policy/c/1"}) finish(made, place, id);
+  kept.keep(made, place);
+  finish(made, place, "b");
+  kept.keep(made, place);
+  CHECK_FALSE(std::filesystem::exists(folder / "kept/weights/policy/a"));
+  CHECK(std::filesystem::exists(folder / "kept/weights/policy/c/1"));
+  finish(made, place, "d");
+  kept.keep(made, place);
+  CHECK_FALSE(std::filesystem::exists(folder / "kept/weights/policy"));
+  CHECK(std::filesystem::exists(folder / "kept/weights"));
+}
+
 TEST_CASE("results of another plan are left as they are") {
   const tests::TemporaryFolder folder;
   const Plan made = plan({cell("a"), cell("b", {"dynamics={a}/checkpoint"})});
