@@ -206,7 +206,7 @@ void sweep_logs(const std::string& folder, const std::string& id) {
 
 void add_sweep(Verb& program) {
   Verb& verb = program.add_verb(
-      "sweep", "seeds x settings of any verb, with intervals; the same command goes on where it was");
+      "sweep", "seeds x settings of a verb, with intervals; the same command goes on where it was");
   const auto options = std::make_shared<SweepOptions>();
   verb.add_option("sweep", &options->file,
                   "JSON file with a verb, presets, values by key, seeds and a score; docs/sweep.md")

@@ -89,10 +89,16 @@ Groups values_of(const SeedRecords& seeds, const Pick& pick) {
   return groups;
 }
 
-std::optional<double> mean_of(const SeedRecords& seeds, std::vector<double> KeptTrials::*figure) {
-  const std::vector<double> all =
-      all_of(values_of(seeds, [&](const KeptTrials& trials) { return trials.*figure; }));
-  return all.empty() ? std::nullopt : std::optional(mean(all));
+using Ends = std::optional<std::array<double, 2>>;
+
+/// Means of what only paths have, and their intervals; absent where trials have none.
+void pool(const SeedRecords& seeds, std::vector<double> KeptTrials::*figure, std::optional<double>& out,
+          Ends& interval) {
+  const Groups groups = values_of(seeds, [&](const KeptTrials& trials) { return trials.*figure; });
+  const std::vector<double> all = all_of(groups);
+  if (all.empty()) return;
+  out = mean(all);
+  interval = ends(interval_of(groups));
 }
 
 /// Differences of a figure on the same trials of the same seeds.
@@ -124,16 +130,12 @@ runs::PooledErrors errors_of(const SeedRecords& seeds, const SeedRecords* refere
       common::wilson_interval(std::llround(out.success_rate * static_cast<double>(all.size())),
                               static_cast<std::int64_t>(all.size()));
   out.success_interval = {std::min(drawn.low, wilson.low), std::max(drawn.high, wilson.high)};
-  out.target_deviation_mm = mean_of(seeds, &KeptTrials::target_deviation_mm);
-  if (out.target_deviation_mm) {
-    const Groups deviations = values_of(seeds, deviations_mm);
-    out.target_deviation_std_mm = common::standard_deviation(all_of(deviations));
-    out.target_deviation_interval_mm = ends(interval_of(deviations));
-  }
-  out.time_rms_error_mm = mean_of(seeds, &KeptTrials::time_rms_error_mm);
-  out.completion = mean_of(seeds, &KeptTrials::completion);
-  out.corners_reached = mean_of(seeds, &KeptTrials::corners_reached);
-  out.frechet_mm = mean_of(seeds, &KeptTrials::frechet_mm);
+  pool(seeds, &KeptTrials::target_deviation_mm, out.target_deviation_mm, out.target_deviation_interval_mm);
+  if (out.target_deviation_mm)
+    out.target_deviation_std_mm = common::standard_deviation(all_of(values_of(seeds, deviations_mm)));
+  pool(seeds, &KeptTrials::time_rms_error_mm, out.time_rms_error_mm, out.time_rms_interval_mm);
+  pool(seeds, &KeptTrials::completion, out.completion, out.completion_interval);
+  pool(seeds, &KeptTrials::corners_reached, out.corners_reached, out.corners_interval);
   if (reference != nullptr) {
     const Groups paired = differences(seeds, *reference, errors_mm);
     const std::vector<double> shared = all_of(paired);
@@ -141,6 +143,12 @@ runs::PooledErrors errors_of(const SeedRecords& seeds, const SeedRecords* refere
       out.from_reference_mm = mean(shared);
       out.from_reference_interval_mm = ends(interval_of(paired));
       out.n_shared_trials = static_cast<std::int64_t>(shared.size());
+    }
+    const Groups deviations = differences(seeds, *reference, deviations_mm);
+    const std::vector<double> deviated = all_of(deviations);
+    if (!deviated.empty()) {
+      out.target_deviation_from_reference_mm = mean(deviated);
+      out.target_deviation_from_reference_interval_mm = ends(interval_of(deviations));
     }
   }
   out.n_trials = static_cast<std::int64_t>(all.size());

@@ -15,8 +15,8 @@ std::string formatted(const char* format, double a, double b, double c) {
   return buffer;
 }
 
-std::string or_dash(const char* format, const std::optional<double>& value, double scale) {
-  return value ? formatted(format, scale * *value) : "–";
+std::string or_dash(const char* format, const std::optional<double>& value) {
+  return value ? formatted(format, *value) : "–";
 }
 
 namespace {
@@ -29,11 +29,10 @@ std::string range_text(const std::string& low, const std::string& high) {
 }  // namespace
 
 std::string with_interval(const char* format, const std::optional<double>& mean,
-                          const std::optional<std::array<double, 2>>& interval, double scale) {
-  const std::string text = or_dash(format, mean, scale);
+                          const std::optional<std::array<double, 2>>& interval) {
+  const std::string text = or_dash(format, mean);
   if (!mean || !interval) return text;
-  return text +
-         range_text(formatted(format, scale * (*interval)[0]), formatted(format, scale * (*interval)[1]));
+  return text + range_text(formatted(format, (*interval)[0]), formatted(format, (*interval)[1]));
 }
 
 std::string error_text(const runs::PooledErrors& e) {
@@ -41,14 +40,19 @@ std::string error_text(const runs::PooledErrors& e) {
 }
 
 std::string success_text(const runs::PooledErrors& e) {
-  return formatted("%.0f %% (%.0f to %.0f)", 100.0 * e.success_rate, 100.0 * e.success_interval[0],
-                   100.0 * e.success_interval[1]);
+  return percent_text(e.success_rate, e.success_interval);
+}
+
+std::string percent_text(const std::optional<double>& share,
+                         const std::optional<std::array<double, 2>>& interval) {
+  if (!share) return "–";
+  const auto percent = [](double value) { return formatted("%.0f", 100.0 * value); };
+  return percent(*share) + " %" +
+         (interval ? range_text(percent((*interval)[0]), percent((*interval)[1])) : "");
 }
 
 std::string success_text(const runs::PooledTraining& t) {
-  const auto percent = [](double share) { return formatted("%.0f", 100.0 * share); };
-  return percent(t.success_rate) + " %" +
-         range_text(percent(t.success_range[0]), percent(t.success_range[1]));
+  return percent_text(t.success_rate, t.success_range);
 }
 
 std::string steps_to_maximum_text(const runs::PooledTraining& t) {

@@ -18,11 +18,14 @@ constexpr const char* kMissing = "not run yet";
 constexpr std::int64_t kEnoughSeeds = 5;
 
 std::string formatted(const char* format, double a, double b = 0.0, double c = 0.0);
-std::string or_dash(const char* format, const std::optional<double>& value, double scale = 1.0);
-/// Followed by its interval or range where there is one that shows, with the same format and scale; a dash
+std::string or_dash(const char* format, const std::optional<double>& value);
+/// Followed by its interval or range where there is one that shows; a dash
 /// where there is no mean.
 std::string with_interval(const char* format, const std::optional<double>& mean,
-                          const std::optional<std::array<double, 2>>& interval, double scale = 1.0);
+                          const std::optional<std::array<double, 2>>& interval);
+/// Likewise of a share, in percent.
+std::string percent_text(const std::optional<double>& share,
+                         const std::optional<std::array<double, 2>>& interval);
 /// Mean (95 % interval).
 std::string error_text(const runs::PooledErrors& errors);
 std::string success_text(const runs::PooledErrors& errors);

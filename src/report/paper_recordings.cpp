@@ -78,12 +78,14 @@ void add_zones(PaperPage& page) {
               "</b><br>how far they took it</div>";
   }
   if (panels.empty()) return;
-  page.html.add_section("zones", "Fig. 2: control zones",
-                        figure("<div class=\"panels\">" + panels + "</div>",
-                               "<b>Fig. 2.</b> Zones as recorded, in squares of 4 mm by where a pulse began. "
-                               "White: the needle was never there (the "
-                               "paper's zones A, behind and between the coils). The paper's zone B is where "
-                               "pulses move it, but not far."));
+  page.html.add_section(
+      "zones", "Fig. 2: control zones",
+      figure("<div class=\"panels\">" + panels + "</div>",
+             "<b>Fig. 2.</b> Zones as recorded, in squares of 4 mm by where a pulse began. "
+             "White: the needle was never there, as in what the paper calls dead "
+             "zones (A), which it cannot access. In its zone B, in the middle, control is "
+             "most stable; outside of it a near coil moves the needle too fast, or a far one "
+             "too weakly."));
 }
 
 }  // namespace lodestone::report

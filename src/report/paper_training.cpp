@@ -25,8 +25,9 @@ std::string alone_text(const PaperPage& page) {
     }
   if (count == 0) return "Alone: not measured yet (bench paper --pace).";
   return "Alone: at the pace, once warm, of " + std::to_string(count) +
-         " trainings that were begun one after another, on one thread with nothing beside it (bench paper "
-         "--pace; " +
+         " trainings that were begun one after another, on one thread with nothing beside it, in simulators "
+         "of "
+         "the same size learned in an epoch from 2,000 pulses (bench paper --pace; " +
          joined(processors) + "; " + joined(products) + "; commits " + joined(commits) +
          formatted("), of which each had at least %.0f %% of a processor; others kept at most %.2f busy.",
                    100.0 * least_share, most_others);
@@ -91,20 +92,20 @@ void add_training(PaperPage& page) {
   page.add_part(
       "training", "Table I and Fig. 4, training",
       "Seconds include evaluations. " + alone_text(page) +
-          " As it ran: of the seeds that had one thread, on whatever processor, beside other cells; a dash "
-          "stands where none had. To the maximum: until the return of evaluations in its own simulator was "
-          "within 5 % of its rise of its maximum, and stayed there over five evaluations; given only where "
-          "no seed's return rose by more than that in its last fifth, and no finer than evaluations lie "
-          "apart (one at the first evaluation may have been earlier). Means over seeds, of steps, their "
-          "time alone and success with the lowest and the highest of them where they differ. Success is "
-          "that of each row's own task: within what distance, on what share of the dish and in how many "
-          "steps differ between the paper's rows, our TD3's and the gradient's, so that it does not compare "
-          "them. The paper's hours are its Table I, on its own machine. It says that its MBS took 700 "
-          "steps/s in three environments, 233 times as many as its rig (3 Hz); ours include learning, in "
-          "the rows as the paper's an update a step, and bench speed measures how many the MBS takes "
-          "without. Precision: of the matrix products of TD3, bfloat16 where a processor is faster so; the "
-          "seeds of a row may differ in it. Fig. 4, returns over steps, is drawn on the page that bench "
-          "paper writes.",
+          " As it ran: of the seeds that had one thread, on whatever processor, beside other cells, so that "
+          "it does not compare rows; a dash stands where none had. To the maximum: until the return of "
+          "evaluations in its own simulator was within 5 % of its rise of its maximum, and stayed there "
+          "over five evaluations; given only where no seed's return rose by more than that in its last "
+          "fifth, and no finer than evaluations lie apart (one at the first evaluation may have been "
+          "earlier). Means over seeds, of steps, their time alone and success with the lowest and the "
+          "highest of them where they differ. Success is that of each row's own task: within what distance, "
+          "on what share of the dish and in how many steps differ between the paper's rows, our TD3's and "
+          "the gradient's, so that it does not compare them. The paper's hours are its Table I, on its own "
+          "machine. It says that its MBS took 700 steps/s in three environments, 233 times as many as its "
+          "rig (3 Hz); ours include learning, in the rows as the paper's an update a step, and bench speed "
+          "measures how many the MBS takes without. Precision: of the matrix products of TD3, bfloat16 "
+          "where a processor is faster so; the seeds of a row may differ in it. Fig. 4, returns over steps, "
+          "is drawn on the page that bench paper writes.",
       {{"", table}},
       figure("<div class=\"two\">" + charts + "</div>",
              "<b>Fig. 4.</b> Return of fixed evaluation episodes in the simulator that the policy "

@@ -32,6 +32,24 @@ TEST_CASE("errors are pooled over what is there, and paired with the bare baseli
   CHECK_FALSE(result.transfer.at("baseline").at("bare").at("centre").from_reference_mm);
 }
 
+TEST_CASE("what only paths have has an interval, and the paper's measure is paired with the pull's, too") {
+  Kept made;
+  made.add_trials("transfer/baseline/bare/square/1", 11, {3.0, 5.0});
+  made.add_trials("transfer/planner/bare/square/1", 11, {1.0, 2.0});
+  made.kept.records["transfer/baseline/bare/square/1"].trials->target_deviation_mm = {3.0, 4.0};
+  runs::KeptTrials& planner = *made.kept.records["transfer/planner/bare/square/1"].trials;
+  planner.target_deviation_mm = {1.0, 1.0};
+  planner.completion = {0.5, 1.0};
+  const runs::PaperResult result = report::paper_figures(made.kept);
+  const runs::PooledErrors& errors = result.transfer.at("planner").at("bare").at("square");
+  CHECK(*errors.from_reference_mm == Approx(-2.5));
+  CHECK(*errors.target_deviation_from_reference_mm == Approx(-2.5));
+  CHECK(errors.target_deviation_from_reference_interval_mm == std::array<double, 2>{-3.0, -2.0});
+  CHECK(*errors.completion == Approx(0.75));
+  CHECK(errors.completion_interval == std::array<double, 2>{0.5, 1.0});
+  CHECK_FALSE(errors.corners_interval);
+}
+
 TEST_CASE("over the whole dish a row is paired with the pull on those trials, and learned with plain") {
   Kept made;
   made.add_trials("transfer/baseline/bare/point/1", 11, {2.0, 4.0});

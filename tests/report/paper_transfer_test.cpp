@@ -58,12 +58,15 @@ TEST_CASE(
   made.add_trials("transfer/paper_simulator/bare/centre/1", 11, {4.0, 6.0, 2.0});
   made.add_trials("transfer/best/decorated/centre/1", 11, {2.0, 3.0});
   made.add_trials("transfer/simulator/decorated/centre/1", 11, {1.0, 4.0});
+  made.kept.records["transfer/simulator/decorated/centre/1"].machine["git_commit"] = "def";
   report::PaperPage page(made.kept);
   report::add_transfer(page);
   CHECK(page.markdown.find(
             "| TD3 as the paper's | bare | centre | -2.00 (-3.00 to -1.00) | learned | -2.00 (") !=
         std::string::npos);
   CHECK(page.markdown.find("| 3 | 1 |") != std::string::npos);
+  const std::size_t compared = page.markdown.find("trained in a learned simulator minus in the plain one");
+  CHECK(page.markdown.find("Commits: abc, def.", compared) != std::string::npos);
   CHECK(page.markdown.find("2 of its rows have fewer than 5 training seeds") != std::string::npos);
   CHECK(page.markdown.find("| our TD3 | decorated | centre | +0.00 (-1.00 to +1.00) | not told apart |") !=
         std::string::npos);

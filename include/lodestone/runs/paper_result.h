@@ -36,12 +36,15 @@ struct PooledErrors {
   std::array<double, 2> success_interval = {};
   std::optional<double> target_deviation_mm, target_deviation_std_mm;  ///< the paper's measure of a path
   std::optional<std::array<double, 2>> target_deviation_interval_mm;
-  std::optional<double> time_rms_error_mm, completion, corners_reached, frechet_mm;
+  std::optional<double> time_rms_error_mm, completion, corners_reached;
+  std::optional<std::array<double, 2>> time_rms_interval_mm, completion_interval, corners_interval;
   /// Mean difference on the same trials from a reference; negative is closer. Of Table II that is the bare
   /// baseline, of an open choice the chosen one, of an ablation the best preset; absent for these themselves.
   std::optional<double> from_reference_mm;
   std::optional<std::array<double, 2>> from_reference_interval_mm;
-  std::int64_t n_shared_trials = 0;  ///< of that difference
+  std::optional<double> target_deviation_from_reference_mm;  ///< the same of that measure, of paths
+  std::optional<std::array<double, 2>> target_deviation_from_reference_interval_mm;
+  std::int64_t n_shared_trials = 0;  ///< of those differences
   std::int64_t n_trials = 0, n_stopped = 0;
   CellOrigin origin;
 
@@ -59,9 +62,13 @@ struct PooledErrors {
     v.field("time_rms_error_mm", time_rms_error_mm);
     v.field("completion", completion);
     v.field("corners_reached", corners_reached);
-    v.field("frechet_mm", frechet_mm);
+    v.field("time_rms_interval_mm", time_rms_interval_mm);
+    v.field("completion_interval", completion_interval);
+    v.field("corners_interval", corners_interval);
     v.field("from_reference_mm", from_reference_mm);
     v.field("from_reference_interval_mm", from_reference_interval_mm);
+    v.field("target_deviation_from_reference_mm", target_deviation_from_reference_mm);
+    v.field("target_deviation_from_reference_interval_mm", target_deviation_from_reference_interval_mm);
     v.field("n_shared_trials", n_shared_trials);
     v.field("n_trials", n_trials);
     v.field("n_stopped", n_stopped);
