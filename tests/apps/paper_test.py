@@ -108,7 +108,7 @@ assert report["paces"]["best"]["centre"]["steps_per_s"] > 0.0, report["paces"]
 run("--only", "transfer/baseline/whole_dish/point/1")
 discs = {variant: json.loads((out / f"cells/transfer/baseline/{variant}/point/1/config.json").read_text())["trials"] for variant in ("bare", "whole_dish")}
 for told in ("Trials start within {bare[start_radius]:g} dish radii of the middle, and points lie within {bare[goal_radius]:g}:",
-             "they start within {whole_dish[start_radius]:g}, wherever the needle fits, and lie within {whole_dish[goal_radius]:g}."):
+             "Over the whole dish, starts lie within {whole_dish[start_radius]:g}, wherever the needle fits, and points within {whole_dish[goal_radius]:g},"):
     assert told.format(**discs) in said, (told, discs)
 around = json.loads((source / "configs/best/deploy.json").read_text())["decorators"]
 assert (f"no current within {1e3 * around['hold_radius_m']:g} mm of the target, and a path's target is fed {around['lead_s']:g} s ahead") in said, around
