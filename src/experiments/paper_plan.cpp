@@ -65,7 +65,7 @@ class Builder {
     return std::move(plan_);
   }
 
-  /// Every policy of Table I, for a while.
+  /// Every policy of Tables I and II, for a while.
   runs::Plan take_paces() {
     add_recordings();
     const auto add_simulator = [this](const std::string& name) {
@@ -86,6 +86,7 @@ class Builder {
     }
     add_pace("any_rig", "target", kGradient, {"dynamics=" + checkpoint_of("dynamics/best")},
              scale_.target_steps);
+    add_pace("offline", "centre", kOffline, mixed("dynamics/paper"), scale_.centre_steps);
     return std::move(plan_);
   }
 
@@ -227,7 +228,7 @@ class Builder {
   void add_mixes(std::int64_t s, const std::string& paper) {
     for (std::int64_t k = 0; k <= 3; ++k) add_mix("mix/" + std::to_string(k), s, paper, k, {});
     const std::string offline = with_seed("mix/offline", s);
-    add_policy(offline, "best/policy_offline.json", mixed(paper), scale_.centre_steps);
+    add_policy(offline, kOffline, mixed(paper), scale_.centre_steps);
     add_transfer("offline", "centre", s, {"controller=policy", "policy=" + checkpoint_of(offline)});
   }
 
@@ -317,6 +318,7 @@ class Builder {
   // The second half of them is timed, which warming up ends before; ours are quick.
   static constexpr std::int64_t kPacedEvaluations = 2, kPacedEvaluationsOfOurs = 10;
   static constexpr const char* kGradient = "best/policy_any_rig.json";
+  static constexpr const char* kOffline = "best/policy_offline.json";
   static constexpr const char* kBare = "paper/deploy.json";
   static constexpr const char* kDecorated = "best/deploy.json";
 

@@ -82,4 +82,5 @@ TEST_CASE("the pace of every training of Table I is measured, of its own length 
     }
   }
   CHECK(count == 11);
+  CHECK(paces.find("pace/offline/centre") != nullptr);  // of Table II alone
 }
