@@ -110,6 +110,8 @@ discs = {variant: json.loads((out / f"cells/transfer/baseline/{variant}/point/1/
 for told in ("Trials start within {bare[start_radius]:g} dish radii of the middle, and points lie within {bare[goal_radius]:g}:",
              "Over the whole dish, starts lie within {whole_dish[start_radius]:g}, wherever the needle fits, and points within {whole_dish[goal_radius]:g},"):
     assert told.format(**discs) in said, (told, discs)
+trained = json.loads((source / "configs/paper/policy_target.json").read_text())["task"]
+assert all(discs["whole_dish"][radius] == trained[radius] for radius in ("start_radius", "goal_radius")), (trained, discs)
 around = json.loads((source / "configs/best/deploy.json").read_text())["decorators"]
 assert (f"no current within {1e3 * around['hold_radius_m']:g} mm of the target, and a path's target is fed {around['lead_s']:g} s ahead") in said, around
 run("--report")
