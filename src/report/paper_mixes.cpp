@@ -37,10 +37,8 @@ std::string collapse(const runs::PooledTraining& alone) {
   if (alone.n_fallen > 0) return "Nothing but recorded steps fell back in " + seeds + " seeds. ";
   return "Unlike in the paper, nothing but recorded steps collapsed in " + seeds +
          " seeds. Our reading, which no cell tests: these recorded pulses were made to go where the needle "
-         "had "
-         "seldom been and to do what had seldom been done there, and the operator put it anywhere, so that "
-         "nearly "
-         "all that a policy comes to want has been tried. ";
+         "had seldom been and to do what had seldom been done there, and the operator put it anywhere, so "
+         "that nearly all that a policy comes to want has been tried. ";
 }
 
 /// How coarse steps to the maximum are.

@@ -26,8 +26,7 @@ std::string alone_text(const PaperPage& page) {
   if (count == 0) return "Alone: not measured yet (bench paper --pace).";
   return "Alone: at the pace, once warm, of " + std::to_string(count) +
          " trainings that were begun one after another, on one thread with nothing beside it, in simulators "
-         "of "
-         "the same size learned in an epoch from 2,000 pulses (bench paper --pace; " +
+         "of the same size learned in an epoch from 2,000 pulses (bench paper --pace; " +
          joined(processors) + "; " + joined(products) + "; commits " + joined(commits) +
          formatted("), of which each had at least %.0f %% of a processor; others kept at most %.2f busy.",
                    100.0 * least_share, most_others);
