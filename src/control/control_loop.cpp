@@ -93,6 +93,7 @@ LoopOutcome ControlLoop::run(Controller& controller, Reference& reference, const
     outcome.stop_reason = "unknown fault";
   }
   coils_.stop();
+  if (clock_.now_s() < pulse_over_s_) sensor_.pulse_cut();
   interruption_.clear();
   outcome.completed = outcome.stop_reason.empty();
   return outcome;
@@ -117,12 +118,14 @@ void ControlLoop::rest_until(double time_s) {
 }
 
 void ControlLoop::pulse(const StepRecord& record) {
+  const double begins_s = clock_.now_s();
   if (record.probe)
     coils_.probe({record.current_A, config_.pulse_s});
   else if (record.estimate.valid || record.either_way)
     coils_.apply({record.current_A, config_.pulse_s});
   else
     return;
+  pulse_over_s_ = begins_s + config_.pulse_s;
   const bool expected = identifier_ != nullptr && record.estimate.valid;
   sensor_.pulsed(record.current_A, expected ? identifier_->outcomes(record.estimate.pose,
                                                                     task::drive_of(record.action, action_))
@@ -151,6 +154,7 @@ void ControlLoop::follow(Controller& controller, Reference& reference, const Obs
                          LoopOutcome& outcome) {
   controller.reset();
   reference.reset();
+  pulse_over_s_ = clock_.now_s();
   if (recovery_) recovery_->reset();
   if (identifier_ != nullptr) identifier_->begin_run();
   const geometry::Drive none = geometry::Drive::Zero(drive_.size());

@@ -50,6 +50,7 @@ class BlindFor final : public control::PoseSensor {
               const std::vector<physics::PulseOutcome>& outcomes) override {
     sensor_.pulsed(current_A, outcomes);
   }
+  void pulse_cut() override { sensor_.pulse_cut(); }
 
  private:
   control::PoseSensor& sensor_;

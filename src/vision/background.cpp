@@ -24,7 +24,11 @@ bool lies_alike(const Rod& a, const Rod& b) {
 }
 
 void Background::pulse() {
-  for (Thing& thing : things_) thing.pulsed = true;
+  for (Thing& thing : things_) ++thing.pulses;
+}
+
+void Background::pulse_cut() {
+  for (Thing& thing : things_) thing.pulses = std::max(0, thing.pulses - 1);
 }
 
 void Background::see(const std::vector<Rod>& candidates) {
@@ -32,7 +36,7 @@ void Background::see(const std::vector<Rod>& candidates) {
     const auto known = std::find_if(things_.begin(), things_.end(),
                                     [&](const Thing& thing) { return lies_alike(thing.rod, rod); });
     if (known != things_.end())
-      known->still = known->still || known->pulsed;
+      known->still = known->still || known->pulses > 0;
     else
       things_.push_back({rod});
   }
@@ -53,7 +57,7 @@ bool Background::holds(const Rod& rod) const {
 bool Background::has_stirred(const Rod& rod) const {
   bool near = false;
   for (const Thing& thing : things_) {
-    if (!thing.pulsed) continue;
+    if (thing.pulses == 0) continue;
     if (lies_alike(thing.rod, rod)) return false;
     near = near || distance_m(thing.rod, rod) <= kNear_m;
   }

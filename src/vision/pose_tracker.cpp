@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
+#include <utility>
 
 #include "lodestone/geometry/angle.h"
 
@@ -32,6 +33,7 @@ constexpr double kSpreadAcross = 0.25;
 constexpr double kWild = 0.15;          // of all slips go anywhere:
 constexpr double kWildSpread_m = 1e-3;  // so wide, and by its length
 constexpr double kOtherwise = 0.002;    // of all pulses do what no learned simulator says
+constexpr double kCutSticks = 0.5;      // of pulses cut short have moved nothing yet
 constexpr double kReach = 0.95;         // of the dish's radius is as far as a middle comes
 constexpr double kLearn = 0.1;          // weight of the last pulse in what is learned
 constexpr double kLogGain = 0.3;        // standard deviation, before anything is learned
@@ -119,6 +121,7 @@ void PoseTracker::lose() {
   places_.clear();
   slip_.reset();
   pulses_.clear();
+  before_pulse_.clear();
   log_gain_ = 0.0;
   log_gain_variance_ = kLogGain * kLogGain;
   scatter_ = 1.0;
@@ -184,10 +187,13 @@ std::vector<Place> PoseTracker::after_outcomes(const std::vector<physics::PulseO
 
 void PoseTracker::pulse(const physics::PerCoil& current_A,
                         const std::vector<physics::PulseOutcome>& outcomes) {
-  if (current_A != physics::PerCoil{}) background_.pulse();
+  pulse_counted_ = current_A != physics::PerCoil{};
+  if (pulse_counted_) background_.pulse();
+  before_pulse_.clear();
   if (places_.empty()) return;
   const auto field_rad = field_.direction_rad(current_A, places_.front().mean_m);
   if (!field_rad) return;
+  before_pulse_ = places_;
   const Slip likeliest = slip_from(places_.front().mean_m, current_A);
   pulses_.push_back({*field_rad, sticking(likeliest.ratio), (likeliest.to_m - likeliest.from_m).norm(),
                      pulses_.empty() ? outcomes : std::vector<physics::PulseOutcome>{}});
@@ -204,6 +210,21 @@ void PoseTracker::pulse(const physics::PerCoil& current_A,
   else
     slip_.reset();  // what moved it how far is not known any more
   log_gain_variance_ += kLogGainDrift * kLogGainDrift;
+  merge();
+}
+
+void PoseTracker::pulse_cut() {
+  if (std::exchange(pulse_counted_, false)) background_.pulse_cut();
+  if (before_pulse_.empty()) return;
+  Pulse& cut = pulses_.back();
+  cut.cut = true;
+  cut.outcomes.clear();  // of whole pulses
+  cut.sticks = std::max(cut.sticks, kCutSticks);
+  slip_.reset();
+  for (Place& place : places_) place.weight *= 1.0 - kCutSticks;
+  for (const Place& place : before_pulse_)
+    places_.push_back({place.mean_m, place.covariance_m2, kCutSticks * place.weight});
+  before_pulse_.clear();
   merge();
 }
 
@@ -314,7 +335,8 @@ bool PoseTracker::gives_away(const Rod& seen) {
     on_trial_.reset();
     return false;
   }
-  for (const Pulse& pulse : pulses_) trial_ *= pulse.sticks;
+  for (const Pulse& pulse : pulses_)
+    if (!pulse.cut) trial_ *= pulse.sticks;
   return trial_ < kHardlyAny;
 }
 
@@ -325,6 +347,8 @@ void PoseTracker::start(const Rod& candidate) {
 
 Track PoseTracker::see(const Sighting& sighting) {
   innovation_.reset();
+  before_pulse_.clear();
+  pulse_counted_ = false;
   Track track;
   const std::vector<Rod> inside = in_the_dish(sighting.candidates);
   if (inside.empty()) {

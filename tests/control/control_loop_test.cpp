@@ -377,9 +377,22 @@ TEST_CASE("any thread may end a run in the middle of its rest, while others watc
     CHECK_FALSE(outcome.completed);
     CHECK(outcome.stop_reason == "the operator at the window");
     CHECK(outcome.steps.size() == 1);
+    CHECK(sensor.cut == sensor.pulses);
     rig.clock().sleep_until(0.2);
     CHECK(std::abs(rig.coils().status().current_A[0]) < 0.2);
   }
+}
+
+TEST_CASE("a pulse that was over before the run was stopped is none that was cut short") {
+  Bench bench;
+  bench.sensor.push(0.0, 0.0);
+  tests::FunctionController controller([decided = 0](const task::Observation&) mutable {
+    if (++decided == 3) throw common::HardwareError("no third decision");
+    return Vector2(0.5, 0.0);
+  });
+  CHECK_FALSE(bench.run(controller).completed);
+  CHECK(bench.sensor.pulses == 2);
+  CHECK(bench.sensor.cut == 0);
 }
 
 TEST_CASE("a sensor that fails is a fault of the rig: nobody drives on after it") {

@@ -66,6 +66,8 @@ class ScriptedSensor final : public control::PoseSensor {
     next.stamp_s = stamp_s_;
     return next;
   }
+  void pulsed(const physics::PerCoil&, const std::vector<physics::PulseOutcome>&) override { ++pulses; }
+  void pulse_cut() override { ++cut; }
   void push(double x_m, double y_m, double heading_rad = 0.0) {
     script.push_back({true, "", {x_m, y_m, heading_rad}, false, 0.0, 0.0, 0.0, false, {}});
   }
@@ -81,6 +83,8 @@ class ScriptedSensor final : public control::PoseSensor {
 
   std::deque<control::PoseEstimate> script;
   int forgotten = 0;
+  int pulses = 0;  ///< that it was told of,
+  int cut = 0;     ///< and how many of them were cut short
   bool throws = false;
   bool stalled = false;  ///< the same image for ever
 

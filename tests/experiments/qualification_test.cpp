@@ -101,6 +101,7 @@ class CoveredSensor final : public control::PoseSensor {
               const std::vector<physics::PulseOutcome>& outcomes) override {
     inner_.pulsed(current_A, outcomes);
   }
+  void pulse_cut() override { inner_.pulse_cut(); }
   void expect_nothing() override { inner_.expect_nothing(); }
   void forget() override { inner_.forget(); }
   /// For the next so many observations.

@@ -282,6 +282,62 @@ TEST_CASE("a needle that sticks where it is expected is no background") {
   CHECK(insist(tracker, rod({0.0, 0.0, 0.0})).located);
 }
 
+TEST_CASE("a needle that a pulse cut short has not moved is one all the same") {
+  const physics::PerCoil strong = {15.0, 0.0, 0.0, 0.0};
+  const Rod slid = rod({0.015, 0.002, 0.0});
+  PoseTracker tracker = tracking({-0.015, 0.0, 0.0});
+  SECTION("where it came further than expected") {
+    const Rod moved = rod({-0.015, 0.012, 0.4});
+    tracker.pulse({0.0, 0.0, 1.0, 0.0});
+    REQUIRE(insist(tracker, moved).located);
+    const bool cut = GENERATE(true, false);
+    for (int pulse = 0; pulse < 3; ++pulse) {
+      tracker.pulse(strong);
+      if (cut) tracker.pulse_cut();
+      const bool located = see(tracker, {moved}).located;
+      INFO("pulse " << pulse << (cut ? ", cut" : ""));
+      if (cut) CHECK(located);
+    }
+    CHECK(see(tracker, {moved}).located == cut);
+  }
+  SECTION("or where it is one of several that nobody knows") {
+    tracker.forget();
+    for (int look = 0; look < 3; ++look) see(tracker, {slid, rod({-0.01, 0.02, 1.0})});
+    tracker.pulse(strong);
+    tracker.pulse_cut();
+    see(tracker, {slid, rod({-0.01, 0.02, 1.0})});
+    CHECK(insist(tracker, slid).located);  // none of both is background yet
+  }
+  SECTION("and its head is where it was") {
+    tracker.pulse({0.0, 15.0, 0.0, 0.0});  // the field would turn it about
+    tracker.pulse_cut();
+    const vision::Track track = see(tracker, {rod({-0.015, 0.0, 0.0}, 3.0)});
+    CHECK(track.located);
+    CHECK(std::abs(track.pose.heading_rad) < 0.1);
+  }
+  double sum = 0.0;
+  for (const vision::Place& place : tracker.places()) sum += place.weight;
+  CHECK(sum == Approx(tracker.places().empty() ? 0.0 : 1.0));
+}
+
+TEST_CASE("after a pulse cut short the needle may lie where it lay, or wherever that takes it") {
+  PoseTracker tracker = tracking({0.0, 0.0, 0.0});
+  tracker.pulse(kPullToX, {{1.0, {0.006, 0.0, 0.0}, 0.2e-3, 0.2e-3, 0.05}});
+  tracker.pulse_cut();
+  CHECK(tracker.places().size() <= 4);
+  double stayed = 0.0, sum = 0.0;
+  for (const vision::Place& place : tracker.places()) {
+    sum += place.weight;
+    if (std::abs(place.mean_m.x()) < 0.5e-3) stayed += place.weight;
+  }
+  CHECK(sum == Approx(1.0));
+  CHECK(stayed > 0.4);
+  const double x_m = GENERATE(0.0, 0.003, 0.006);
+  CHECK(insist(tracker, rod({x_m, 0.0, 0.0})).located);
+  tracker.pulse_cut();  // of a pulse that a look came after
+  CHECK(see(tracker, {rod({x_m, 0.0, 0.0})}).located);
+}
+
 TEST_CASE("where a learned simulator says what a pulse does, the needle is expected there") {
   PoseTracker tracker = tracking({0.0, 0.0, 0.0});
   const std::vector<physics::PulseOutcome> outcomes = {{0.7, {0.004, 0.001, 0.8}, 0.5e-3, 0.5e-3, 0.2},

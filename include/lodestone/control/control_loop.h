@@ -117,6 +117,7 @@ class ControlLoop {
   std::optional<Recovery> recovery_;
   RigIdentifier* identifier_;
   bool keeps_steps_ = true;
+  double pulse_over_s_ = 0.0;  // when the last one is, on the clock
   common::Interruption interruption_;
   std::mutex mutex_;  // of the reason
   std::string interrupted_by_;

@@ -47,6 +47,8 @@ class PoseSensor {
   /// has asked one.
   virtual void pulsed(const physics::PerCoil& /*current_A*/,
                       const std::vector<physics::PulseOutcome>& /*outcomes*/) {}
+  /// The coils went off before the pulse that it was last told of was over: what that did, nobody knows.
+  virtual void pulse_cut() {}
   /// The needle was moved in a way that nobody can foresee.
   virtual void expect_nothing() {}
   /// It has been placed elsewhere: a new episode begins.

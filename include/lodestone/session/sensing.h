@@ -68,6 +68,7 @@ class RigSensor final : public control::PoseSensor {
   control::PoseEstimate observe() override;
   void acquire() override { tracked_->acquire(); }
   void pulsed(const physics::PerCoil& current_A, const std::vector<physics::PulseOutcome>& outcomes) override;
+  void pulse_cut() override { tracked_->pulse_cut(); }
   void expect_nothing() override { tracked_->expect_nothing(); }
   void forget() override;
   /// Null when the sensor is simulated.

@@ -30,6 +30,7 @@ class TrackedPoseSensor final : public control::PoseSensor {
               const std::vector<physics::PulseOutcome>& outcomes) override {
     tracker_.pulse(current_A, outcomes);
   }
+  void pulse_cut() override { tracker_.pulse_cut(); }
   void expect_nothing() override { tracker_.forget(); }
   void forget() override;
 

@@ -18,10 +18,12 @@ class Background {
   void forget() { things_.clear(); }
   /// The coils made a field.
   void pulse();
+  /// And went off before that pulse was over: it may have moved nothing. Before the next look.
+  void pulse_cut();
   /// What a look shows.
   void see(const std::vector<Rod>& candidates);
   /// This is background, as pulses should have moved it that have not.
-  void add(const Rod& rod) { things_.push_back({rod, true, true}); }
+  void add(const Rod& rod) { things_.push_back({rod, 1, true}); }
   /// The needle lies like this: so it is none of the background, whatever stays put there.
   void except(const Rod& needle);
 
@@ -32,9 +34,9 @@ class Background {
 
  private:
   struct Thing {
-    Rod rod;              ///< as it was seen first
-    bool pulsed = false;  ///< since it was seen first
-    bool still = false;   ///< and there it was after that
+    Rod rod;             ///< as it was seen first
+    int pulses = 0;      ///< since it was seen first
+    bool still = false;  ///< and there it was after one of them
   };
   std::vector<Thing> things_;  // the latest last
 };

@@ -83,6 +83,9 @@ class PoseTracker {
   /// The coils were asked for a pulse, which takes the needle to one of these outcomes from the pose that was
   /// seen; as far as field and friction tell where nobody says.
   void pulse(const physics::PerCoil& current_A, const std::vector<physics::PulseOutcome>& outcomes = {});
+  /// The coils went off before that pulse was over: it may have moved the needle, or not, and a needle that
+  /// stays put is none the less one. Before the next look.
+  void pulse_cut();
   Track see(const Sighting& sighting);
 
   /// Where it may be now, heaviest first; empty before it was seen.
@@ -103,6 +106,7 @@ class PoseTracker {
     double sticks;                                ///< probability that the needle has not stirred,
     double slip_m;                                ///< and how far it is expected to have come where it has
     std::vector<physics::PulseOutcome> outcomes;  ///< where a learned simulator knows better
+    bool cut = false;                             ///< before it was over
   };
 
   std::vector<Rod> in_the_dish(const std::vector<Rod>& candidates) const;
@@ -134,13 +138,15 @@ class PoseTracker {
   HeadingFilter heading_;
   double head_ = 0.0;  // probability that it is where the last look said
   std::vector<Place> places_;
-  std::optional<Slip> slip_;        // of the one pulse since the needle was seen
-  std::vector<Pulse> pulses_;       // since it was seen
-  double log_gain_ = 0.0;           // of the pull,
-  double log_gain_variance_ = 0.0;  // and how well it is known
-  double scatter_ = 1.0;            // of the slip about what is expected, as a factor on its variance
-  std::optional<Rod> doubtful_;     // what was seen last, believed or not,
-  int agreeing_ = 0;                // there by so many looks in a row
+  std::optional<Slip> slip_;         // of the one pulse since the needle was seen
+  std::vector<Pulse> pulses_;        // since it was seen
+  bool pulse_counted_ = false;       // the last one made a field
+  std::vector<Place> before_pulse_;  // where it may have been before the last one, if that made a field
+  double log_gain_ = 0.0;            // of the pull,
+  double log_gain_variance_ = 0.0;   // and how well it is known
+  double scatter_ = 1.0;             // of the slip about what is expected, as a factor on its variance
+  std::optional<Rod> doubtful_;      // what was seen last, believed or not,
+  int agreeing_ = 0;                 // there by so many looks in a row
   Background background_;
   std::optional<Rod>
       on_trial_;        // what was believed to be the needle outside the gate, and has not moved yet;
