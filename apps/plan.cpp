@@ -8,6 +8,7 @@
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/runs/engines.h"
 #include "models.h"
+#include "plan_folder.h"
 #include "verbs.h"
 
 namespace lodestone::apps {
@@ -82,6 +83,7 @@ void add_plan(Verb& program) {
       .named("ID");
   add_engine_option(verb, options->engine);
   verb.run = [options] { run_plan(*options); };
+  add_plan_folder(plan);
 }
 
 }  // namespace lodestone::apps

@@ -8,21 +8,18 @@
 #include "lodestone/common/artefact.h"
 #include "lodestone/common/config_layers.h"
 #include "lodestone/common/files.h"
-#include "lodestone/common/shown.h"
 #include "lodestone/common/thread_pool.h"
 #include "lodestone/report/sweep_report.h"
 #include "lodestone/runs/engines.h"
-#include "lodestone/runs/slurm_engine.h"
 #include "lodestone/runs/sweep.h"
 #include "models.h"
+#include "plan_folder.h"
 #include "verbs.h"
 
 namespace lodestone::apps {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t kLogLines = 20;
 
 struct SweepOptions {
   std::string file;
@@ -146,7 +143,8 @@ void run_sweep(const SweepOptions& options) {
 runs::Sweep sweep_in(const std::string& folder) {
   const common::Json config = common::read_json_if_there(folder + "/config.json");
   if (!config.is_object() || !config.contains("score") || !config.contains("grid"))
-    throw common::ConfigError(folder + " holds no sweep: name the --out of one");
+    throw common::ConfigError(folder +
+                              " holds no sweep: name the --out of one; `lodestone status` tells of any plan");
   return common::artefact_from_json<runs::Sweep>(config, folder + "/config.json");
 }
 
@@ -170,38 +168,6 @@ void sweep_status(const std::string& folder) {
   write_result(sweep, rungs, folder);
 }
 
-void sweep_cancel(const std::string& folder) {
-  sweep_in(folder);
-  const bool works = runs::is_running(folder);
-  runs::ask_to_stop(folder);
-  const char* text = "asked to stop; what was done stays, and the same sweep goes on where it was\n";
-  if (!works && runs::cancel_left_jobs(folder))
-    text = "the command that ran it has ended, its jobs are cancelled; the same sweep goes on where it was\n";
-  else if (!works)
-    text = "nothing works on it; the same sweep goes on where it was\n";
-  std::printf("%s", text);
-}
-
-void sweep_logs(const std::string& folder, const std::string& id) {
-  const runs::Plan plan = runs::find_plan(folder);
-  const runs::PlanPlace place{folder, "", ""};
-  if (!id.empty() && plan.find(id) == nullptr)
-    throw common::ConfigError("sweep logs: there is no run \"" + id + "\" in " + folder);
-  for (const runs::Cell& cell : plan.cells) {
-    const std::string log = runs::log_file(plan, place, cell.id);
-    if (!fs::exists(log) || (!id.empty() && cell.id != id)) continue;
-    const auto state = runs::find_run(runs::cell_folder(plan, place, cell.id));
-    if (id.empty() && state && state->finished) continue;
-    std::istringstream stream(common::read_file(log));
-    std::vector<std::string> lines;
-    for (std::string line; std::getline(stream, line);)
-      lines.push_back(line.substr(line.find_last_of('\r') + 1));
-    std::printf("== %s (%s)\n", cell.id.c_str(), log.c_str());
-    const std::size_t first = id.empty() && lines.size() > kLogLines ? lines.size() - kLogLines : 0;
-    for (std::size_t i = first; i < lines.size(); ++i) std::printf("%s\n", common::escaped(lines[i]).c_str());
-  }
-}
-
 }  // namespace
 
 void add_sweep(Verb& program) {
@@ -220,19 +186,10 @@ void add_sweep(Verb& program) {
   verb.run = [options] { run_sweep(*options); };
 
   const auto folder = std::make_shared<std::string>();
-  const auto id = std::make_shared<std::string>();
-  const auto add = [&](const char* name, const char* help) -> Verb& {
-    Verb& added = verb.add_verb(name, help);
-    added.add_option("folder", folder.get(), "the --out of a sweep").named("DIR").required();
-    return added;
-  };
-  add("status", "how far it is, and the scores so far").run = [folder] { sweep_status(*folder); };
-  add("cancel", "stops the runs of a sweep that another process works on, wherever that is").run = [folder] {
-    sweep_cancel(*folder);
-  };
-  Verb& logs = add("logs", "the last lines of every run that is not finished");
-  logs.add_option("--run", id.get(), "all of this one").named("ID");
-  logs.run = [folder, id] { sweep_logs(*folder, *id); };
+  Verb& status = verb.add_verb("status", "how far it is, and the scores so far");
+  status.add_option("folder", folder.get(), "the --out of a sweep").named("DIR").required();
+  status.run = [folder] { sweep_status(*folder); };
+  add_plan_folder(verb);
 }
 
 }  // namespace lodestone::apps

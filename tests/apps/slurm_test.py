@@ -3,6 +3,7 @@
 
 usage: slurm_test.py LODESTONE SOURCE_FOLDER
 """
+import hashlib
 import json
 import os
 import pathlib
@@ -47,19 +48,32 @@ def plan_run(out, engine, plan="plan.json"):
     return [program, "plan", "run", str(root / plan), "--out", str(root / out), "--engine", engine, "--threads", "2"]
 
 
+def bench_paper(out, engine, *more):
+    return [program, "bench", "paper", "--out", str(root / out), "--engine", engine, "--threads", "2", *more]
+
+
+def plan_in(out):
+    file = root / out / "plan.json"
+    return json.loads(file.read_text()) if file.exists() else {"cells": []}
+
+
+def folder(out, plan, name):
+    return root / out / plan.get("subfolder", "") / name
+
+
 def results(out):
     """Bytes, but for times: a checkpoint's hashes of its tensors."""
-    found = {}
-    for each in cells:
+    found, plan = {}, plan_in(out)
+    for each in plan["cells"]:
         for name in RESULTS[each["verb"]]:
-            file = root / out / each["id"] / name
+            file = folder(out, plan, each["id"]) / name
             found[each["id"], name] = json.loads(file.read_text())["files"] if name.endswith("manifest.json") else (
-                json.loads(file.read_text()) if name.endswith(".json") else file.read_bytes())
+                json.loads(file.read_text()) if name.endswith(".json") else hashlib.sha256(file.read_bytes()).hexdigest())
     return found
 
 
-def state(out, name):
-    file = root / out / name / "run.json"
+def state(out, name, plan=None):
+    file = folder(out, plan or plan_in(out), name) / "run.json"
     return json.loads(file.read_text()) if file.exists() else {}
 
 
@@ -73,11 +87,12 @@ class Finished(threading.Thread):
 
     def run(self):
         while not self.ended:
-            for each in cells:
-                told = state(self.out, each["id"])
+            plan = plan_in(self.out)
+            for each in plan["cells"]:
+                told = state(self.out, each["id"], plan)
                 if told.get("finished"):
                     self.first.setdefault(each["id"], told["updated_utc"])
-            time.sleep(0.1)
+            time.sleep(0.1 if len(plan["cells"]) < 100 else 1.0)
 
     def check(self):
         self.ended = True
@@ -100,12 +115,35 @@ def wait_until_running(cluster, out, name):
     return task_of(cluster, out, name)
 
 
+def wait_for_a_policy(cluster, out):
+    """That has only begun to learn: its name."""
+    def young():
+        plan = plan_in(out)
+        for each in plan["cells"]:
+            told = state(out, each["id"], plan) if each["verb"] == "train-policy" else {}
+            if 0 < told.get("done", 0) < 0.5 * told["total"] and task_of(cluster, out, each["id"]):
+                found.append(each["id"])
+                return True
+        return False
+    found = []
+    cluster.wait_for(young, "no policy is learned", 900)
+    return found[0]
+
+
+def wait_until_elsewhere(cluster, out, name, node):
+    cluster.wait_for(lambda: (task_of(cluster, out, name) or ("", node))[1] != node, "the lost node's task is not run on the other", 90)
+
+
 def submitted(out):
     return sorted(file.name for file in (root / out / "slurm").glob("*.job"))
 
 
+def begun(cluster, command):
+    return subprocess.Popen(command, env=cluster.environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+
 def started(cluster, out, plan="plan.json"):
-    return subprocess.Popen(plan_run(out, "slurm", plan), env=cluster.environment, stderr=subprocess.PIPE, text=True)
+    return begun(cluster, plan_run(out, "slurm", plan))
 
 
 def ends(process, code, seconds=150):
@@ -139,7 +177,7 @@ def everything_that_ends_tasks(cluster):
     cluster.kill("slurmctld")
     time.sleep(2)
     cluster.start_controller()
-    cluster.wait_for(lambda: (task_of(cluster, "all", "policy/1") or ("", node))[1] != node, "the lost node's task is not run on the other", 90)
+    wait_until_elsewhere(cluster, "all", "policy/1", node)
     ends(running, 0)
     finished.check()
     log = (root / "all/dynamics/1.log").read_text()
@@ -156,6 +194,12 @@ def stopped_and_gone_on(cluster):
     running.send_signal(signal.SIGINT)
     ends(running, 130)
     assert cluster.ask("squeue", "-h") == "", "Ctrl-C left jobs"
+    running = started(cluster, "stopped")
+    wait_until_running(cluster, "stopped", "policy/1")
+    assert "== policy/1 " in told(cluster, "plan", "logs", str(root / "stopped"))
+    assert "asked to stop" in told(cluster, "plan", "cancel", str(root / "stopped"))
+    ends(running, 130)
+    assert cluster.ask("squeue", "-h") == "", "plan cancel left jobs"
     ends(started(cluster, "stopped"), 0)
     finished.check()
 
@@ -164,6 +208,10 @@ def a_cell_that_fails(cluster):
     said = ends(started(cluster, "failing", "failing.json"), 1)
     assert "2 of 4 cells are not finished, 1 of them because they wait for others; the first, bad:" in said, said
     assert state("failing", "goes_on").get("finished"), "a cell that needs nothing that failed was not run"
+
+
+def told(cluster, *words):
+    return subprocess.run([program, *words], env=cluster.environment, capture_output=True, text=True, check=True).stdout
 
 
 def a_sweep_that_lost_its_command(cluster):
@@ -177,7 +225,7 @@ def a_sweep_that_lost_its_command(cluster):
     running.kill()
     running.wait()
     assert cluster.ask("squeue", "-h"), "the jobs ended with the command"
-    said = subprocess.run([program, "sweep", "cancel", str(root / "sweep")], env=cluster.environment, capture_output=True, text=True, check=True).stdout
+    said = told(cluster, "sweep", "cancel", str(root / "sweep"))
     assert "its jobs are cancelled" in said, said
     cluster.wait_for(lambda: cluster.ask("squeue", "-h") == "", "sweep cancel left jobs")
 
@@ -185,8 +233,7 @@ def a_sweep_that_lost_its_command(cluster):
 def the_last_job_reports(cluster):
     """Though the command is gone, and most cells were cancelled."""
     (root / "tiny.json").write_text(json.dumps({"seeds": 1, "ablation_seeds": 1, "transitions": 600, "data_sizes": [300], "trials": 1}))
-    running = subprocess.Popen([program, "bench", "paper", "--config", str(root / "tiny.json"), "--out", str(root / "paper"), "--engine", "slurm"],
-                               env=cluster.environment, stderr=subprocess.DEVNULL)
+    running = begun(cluster, bench_paper("paper", "slurm", "--config", str(root / "tiny.json")))
     cluster.wait_for(lambda: (root / "paper/slurm/last.job").exists(), "the last job is not submitted")
     running.kill()
     running.wait()
@@ -195,6 +242,34 @@ def the_last_job_reports(cluster):
     cluster.wait_for(lambda: cluster.ask("squeue", "-h") == "", "the last job does not end")
     said = (root / "paper/slurm/last.log").read_text()
     assert "not run yet" in said and (root / "paper/report.html").exists(), said
+
+
+def the_papers_smoke_plan(cluster):
+    """All of it, through the same: bit for bit what ninja makes of it."""
+    smoke = ("--scale", "smoke")
+    subprocess.run(bench_paper("smoke_ninja", "ninja", *smoke), check=True, capture_output=True)
+    finished = Finished("smoke")
+    running = begun(cluster, bench_paper("smoke", "slurm", *smoke))
+    kill_cell(cluster, wait_for_a_policy(cluster, "smoke"))
+    cancelled = wait_for_a_policy(cluster, "smoke")
+    cluster.ask("scancel", task_of(cluster, "smoke", cancelled)[0])
+    running.kill()
+    running.wait()
+    cluster.wait_for(lambda: task_of(cluster, "smoke", cancelled) is None, "scancel does not end a task")
+    running = begun(cluster, bench_paper("smoke", "slurm", *smoke))
+    moved = wait_for_a_policy(cluster, "smoke")
+    _, node = task_of(cluster, "smoke", moved)
+    cluster.kill(node)
+    cluster.kill("slurmctld")
+    time.sleep(2)
+    cluster.start_controller()
+    wait_until_elsewhere(cluster, "smoke", moved, node)
+    cluster.start_node(node)
+    ends(running, 0, 7200)
+    finished.check()
+    made = results("smoke")
+    assert made == results("smoke_ninja"), [key for key, value in results("smoke_ninja").items() if made.get(key) != value]
+    return len(plan_in("smoke")["cells"])
 
 
 def main():
@@ -208,6 +283,8 @@ def main():
         assert results("all") == expected
         stopped_and_gone_on(cluster)
         assert results("stopped") == expected
+        count = the_papers_smoke_plan(cluster) if os.environ.get("LODESTONE_SOAK") else 0
+    print(f"soak: {len(cells)} cells, and {count} of the paper's smoke plan, by Slurm and by ninja, seed 1")
     print("a plan by Slurm: tasks killed and cancelled, a node and the controller lost, stopped and gone on; the same results")
 
 

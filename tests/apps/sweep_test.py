@@ -113,6 +113,8 @@ for changes, what in (({"grid": {"td3.learning_rat": [1]}}, "td3.learning_rate")
     assert what in said and len(said.splitlines()) == 1, said
     assert not (folder / "bad").exists(), changes
 assert "holds no sweep" in run([program, "sweep", "status", str(folder)], 2)
-assert "holds no sweep" in run([program, "sweep", "cancel", str(folder)], 2)
+for verb in ("sweep", "plan"):
+    for what in ("cancel", "logs"):
+        assert "holds no plan" in run([program, verb, what, str(folder)], 2)
 
 print("sweep: straight, killed, cancelled, scored otherwise, halved")
