@@ -23,6 +23,13 @@ std::string score_text(const runs::SweepRow& row) {
   return fmt::format("{:.4g} ({:.4g} to {:.4g})", *row.mean, (*row.interval)[0], (*row.interval)[1]);
 }
 
+std::string difference_text(const runs::SweepRow& row) {
+  if (!row.from_best) return "–";
+  if (!row.from_best_interval) return fmt::format("{:+.3g}", *row.from_best);
+  return fmt::format("{:+.3g} ({:+.3g} to {:+.3g})", *row.from_best, (*row.from_best_interval)[0],
+                     (*row.from_best_interval)[1]);
+}
+
 std::int64_t finished(const runs::SweepRow& row) {
   return std::count_if(row.scores.begin(), row.scores.end(),
                        [](const auto& score) { return score.has_value(); });
@@ -84,6 +91,7 @@ std::string write_sweep_report(const runs::SweepResult& result, const std::strin
   std::vector<std::string> headers = {"settings"};
   if (rungs) headers.emplace_back("rung");
   headers.push_back(result.score + ", mean (95 % interval)");
+  headers.emplace_back("minus the best, same seeds");
   headers.emplace_back("seeds");
   std::vector<std::vector<std::string>> cells;
   std::size_t width = headers.front().size();
@@ -92,6 +100,7 @@ std::string write_sweep_report(const runs::SweepResult& result, const std::strin
     cells.push_back({row.point.name});
     if (rungs) cells.back().push_back(std::to_string(row.rung));
     cells.back().push_back(score_text(row));
+    cells.back().push_back(difference_text(row));
     cells.back().push_back(fmt::format("{} of {}", finished(row), row.scores.size()));
   }
   std::string text;
@@ -110,11 +119,12 @@ std::string write_sweep_report(const runs::SweepResult& result, const std::strin
   for (auto& row : escaped)
     for (std::string& cell : row) cell = escape(cell);
   for (std::string& header : headers) header = escape(header);
-  page.add_section("scores", "Settings, best first",
-                   "<p>Every setting has the same seeds. Intervals draw seeds anew; few seeds say little, "
-                   "and the best of many settings "
-                   "looks better than it is: measure it again with seeds that chose nothing.</p>" +
-                       table(headers, escaped, 1));
+  page.add_section(
+      "scores", "Settings, best first",
+      "<p>Every setting has the same seeds. Differences are seed by seed, from the best of the same rung. "
+      "Intervals draw seeds anew; few seeds say little, and the best of many settings "
+      "looks better than it is: measure it again with seeds that chose nothing.</p>" +
+          table(headers, escaped, 1));
   std::vector<runs::SweepRow> last;
   for (const runs::SweepRow& row : result.rows)
     if (!result.rows.empty() && row.rung == result.rows.front().rung) last.push_back(row);

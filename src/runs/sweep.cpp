@@ -276,6 +276,29 @@ std::optional<double> sweep_score(const Sweep& sweep, const std::string& run_fol
   return at->get<double>();
 }
 
+namespace {
+
+std::optional<std::array<double, 2>> interval_of(const std::vector<double>& by_seed) {
+  if (by_seed.size() < 2) return std::nullopt;
+  const common::Interval interval =
+      common::bootstrap_interval({by_seed}, common::mean, common::RandomStream(1, "sweep"));
+  return std::array<double, 2>{interval.low, interval.high};
+}
+
+void hold_against_the_best(std::vector<SweepRow>& rows) {
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    std::vector<double> differences;
+    for (std::size_t seed = 0; seed < rows[i].scores.size(); ++seed)
+      if (rows[i].scores[seed] && rows.front().scores[seed])
+        differences.push_back(*rows[i].scores[seed] - *rows.front().scores[seed]);
+    if (differences.empty()) continue;
+    rows[i].from_best = common::mean(differences);
+    rows[i].from_best_interval = interval_of(differences);
+  }
+}
+
+}  // namespace
+
 std::vector<SweepRow> rung_results(const Sweep& sweep, const std::vector<SweepPoint>& points,
                                    std::int64_t rung, const Plan& plan, const PlanPlace& place) {
   std::vector<SweepRow> rows;
@@ -290,17 +313,14 @@ std::vector<SweepRow> rung_results(const Sweep& sweep, const std::vector<SweepPo
       if (row.scores.back()) known.push_back(*row.scores.back());
     }
     if (!known.empty()) row.mean = common::mean(known);
-    if (known.size() > 1) {
-      const common::Interval interval =
-          common::bootstrap_interval({known}, common::mean, common::RandomStream(1, "sweep"));
-      row.interval = std::array<double, 2>{interval.low, interval.high};
-    }
+    row.interval = interval_of(known);
     rows.push_back(std::move(row));
   }
   std::stable_sort(rows.begin(), rows.end(), [&](const SweepRow& a, const SweepRow& b) {
     if (!a.mean || !b.mean) return a.mean.has_value() && !b.mean.has_value();
     return better(sweep, *a.mean, *b.mean);
   });
+  hold_against_the_best(rows);
   return rows;
 }
 

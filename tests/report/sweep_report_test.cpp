@@ -26,8 +26,11 @@ TEST_CASE("a sweep of one number is a curve, of others bars; what is not finishe
                            "result.x",
                            false,
                            {row("rate=0.1", {"td3.rate=0.1"}, 0.9), row("rate=0.2", {"td3.rate=0.2"}, 0.4)}};
+  result.rows[1].from_best = -0.5;
+  result.rows[1].from_best_interval = std::array<double, 2>{-0.6, 0.05};
   std::string text = report::write_sweep_report(result, folder.path());
-  CHECK(text.find("rate=0.1  0.9 (0.8 to 1)  2 of 2") != std::string::npos);
+  CHECK(text.find("rate=0.1  0.9 (0.8 to 1)  –  2 of 2") != std::string::npos);
+  CHECK(text.find("rate=0.2  0.4 (0.3 to 0.5)  -0.5 (-0.6 to +0.05)  2 of 2") != std::string::npos);
   CHECK(common::read_file(folder / "report.html").find("Score by value") != std::string::npos);
 
   result.rows.push_back(row("rate=0.1,on=</script>", {"td3.rate=0.1", "on=</script>"}, 0.3));

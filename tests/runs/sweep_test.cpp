@@ -138,6 +138,12 @@ TEST_CASE("scores are read from the runs, and the best go on to the next rung") 
   CHECK(rows[1].point.name == "k=3");
   CHECK_FALSE(rows[1].interval);
   CHECK_FALSE(rows[1].scores[1]);
+  CHECK_FALSE(rows[0].from_best);
+  CHECK(*rows[1].from_best == Approx(-2.0));  // of the seed that both have
+  CHECK_FALSE(rows[1].from_best_interval);
+  CHECK(*rows[2].from_best == Approx(-4.5));
+  CHECK((*rows[2].from_best_interval)[0] == Approx(-5.0));
+  CHECK((*rows[2].from_best_interval)[1] == Approx(-4.0));
   REQUIRE(runs::promoted(sweep, rows).size() == 1);
   CHECK(runs::promoted(sweep, rows)[0].name == "k=2");
   sweep.lower_is_better = true;

@@ -126,6 +126,10 @@ struct SweepRow {
   std::vector<std::optional<double>> scores;  ///< by seed; null: not finished
   std::optional<double> mean;
   std::optional<std::array<double, 2>> interval;  ///< 95 %, by drawing seeds anew; absent for fewer than two
+  /// The mean of its scores minus those of the best point of its rung, seed by seed, where both have
+  /// finished, with the interval of that; absent for the best itself.
+  std::optional<double> from_best;
+  std::optional<std::array<double, 2>> from_best_interval;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -134,6 +138,8 @@ struct SweepRow {
     v.field("scores", scores);
     v.field("mean", mean);
     v.field("interval", interval);
+    v.field("from_best", from_best);
+    v.field("from_best_interval", from_best_interval);
   }
 };
 
