@@ -255,8 +255,13 @@ def the_papers_smoke_plan(cluster):
     cluster.ask("scancel", task_of(cluster, "smoke", cancelled)[0])
     running.kill()
     running.wait()
+    last, killed_s = root / "smoke/slurm/last.job", time.time()
     cluster.wait_for(lambda: task_of(cluster, "smoke", cancelled) is None, "scancel does not end a task")
+    before = submitted("smoke")
     running = begun(cluster, bench_paper("smoke", "slurm", *smoke))
+    cluster.wait_for(lambda: last.exists() and last.stat().st_mtime > killed_s, "what was cancelled is not submitted again")
+    assert len(submitted("smoke")) > len(before)
+    time.sleep(10)  # until the controller has saved what it was given
     moved = wait_for_a_policy(cluster, "smoke")
     _, node = task_of(cluster, "smoke", moved)
     cluster.kill(node)
