@@ -15,7 +15,7 @@ SHORTER_PROGRAM = """#!{python}
 import os, sys
 sys.path.insert(0, {here!r})
 import shorter
-os.execv({program!r}, [{program!r}, *sys.argv[1:], *shorter.more_words({page!r}, sys.argv[1:])])
+os.execv({program!r}, [{program!r}, *shorter.shortened({page!r}, sys.argv[1:])])
 """
 
 # In the sample nothing is built again: presets and targets are looked up.
@@ -59,7 +59,7 @@ class Checkout:
         self.program, self.whole, self.page = build / "apps/lodestone", whole, ""
         self.servers = []
         for each in (self.root, self.home, self.tools, self.pristine, self.outputs):
-            each.mkdir()
+            each.mkdir(parents=True)
         listed = subprocess.run(["git", "-C", source, "ls-files", "-z", "--cached", "--others", "--exclude-standard"], check=True, stdout=subprocess.PIPE)
         for name in listed.stdout.decode().split("\0"):
             if (source / name).is_file():

@@ -1,7 +1,7 @@
 """How the sample takes less time than the reader would need. The soak uses none of this.
 
-Words are put behind those of a command, which the program thus parses as written; `lodestone` and build/release/apps/lodestone
-of the sample do that, so that the shell is given the page's text. Keys: a page, or "" for all, and how a command begins; the
+Words are put behind those of a command, which the program thus parses as written, or values of options replaced; `lodestone` and
+build/release/apps/lodestone of the sample do that, so that the shell is given the page's text. Keys: a page, or "" for all, and how a command begins; the
 longest that fits is taken.
 """
 import json
@@ -36,6 +36,12 @@ OPTIONS = {
     ("", "console"): ("--port", "0"),
 }
 
+# Options whose value is another one.
+VALUES = {
+    ("", "evaluate segmenter"): {"--frames": "10"},
+    ("docs/results.md", "evaluate dynamics"): {"--oracle": "1"},
+}
+
 # Settings of the cells of configs/plans/quickstart.json, by verb.
 PLAN = {
     "collect": ("transitions=600", "sensor.kind=simulated"),
@@ -55,24 +61,28 @@ CODE = {
 used = set()
 
 
-def more_words(page, words):
-    """What is put behind the words of a command."""
-    text = " ".join(words)
-    more = []
-    for table, options in ((SETTINGS, False), (OPTIONS, True)):
-        fitting = [key for key in table if key[0] in ("", page) and (text + " ").startswith(key[1] + " ")]
-        if fitting:
-            best = max(fitting, key=lambda key: (key[0] == page, len(key[1])))
-            used.add(best)
-            more += table[best] if options else [word for setting in table[best] for word in ("--set", setting)]
-    return more
+def look_up(table, page, words):
+    """What a table has for a command; nothing, an empty tuple."""
+    text = " ".join(words) + " "
+    fitting = [key for key in table if key[0] in ("", page) and text.startswith(key[1] + " ")]
+    if not fitting:
+        return ()
+    best = max(fitting, key=lambda key: (key[0] == page, len(key[1])))
+    used.add(best)
+    return table[best]
 
 
-def hides(more, words):
-    """Whether the words set a key that those put behind them set again, so that the program would not look at its value."""
-    def keys(of):
-        return {value.partition("=")[0] for option, value in zip(of, of[1:]) if option == "--set"}
-    return bool(keys(more) & keys(words))
+def shortened(page, words):
+    """The words that a command is run with."""
+    values = dict(look_up(VALUES, page, words))
+    return [*(values.get(before, word) for before, word in zip(["", *words], words)),
+            *(word for setting in look_up(SETTINGS, page, words) for word in ("--set", setting)), *look_up(OPTIONS, page, words)]
+
+
+def hides(words):
+    """Whether shortened words set a key twice, so that the program would not look at the page's value."""
+    keys = [value.partition("=")[0] for option, value in zip(words, words[1:]) if option == "--set"]
+    return len(set(keys)) < len(keys)
 
 
 def code(page, text):
@@ -103,4 +113,4 @@ def plan(file):
 def faults():
     """Entries that were of no use."""
     return [f"{page or 'all pages'}: shorter.py of tests/docs has {what!r}, which nothing begins with any more"
-            for table in (SETTINGS, OPTIONS, CODE) for page, what in table if (page, what) not in used]
+            for table in (SETTINGS, OPTIONS, VALUES, CODE) for page, what in table if (page, what) not in used]

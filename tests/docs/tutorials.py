@@ -1,8 +1,8 @@
 """Goes through pages as their reader would, and tells what does not work."""
 import re
-import resource
 import shlex
 import subprocess
+import time
 import urllib.request
 
 import listed
@@ -12,11 +12,6 @@ import shorter
 
 SHELL = ("", "sh", "bash", "console")
 PROGRAMS = ("lodestone", "build/release/apps/lodestone")
-
-
-def cpu_s():
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 def words_of_program(text):
@@ -58,6 +53,9 @@ class Tutorials:
     def program(self, *words):
         return subprocess.run([self.checkout.program, "--no-reexec", *words], cwd=self.checkout.root, env=self.checkout.environment,
                               capture_output=True, text=True)
+
+    def told(self, began_s, what):
+        print(f"{time.monotonic() - began_s:7.1f} s  {what}", flush=True)
 
     def fault(self, place, what):
         if what:
@@ -101,15 +99,15 @@ class Tutorials:
         if more := self.tables["ON_THE_VIRTUAL_RIG"].look_up(place):
             text += " " + more
         words = words_of_program(text)
-        if shorter.hides(shorter.more_words(place.page, words), words) and not self.checkout.whole:
+        if shorter.hides(shorter.shortened(place.page, words)) and not self.checkout.whole:
             self.parse(place, words)
         server = next((ready for verb, ready in SERVERS.items() if words[:len(verb.split())] == verb.split()), None)
         self.run_count += 1
-        before = cpu_s()
+        began_s = time.monotonic()
         self.fault(place, self.checkout.serve(text, server, 60) if server else self.checkout.run(text, self.limit_s))
         if words[:1] == ["console"]:
             self.fault(place, self.checkout.end_servers())
-        print(f"{cpu_s() - before:7.1f} s  {place}  {place.text[:100]}", flush=True)
+        self.told(began_s, f"{place}  {place.text[:100]}")
 
     def code(self, block, language, before=""):
         """A block of code as a file of its own, outside the checkout."""
@@ -124,9 +122,9 @@ class Tutorials:
             file.write_text("\n".join(includes) + "\nint main(void) {\n" + rest + "\nreturn 0;\n}\n")
             line = f"gcc -std=c99 -Wall -Wextra -I. {file} -lm -o {file}.out && {file}.out"
         self.run_count += 1
-        cpu = cpu_s()
+        began_s = time.monotonic()
         self.fault(block, self.checkout.run(line, self.limit_s))
-        print(f"{cpu_s() - cpu:7.1f} s  {block}  {language}", flush=True)
+        self.told(began_s, f"{block}  {language}")
 
     def block(self, block):
         if self.tables["NO_COMMANDS"].look_up(block):
@@ -155,7 +153,7 @@ class Tutorials:
         if not blocks:
             return
         self.checkout.begin(page)
-        before = cpu_s()
+        began_s = time.monotonic()
         try:
             for has in reader.HAS.get(page, ()):
                 has(self.checkout, self.kept)
@@ -170,7 +168,7 @@ class Tutorials:
                 said_to = each.line
         finally:
             self.fault(blocks[-1], self.checkout.end_servers())
-        print(f"{cpu_s() - before:7.1f} s of a processor: {page}", flush=True)
+        self.told(began_s, f"in all: {page}")
 
     def text(self, found):
         """Commands within the text of pages: parsed, with something in the place of the reader's own words."""

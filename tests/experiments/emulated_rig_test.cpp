@@ -6,7 +6,7 @@
 
 using namespace lodestone;
 
-TEST_CASE("an emulated rig is driven by its own description, as a real one") {
+TEST_CASE("an emulated rig is driven by its own description, as a real one", "[clock]") {
   const experiments::EmulatedRig emulated = experiments::make_emulated_rig({}, 1, nullptr, 1);
   CHECK(emulated.description.real());
   CHECK(emulated.description.camera.kind == rig::RigConfig().camera.kind);

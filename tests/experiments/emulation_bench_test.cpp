@@ -7,7 +7,7 @@
 
 using namespace lodestone;
 
-TEST_CASE("the firmware answers in time, and squares through it are as with simulated coils") {
+TEST_CASE("the firmware answers in time, and squares through it are as with simulated coils", "[clock]") {
   const tests::TemporaryFolder folder;
   experiments::EmulationBenchConfig config;
   config.deployment.sensor.kind = "simulated";

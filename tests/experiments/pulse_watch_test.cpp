@@ -9,7 +9,7 @@
 
 using namespace lodestone;
 
-TEST_CASE("pulses are seen where they begin, however they were asked for") {
+TEST_CASE("pulses are seen where they begin, however they were asked for", "[clock]") {
   std::optional<experiments::EmulatedRig> rig;
   try {
     rig.emplace(experiments::make_emulated_rig(rig::RigConfig{}, 1, nullptr, 1));

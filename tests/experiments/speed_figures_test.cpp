@@ -29,7 +29,7 @@ TEST_CASE("the work of an update and of a step is counted by hand") {
   CHECK(mbs_step_flop() > 1000.0);
 }
 
-TEST_CASE("every rate is one, on a thread and on two") {
+TEST_CASE("every rate is one, on a thread and on two", "[clock]") {
   const SpeedConfig config = quick();
   rl::Td3Config td3;
   td3.batch_size = 16;

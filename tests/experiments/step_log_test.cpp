@@ -105,7 +105,7 @@ TEST_CASE("no pulse is logged while nothing is seen, and faults that stop the co
   CHECK(Message(messages.at("/log").back()).bytes.at(3) == "the coils report: over-temperature");
 }
 
-TEST_CASE("on a rig whose time passes by itself the log has the wall clock's time") {
+TEST_CASE("on a rig whose time passes by itself the log has the wall clock's time", "[clock]") {
   const TemporaryFolder folder;
   common::SteadyClock clock;
   RecordingCoils coils;
@@ -118,7 +118,8 @@ TEST_CASE("on a rig whose time passes by itself the log has the wall clock's tim
   CHECK(std::abs(static_cast<double>(time.numbers.at(1)) - static_cast<double>(std::time(nullptr))) < 600.0);
 }
 
-TEST_CASE("a disk that fills while steps are logged in the background is told at one of the next steps") {
+TEST_CASE("a disk that fills while steps are logged in the background is told at one of the next steps",
+          "[clock]") {
   const TemporaryFolder folder;
   common::SteadyClock clock;
   RecordingCoils coils;

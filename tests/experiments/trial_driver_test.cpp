@@ -15,7 +15,7 @@ experiments::DeploymentConfig quick_trial_config() {
 
 }  // namespace
 
-TEST_CASE("virtual rigs take what the clock says in real time, and give the same as at once") {
+TEST_CASE("virtual rigs take what the clock says in real time, and give the same as at once", "[clock]") {
   const auto config = quick_trial_config();
   const auto source = experiments::baseline_source(config);
   const auto drive = [&](bool realtime) {

@@ -27,7 +27,7 @@ std::map<std::string, std::string> failed(tests::FakeDriver& driver) {
 
 }  // namespace
 
-TEST_CASE("a driver that keeps the protocol passes") {
+TEST_CASE("a driver that keeps the protocol passes", "[clock]") {
   tests::FakeDriver driver;
   const auto items = session::check_coils_driver(driver.open(), {}, {}, 3.0);
   CHECK(failed(items).empty());
@@ -35,7 +35,7 @@ TEST_CASE("a driver that keeps the protocol passes") {
   CHECK_FALSE(driver.on());
 }
 
-TEST_CASE("what a driver does not do is named") {
+TEST_CASE("what a driver does not do is named", "[clock]") {
   tests::FakeDriver driver;
   SECTION("limits are nothing to it") {
     driver.takes_all = true;
@@ -76,7 +76,7 @@ TEST_CASE("what a driver does not do is named") {
   }
 }
 
-TEST_CASE("drivers that see: rate, age, and time that goes on") {
+TEST_CASE("drivers that see: rate, age, and time that goes on", "[clock]") {
   tests::FakeDriver driver;
   double age_s = 0.01;
   driver.other = [&](const Json& request) {

@@ -7,7 +7,7 @@
 using namespace lodestone;
 using common::Json;
 
-TEST_CASE("a driver says where the needle is, how sure it is and how old that is") {
+TEST_CASE("a driver says where the needle is, how sure it is and how old that is", "[clock]") {
   tests::FakeDriver driver;
   Json said = {{"age_s", 0.02},      {"x_m", 0.01},     {"y_m", -0.02},
                {"heading_rad", 7.0}, {"sigma_m", 1e-4}, {"sigma_rad", 0.02}};
@@ -32,7 +32,7 @@ TEST_CASE("a driver says where the needle is, how sure it is and how old that is
   CHECK(detector.look().reason == "too dark");
 }
 
-TEST_CASE("what is no pose is named") {
+TEST_CASE("what is no pose is named", "[clock]") {
   const Json good = {{"age_s", 0.02},      {"x_m", 0.01},     {"y_m", -0.02},
                      {"heading_rad", 0.0}, {"sigma_m", 1e-4}, {"sigma_rad", 0.02}};
   for (const char* key : {"age_s", "y_m", "heading_rad", "sigma_m", "sigma_rad"}) {
