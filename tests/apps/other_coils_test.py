@@ -1,4 +1,4 @@
-"""Rigs of other coils, from their presets: explored, learned and driven, by camera, at a small scale. scripts/test takes half of them.
+"""Rigs of other coils, from their presets: explored, learned and driven, by camera, at a small scale. scripts/test takes one of them.
 usage: other_coils_test.py LODESTONE SOURCE"""
 import csv
 import json
@@ -26,7 +26,7 @@ def errors_mm(folder):
 
 
 with tempfile.TemporaryDirectory() as name:
-    rigs = soak.sample(kRigs, 2)
+    rigs = soak.sample(kRigs, 1)
     for rig in rigs:
         coils, folder, preset = kRigs[rig], pathlib.Path(name) / rig, source / f"configs/rigs/{rig}.json"
         collect = source / "configs/quickstart/collect.json"

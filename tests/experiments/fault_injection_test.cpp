@@ -40,7 +40,7 @@ TEST_CASE("a fault in a pulse that would last for seconds ends it in time") {
 }
 
 TEST_CASE("simulated hours with a fault a minute", "[soak]") {
-  const tests::Soak soak("pulses of a bench with a fault a minute", 3000, 24000);
+  const tests::Soak soak("pulses of a bench with a fault a minute", 1000, 24000);
   const experiments::HourReport report =
       experiments::inject_for_an_hour(soak.count(), 6 + soak.seed(), scratch());
   for (const experiments::FaultResult& fault : report.faults) {
@@ -55,7 +55,7 @@ TEST_CASE("simulated hours with a fault a minute", "[soak]") {
 }
 
 TEST_CASE("simulated hours with two faults at once every minute", "[soak]") {
-  const tests::Soak soak("minutes of a bench with two faults at once in each", 2, 120);
+  const tests::Soak soak("minutes of a bench with two faults at once in each", 1, 120);
   const experiments::HourReport report =
       experiments::inject_pairs(60.0 * static_cast<double>(soak.count()), soak.seed(), scratch());
   for (const experiments::FaultResult& fault : report.faults) {
