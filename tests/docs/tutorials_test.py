@@ -13,7 +13,7 @@ import resource
 import shutil
 import sys
 import tempfile
-import threading
+from concurrent import futures
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "apps"))
 
@@ -66,11 +66,9 @@ def side_by_side(readers, texts):
             while True:
                 read_page(tutorials, *left.get_nowait())
 
-    running = [threading.Thread(target=read, args=(each,)) for each in readers]
-    for each in running:
-        each.start()
-    for each in running:
-        each.join()
+    with futures.ThreadPoolExecutor(len(readers)) as pool:
+        for each in [pool.submit(read, tutorials) for tutorials in readers]:
+            each.result()  # or what was thrown
 
 
 def main(source, build, python_packages):
