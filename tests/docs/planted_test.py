@@ -66,6 +66,10 @@ def main(source, build, python_packages):
         expect("--trails" in tutorials.faults[-1], tutorials.faults)
     expect(any("bench speed" in fault for fault in shorter.faults()), shorter.faults())
     expect(shorter.shortened("docs/any.md", ["bench", "speed", "--out", "x"])[4:6] == ["--set", "runs=1"], "bench speed")
+    expect(shorter.shortened("docs/results.md", "evaluate dynamics --oracle 16 --draws 16".split()) ==
+           "evaluate dynamics --oracle 1 --draws 16".split(), "a value that is shortened")
+    expect(shorter.hides(shorter.shortened("docs/any.md", ["deploy", "--set", "trials.count=5"])), "a key set twice")
+    expect(not shorter.hides(shorter.shortened("docs/any.md", ["deploy", "--set", "seed=5"])), "a key set once")
     expect(not any("bench speed" in fault for fault in shorter.faults()), shorter.faults())
     stale = listed.Table("NOT_RUN", TABLES["NOT_RUN"])
     stale.look_up(pages.Place("planted.md", 1, "apt-get moo"))
