@@ -122,46 +122,32 @@ kUnheard = "nothing has been heard of the hand that drives"
 
 
 def drives_by_stick_and_gamepad(operator):
-    """By finger on the stick of the page, and by a gamepad that has to rest first; its button stops. Pulled again where
-    the machine is so busy that the page was silent, and for nothing else."""
+    """By finger on the stick of the page, and by a gamepad that has to rest first; its button stops."""
     page = operator.page.ready()
     page.choose("hand")
-    again = []
-    def drives(pull, let_go):
-        for _ in range(3):
-            count = len(operator.console.events())
-            ended = lambda: [event["text"] for event in operator.console.events()[count:] if "run ended: " in event["text"]]
-            pull()
-            wait_until(lambda: any(page.state["on_A"]) or ended(),
-                       lambda: f"a current, or the end of the run: {page.said}, {page.state}")
-            if not ended():
-                return
-            again.extend(ended())
-            assert all(kSilent in end or kUnheard in end for end in again), again
-            let_go()
-            page.ready()
-        raise AssertionError(f"no run lasts: {again}")
+    drives = lambda: page.wait_for(lambda: any(page.state["on_A"]), lambda: f"a current; {page.said}, {page.state}")
     box = page.script("const stick = document.getElementById('stick'); stick.scrollIntoView({block: 'center'});"
                       "const box = stick.getBoundingClientRect(); return [box.left, box.top, box.width]")
     at = {"x": box[0] + 0.9 * box[2], "y": box[1] + 0.5 * box[2]}
-    def let_stick_go():
+    page.do("Input.dispatchTouchEvent", type="touchStart", touchPoints=[at])
+    try:
+        drives()
+    finally:
         page.do("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
-    drives(lambda: page.do("Input.dispatchTouchEvent", type="touchStart", touchPoints=[at]), let_stick_go)
-    let_stick_go()
     page.wait_for_mode("armed")
     page.script(kGamepad)  # pulled before it may drive
-    time.sleep(1.0)
-    assert page.mode == "armed", page.said
-    def pull_pad(pulled):
-        page.script(f"window.pulled = {pulled}")
+    try:
+        time.sleep(1.0)
+        assert page.mode == "armed", page.said
+        page.script("window.pulled = [0, 0]")
         time.sleep(0.3)
-    pull_pad([0, 0])
-    drives(lambda: pull_pad([0.9, 0]), lambda: pull_pad([0, 0]))
-    page.script("window.pad_stops = true")
-    page.shows_stop("(button)")
-    page.script("window.pulled = [0, 0]; window.pad_stops = false; delete navigator.getGamepads")
+        page.script("window.pulled = [0.9, 0]")
+        drives()
+        page.script("window.pad_stops = true")
+        page.shows_stop("(button)")
+    finally:
+        page.script("window.pulled = [0, 0]; window.pad_stops = false; delete navigator.getGamepads")
     page.ready().choose("planner")
-    return f"pulled again after: {again}" if again else "done"
 
 
 kCountAsked = """window.asked = { seen: 0, hidden: 0 }; window.hidden_ms = 0;
@@ -399,12 +385,15 @@ def shows_the_truth_after_a_reload(operator):
 
 def records(operator):
     page = operator.page.ready()
+    count = len(operator.console.events())
     page.click("record")
     page.wait_for(lambda: page.state["recording"], "recording")
-    page.drive()
-    time.sleep(3.0)
-    page.click("record")
-    operator.console.event_after(0, "the recording is kept")
+    try:
+        page.drive()
+        time.sleep(3.0)
+    finally:
+        page.click("record")
+    operator.console.event_after(count, "the recording is kept")
     page.click("end")
     page.wait_for_mode("armed")
     page.script("document.getElementById('runs-panel').open = true")
@@ -581,6 +570,26 @@ def a_finished_run(folder):
     (folder / "report.html").write_text("<!doctype html><title>Report</title><h1>What was measured</h1>")
 
 
+def meet(case, operator, tries=3):
+    """Met again where the machine was so busy that an attended page was silent, and for nothing else."""
+    count, windows = len(operator.console.events()), operator.browser.driver.window_handles
+    try:
+        return case(operator)
+    except AssertionError as error:
+        happened = [event["text"] for event in operator.console.events()[count:]]
+        error.add_note(f"the last that happened: {happened[-6:]}")
+        silent = any(kSilent in text or kUnheard in text for text in happened)
+        if case is stops_without_its_page or not silent or tries == 1:
+            raise
+    print(f"{case.__name__}: again, after {happened[-6:]}", flush=True)
+    driver = operator.browser.driver
+    for opened in set(driver.window_handles) - set(windows):
+        driver.switch_to.window(opened)
+        driver.close()
+    driver.switch_to.window(operator.page.handle)
+    return meet(case, operator, tries - 1)
+
+
 with tempfile.TemporaryDirectory() as name:
     a_finished_run(pathlib.Path(name) / "runs" / kOddName)
     with Operator(program, f"{name}/console", "--virtual", "--set", f"runs={name}/runs") as operator:
@@ -592,11 +601,7 @@ with tempfile.TemporaryDirectory() as name:
             if len(sys.argv) > 2 and case.__name__ not in sys.argv[2:]:
                 continue
             begun_s = time.monotonic()
-            try:
-                told = case(operator) or "done"
-            except AssertionError as error:
-                error.add_note(f"the last that happened: {[event['text'] for event in operator.console.events()[-6:]]}")
-                raise
+            told = meet(case, operator) or "done"
             print(f"{case.__name__} ({time.monotonic() - begun_s:.1f} s): {told}", flush=True)
         operator.watcher.check_off(operator.console.events())
 print("the console drives, and stops whatever happens to its page")
