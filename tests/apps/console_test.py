@@ -575,7 +575,7 @@ def meet(case, operator, tries=3):
     count, windows = len(operator.console.events()), operator.browser.driver.window_handles
     try:
         return case(operator)
-    except AssertionError as error:
+    except Exception as error:  # of a run that has ended, also what a test does not ask for is missing
         happened = [event["text"] for event in operator.console.events()[count:]]
         error.add_note(f"the last that happened: {happened[-6:]}")
         silent = any(kSilent in text or kUnheard in text for text in happened)
