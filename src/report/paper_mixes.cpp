@@ -34,11 +34,13 @@ std::string told(const std::string& name, const runs::TrainingDifference& mix) {
 /// What became of the paper's collapse, and why as far as that is known.
 std::string collapse(const runs::PooledTraining& alone) {
   const std::string seeds = std::to_string(alone.n_fallen) + " of " + std::to_string(alone.origin.n_seeds);
-  if (alone.n_fallen > 0) return "Nothing but recorded steps fell back in " + seeds + " seeds. ";
-  return "Unlike in the paper, nothing but recorded steps collapsed in " + seeds +
-         " seeds. Our reading, which no cell tests: these recorded pulses were made to go where the needle "
-         "had seldom been and to do what had seldom been done there, and the operator put it anywhere, so "
-         "that nearly all that a policy comes to want has been tried. ";
+  const std::string text =
+      "Nothing but recorded steps fell back in " + seeds + " seeds; in the paper it collapses. ";
+  if (alone.n_fallen == alone.origin.n_seeds) return text;
+  return text +
+         "Our reading of where it did not, which no cell tests: these recorded pulses were made to go "
+         "where the needle had seldom been and to do what had seldom been done there, and the operator "
+         "put it anywhere, so that nearly all that a policy comes to want has been tried. ";
 }
 
 /// How coarse steps to the maximum are.
