@@ -570,8 +570,8 @@ def a_finished_run(folder):
     (folder / "report.html").write_text("<!doctype html><title>Report</title><h1>What was measured</h1>")
 
 
-def meet(case, operator, tries=3):
-    """Met again where the machine was so busy that an attended page was silent, and for nothing else."""
+def run_with_retries(case, operator, tries=3):
+    """Runs `case` again where the machine was so busy that an attended page was silent, and for nothing else."""
     count, windows = len(operator.console.events()), operator.browser.driver.window_handles
     try:
         return case(operator)
@@ -587,7 +587,7 @@ def meet(case, operator, tries=3):
         driver.switch_to.window(opened)
         driver.close()
     driver.switch_to.window(operator.page.handle)
-    return meet(case, operator, tries - 1)
+    return run_with_retries(case, operator, tries - 1)
 
 
 with tempfile.TemporaryDirectory() as name:
@@ -601,7 +601,7 @@ with tempfile.TemporaryDirectory() as name:
             if len(sys.argv) > 2 and case.__name__ not in sys.argv[2:]:
                 continue
             begun_s = time.monotonic()
-            told = meet(case, operator) or "done"
+            told = run_with_retries(case, operator) or "done"
             print(f"{case.__name__} ({time.monotonic() - begun_s:.1f} s): {told}", flush=True)
         operator.watcher.check_off(operator.console.events())
 print("the console drives, and stops whatever happens to its page")
